@@ -365,7 +365,10 @@ StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& chec
     if (map.has("target")) study.target = fileOf(map, "target");
   });
   faults.attempt([&] {
-    if (map.has("limit_s")) study.limit_s = secondsOf(map, "limit_s");
+    if (!map.has("limit_s")) return;
+    study.limit_s = secondsOf(map, "limit_s");
+    if (study.limit_s > 0) return;
+    throw map.fault("limit_s", {InputFault::kOutOfRange, "limit_s is 0", "seconds above 0", ""});
   });
   const bool has_methods = faults.attempt([&] { readMethods(map, study); });
   const bool has_sessions = faults.attempt([&] { readSessions(map, study); });

@@ -14,24 +14,23 @@ namespace {
 
 constexpr double kMadToSigma = 1.4826;  // of a normal distribution
 
-/// How a figure is judged, by the first part of its name.
+/// How a figure is judged, by the first part of its name; more is worse.
 struct Judged {
   const char* name;
-  int worse;     ///< +1: more is worse; 0: neither way is better
   double least;  ///< a deviation is at least this, in the figure's unit
 };
 
 // Entropies may be near 0, and so have no share of themselves to compare with; a hundredth of a nat
 // is a hundredth of a parameter's standard deviation. Offsets are compared with what a clock
 // resolves.
-constexpr std::array<Judged, 8> kJudged{{{"failed", 1, 0.1},
-                                         {"camera_rmse_px", 1, 1e-6},
-                                         {"camera_imu_rmse_px", 1, 1e-6},
-                                         {"held_out_rmse_px", 1, 1e-6},
-                                         {"camera_entropy_nats", 1, 0.01},
-                                         {"camera_imu_entropy_nats", 1, 0.01},
-                                         {"perturbation_error_ms", 1, 1e-4},
-                                         {"ate_m", 1, 1e-6}}};
+constexpr std::array<Judged, 8> kJudged{{{"failed", 0.1},
+                                         {"camera_rmse_px", 1e-6},
+                                         {"camera_imu_rmse_px", 1e-6},
+                                         {"held_out_rmse_px", 1e-6},
+                                         {"camera_entropy_nats", 0.01},
+                                         {"camera_imu_entropy_nats", 0.01},
+                                         {"perturbation_error_ms", 1e-4},
+                                         {"ate_m", 1e-6}}};
 
 /// By the part before the slash: "held_out_rmse_px/eval01" is judged as all of its family. Null for
 /// figures that are kept and not judged.
@@ -137,11 +136,6 @@ class Judge {
     return false;
   }
 
-  bool isBad(double value, double middle, double scale, const Judged& how) const {
-    const double change = how.worse == 0 ? std::abs(value - middle) : how.worse * (value - middle);
-    return change > t_.sigma * scale;
-  }
-
   void judgeMedian(const Series& series, const Judged& how) {
     std::vector<double> good;
     int first_bad = 0;
@@ -154,7 +148,7 @@ class Judge {
         const double middle = median(recent);
         const double scale =
             std::max({deviation(recent, middle), t_.floor * std::abs(middle), how.least});
-        if (isBad(value, middle, scale, how)) {
+        if (value - middle > t_.sigma * scale) {
           // Not among the good ones: a step that stays would become the median and end its own
           // alarm.
           if (first_bad == 0) first_bad = night;
@@ -176,8 +170,7 @@ class Judge {
       // Where a figure is near 0: a change by `least` is then one by `floor`, the least deviation.
       const double unit = std::max(std::abs(reference), how.least / t_.floor);
       for (const auto& [night, value] : series.values) {
-        const double change = (value - reference) / unit;
-        changes[night].push_back(how.worse == 0 ? std::abs(change) : how.worse * change);
+        changes[night].push_back((value - reference) / unit);
       }
     }
     std::vector<double> medians;
@@ -204,7 +197,7 @@ class Judge {
   }
 
   void add(const StudyFigure& f, int first, const char* kind, double was, double is) {
-    alarms_.push_back({f.name, f.session, first, kind, was, is, false, f.command});
+    alarms_.push_back({f.name, f.session, first, kind, was, is, f.command});
   }
 
   std::size_t window() const { return static_cast<std::size_t>(t_.window); }

@@ -49,12 +49,17 @@ std::vector<fs::path> filesBelow(const fs::path& path) {
   return files;
 }
 
+std::int64_t nanoseconds(const timespec& time) {
+  return time.tv_sec * 1'000'000'000LL + time.tv_nsec;
+}
+
 struct Stamp {
   std::string hash;
   std::int64_t newest_ns = 0;
 };
 
-/// The inode is in it for a file that was replaced by one of the same size and time (rename).
+/// The inode is in it for a file that was replaced by one of the same size and time (rename), the
+/// time of the inode's change for one that was written in place and given its earlier time.
 Stamp stampWithTime(const fs::path& path) {
   std::string text;
   Stamp stamp;
@@ -62,9 +67,10 @@ Stamp stampWithTime(const fs::path& path) {
     struct stat status {};
     const fs::path full = file.empty() ? path : path / file;
     if (::stat(full.c_str(), &status) != 0) throw unreadable(full, "cannot be read");
-    const std::int64_t time = status.st_mtim.tv_sec * 1'000'000'000LL + status.st_mtim.tv_nsec;
-    stamp.newest_ns = std::max(stamp.newest_ns, time);
-    text += fmt::format("{}\n{} {} {}\n", file.string(), status.st_size, time, status.st_ino);
+    const std::int64_t written = nanoseconds(status.st_mtim);
+    stamp.newest_ns = std::max(stamp.newest_ns, written);
+    text += fmt::format("{}\n{} {} {} {}\n", file.string(), status.st_size, written,
+                        nanoseconds(status.st_ctim), status.st_ino);
   }
   stamp.hash = contentHash(text);
   return stamp;

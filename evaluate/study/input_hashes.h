@@ -8,7 +8,7 @@
 namespace plumbline {
 
 /// Which state of a file or folder this is, without reading it: XXH64 over path below the folder,
-/// size, time of change and inode of every file in it, links followed; hidden files are left out.
+/// size, both times of change and inode of every file in it, links followed, hidden ones left out.
 /// Any write changes it, unless the clock was set back. Throws InputError where `path` is not there
 /// or a folder in it cannot be listed.
 std::string stampOf(const std::filesystem::path& path);

@@ -26,7 +26,6 @@ void fillSession(const StudySession& found, StudySession& row) {
   whole.capture_s = row.capture_s;
   whole.finished = row.finished;
   whole.stages = row.stages;
-  if (!whole.compliance) whole.compliance = row.compliance;
   row = whole;
 }
 
@@ -34,7 +33,7 @@ class Merger {
  public:
   Merger(const StudyDefinition& study, const fs::path& night, const std::vector<Step>& steps,
          const StepResults& results)
-      : night_(night), steps_(steps), results_(results) {
+      : night_(night), offsets_ms_(study.offsets_ms), steps_(steps), results_(results) {
     StudyRecord& r = merged_.record;
     r.name = study.name;
     r.rig = study.rig;
@@ -86,12 +85,7 @@ class Merger {
     const auto append = [](auto& to, const auto& from) {
       to.insert(to.end(), from.begin(), from.end());
     };
-    // Another tool's scores belong to its row, and not among the session's own recordings.
-    if (step.kind == StepKind::kEvaluate && isOfOther(step)) {
-      others_held_out_[step.session + "/" + toolOf(step)].push_back(rows.held_out.at(0));
-    } else {
-      append(r.held_out, rows.held_out);
-    }
+    if (step.kind == StepKind::kEvaluate) append(heldOutOf(step), rows.held_out);
     append(r.perturbations, rows.perturbations);
     append(r.trajectories, rows.trajectories);
     append(r.others, rows.others);
@@ -106,6 +100,13 @@ class Merger {
     return std::find(step.words.begin(), step.words.end(), "--with") == step.words.end();
   }
   static std::string toolOf(const Step& step) { return step.part.substr(0, step.part.find('/')); }
+
+  /// Where an evaluation's row goes: another tool's scores belong to its row, and not among the
+  /// session's own recordings.
+  std::vector<StudyHeldOut>& heldOutOf(const Step& step) {
+    return isOfOther(step) ? others_held_out_[step.session + "/" + toolOf(step)]
+                           : merged_.record.held_out;
+  }
 
   // What a failed step leaves without a figure.
   void addFailure(const Step& step, const std::string& message) {
@@ -122,11 +123,12 @@ class Merger {
         }
         break;
       case StepKind::kEvaluate:
-        if (!isOfOther(step)) r.held_out.push_back({step.session, step.part, {}, message});
+        heldOutOf(step).push_back({step.session, step.part, {}, message});
         break;
       case StepKind::kPerturb:
-        // The step makes all offsets, so none of them has a row of its own.
-        r.perturbations.push_back({step.session, 0, {}, message});
+        for (const double ms : offsets_ms_) {
+          r.perturbations.push_back({step.session, ms, {}, message});
+        }
         break;
       case StepKind::kCompare:
         r.others.push_back({step.session, step.part, {}, {}, message});
@@ -153,18 +155,23 @@ class Merger {
       const bool failed = result == results_.end() || result->second.status != StepStatus::kDone;
       if (!failed) continue;
       const std::string why = result == results_.end() ? "was omitted" : result->second.message;
-      if (step.kind == StepKind::kCalibrate) {
-        sessionOf(step).failed_step = need.name.substr(need.name.rfind('/') + 1);
-        sessionOf(step).message = why;
-      }
+      ++merged_.steps_left_out;
+      addWithoutResult(step, need.name.substr(need.name.rfind('/') + 1), why);
       return;
     }
     // All that it needs is done: its engine lost it, or never came to it.
     ++merged_.steps_missing;
     missing_.push_back(step.name);
+    addWithoutResult(step, toString(step.kind), "was not done");
+  }
+
+  void addWithoutResult(const Step& step, const std::string& failed_step, const std::string& why) {
     if (step.kind == StepKind::kCalibrate) {
-      sessionOf(step).failed_step = toString(step.kind);
-      sessionOf(step).message = "was not done";
+      sessionOf(step).failed_step = failed_step;
+      sessionOf(step).message = why;
+    } else if (step.kind == StepKind::kEvaluate && sessionOf(step).status == StudyStatus::kOk) {
+      // A session without a calibration says why itself.
+      heldOutOf(step).push_back({step.session, step.part, {}, why});
     }
   }
 
@@ -278,8 +285,9 @@ class Merger {
     steps.rule = "Steps done";
     steps.value = merged_.steps_failed;
     steps.unit = "1";
-    steps.evidence = fmt::format("{} of {} steps failed, {} were not done", merged_.steps_failed,
-                                 steps_.size(), merged_.steps_missing);
+    steps.evidence = fmt::format(
+        "{} of {} steps failed, {} that need them were left out, {} were not done",
+        merged_.steps_failed, steps_.size(), merged_.steps_left_out, merged_.steps_missing);
     if (!missing_.empty()) steps.evidence += ": " + firstOf(missing_);
     if (merged_.steps_failed + merged_.steps_missing > 0) {
       steps.level = VerdictLevel::kCaution;
@@ -291,6 +299,7 @@ class Merger {
   }
 
   const fs::path night_;
+  const std::vector<double> offsets_ms_;
   const std::vector<Step>& steps_;
   const StepResults& results_;
   MergedNight merged_;

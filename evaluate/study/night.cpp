@@ -29,17 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kEngineLog = "engine.log";
-
 int nightAfter(const StudyStore& store) {
   const auto nights = store.nights();
   return nights.empty() ? 1 : nights.back().night + 1;
-}
-
-// Without its mark a result counts as not there.
-void forget(const fs::path& night, const Step& step) {
-  std::error_code ignored;
-  fs::remove(night / step.name / kStepFile, ignored);
 }
 
 // Another part of the done steps every night, so that all have their turn.
@@ -53,7 +45,7 @@ void chooseRechecks(const fs::path& folder, const std::vector<Step>& steps, int 
   }
   const auto n = std::min(static_cast<std::size_t>(count), done.size());
   for (std::size_t i = 0; i < n; ++i) {
-    forget(folder, *done[(static_cast<std::size_t>(night) * n + i) % done.size()]);
+    forgetResult(folder / done[(static_cast<std::size_t>(night) * n + i) % done.size()]->name);
   }
 }
 
@@ -61,7 +53,7 @@ void chooseRechecks(const fs::path& folder, const std::vector<Step>& steps, int 
 void forgetFailures(const fs::path& folder, const std::vector<Step>& steps) {
   for (const Step& step : steps) {
     const auto result = readStepResult(folder / step.name);
-    if (result && result->status == StepStatus::kFailed) forget(folder, step);
+    if (result && result->status == StepStatus::kFailed) forgetResult(folder / step.name);
   }
 }
 
@@ -99,7 +91,7 @@ std::vector<StudyStepRow> stepRows(const std::vector<Step>& steps, const StepRes
 }
 
 /// Of a cumulated drift `is` is the median change over sessions since their first nights, as a
-/// share.
+/// share; but failures and entropies may begin at 0, and are no shares of it.
 std::string alarmSentence(const StudyAlarm& a) {
   const std::string where = a.session.empty() ? "of the study" : "of " + a.session;
   if (a.kind == "deterministic") {
@@ -107,8 +99,9 @@ std::string alarmSentence(const StudyAlarm& a) {
                        where, a.is, a.was);
   }
   if (a.kind == "cusum") {
-    return fmt::format("{} {} has become worse by {:.3g} % than on its first night, gradually",
-                       a.metric, where, 100 * a.is);
+    const bool share = a.metric != "failed" && !a.metric.ends_with("_nats");
+    return fmt::format("{} {} has become worse{} than on its first night, gradually", a.metric,
+                       where, share ? fmt::format(" by {:.3g} %", 100 * a.is) : "");
   }
   return fmt::format("{} {} is {:.6g}, its median before {:.6g}", a.metric, where, a.is, a.was);
 }
@@ -230,6 +223,7 @@ NightOutcome finishNight(const PreparedNight& night, const StepResults& results,
   outcome.sessions_failed = record.nights.back().failed;
   outcome.steps = night.steps.size();
   outcome.steps_failed = merged.steps_failed;
+  outcome.steps_left_out = merged.steps_left_out;
   outcome.steps_missing = merged.steps_missing;
   outcome.alarms = record.alarms;
   return outcome;
@@ -241,8 +235,8 @@ std::string nightSummary(const NightOutcome& o, const fs::path& folder) {
   add(text, "Night {}: {} of {} sessions have a calibration", o.night,
       o.sessions - o.sessions_failed, o.sessions);
   if (o.steps_failed + o.steps_missing > 0) {
-    add(text, "; of {} steps {} failed and {} were not done", o.steps, o.steps_failed,
-        o.steps_missing);
+    add(text, "; of {} steps {} failed, {} that need them were left out, {} were not done", o.steps,
+        o.steps_failed, o.steps_left_out, o.steps_missing);
   }
   add(text, "\n");
   if (!o.alarms.empty()) {
@@ -265,8 +259,8 @@ std::vector<StudyAlarm> acceptChanges(const fs::path& folder, const std::string&
   const int night = nightAfter(store) - 1;
   std::vector<StudyAlarm> ended;
   for (const StudyAlarm& a : store.alarms(night)) {
-    // An alarm of the whole study is named with those of any session.
-    const bool of_session = session.empty() || a.session == session || a.session.empty();
+    // An alarm of the whole study stays where one session starts anew.
+    const bool of_session = session.empty() || a.session == session;
     const bool of_figure =
         figure.empty() || a.metric == figure || a.metric.substr(0, a.metric.find('/')) == figure;
     if (of_session && of_figure) ended.push_back(a);

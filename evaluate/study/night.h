@@ -41,7 +41,7 @@ struct NightOutcome {
   int night = 0;
   int sessions = 0, sessions_failed = 0;
   std::size_t steps = 0;
-  int steps_failed = 0, steps_missing = 0;
+  int steps_failed = 0, steps_left_out = 0, steps_missing = 0;
   std::vector<StudyAlarm> alarms;  ///< not accepted
   VerdictLevel level = VerdictLevel::kGood;
   std::string document;  ///< summary.json

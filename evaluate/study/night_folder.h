@@ -53,9 +53,9 @@ void requireNightFolder(const std::filesystem::path& folder);
 ///
 /// Otherwise a session's figure x of night n is compared with its own past under the same inputs
 /// ("median"): bad where
-///   w (x_n - median) > sigma max(1.4826 MAD, floor |median|, least)
-/// over the last `window` nights that were not bad themselves, w = +1 where more is worse; both
-/// ways where neither is better. The alarm names the first night of the unbroken run of bad ones.
+///   x_n - median > sigma max(1.4826 MAD, floor |median|, least)
+/// over the last `window` nights that were not bad themselves. The alarm names the first night of
+/// the unbroken run of bad ones.
 ///
 /// And a study's ("cusum"): d_n is the median over sessions of (x_n - x_r) / max(|x_r|, least /
 /// floor), r the session's first night under the same inputs, so that only sessions that both
@@ -71,8 +71,9 @@ std::vector<StudyAlarm> judgeNight(int night, const std::vector<FigureSpan>& fig
 struct MergedNight {
   StudyRecord record;  ///< without statistics, alarms and nights
   std::vector<StudyFigure> figures;
-  int steps_failed = 0;   ///< with a result that is a failure
-  int steps_missing = 0;  ///< without a result, though what they need is done
+  int steps_failed = 0;    ///< with a result that is a failure
+  int steps_left_out = 0;  ///< without a result, as is something that they need
+  int steps_missing = 0;   ///< without a result, though what they need is done
 };
 
 /// Puts the steps' rows beside what the definition says of their sessions, in its order. A session

@@ -70,6 +70,30 @@ bool needsDetection(const fs::path& recording) {
   return images;
 }
 
+/// A study's command for the shell, with places for its fields. They are quoted unless they stand
+/// between quotes already, as paths may hold blanks; the shell's own ${...} stay.
+std::string commandWith(const std::map<std::string, std::string>& fields,
+                        const std::string& command) {
+  std::string text;
+  char quote = 0;
+  for (std::size_t at = 0; at < command.size(); ++at) {
+    const char c = command[at];
+    const bool of_shell = at > 0 && command[at - 1] == '$';
+    const auto end = command.find('}', at);
+    const auto field = c == '{' && !of_shell && end != std::string::npos
+                           ? fields.find(command.substr(at, end + 1 - at))
+                           : fields.end();
+    if (field != fields.end()) {
+      text += quote == 0 ? "'" + field->second + "'" : field->second;
+      at = end;
+      continue;
+    }
+    if ((c == '"' || c == '\'') && (quote == 0 || quote == c)) quote = quote == 0 ? c : 0;
+    text += c;
+  }
+  return text;
+}
+
 class Planner {
  public:
   Planner(const StudyDefinition& study, InputHashes& hashes, const ProgramId& program)
@@ -298,17 +322,10 @@ class Planner {
           {"{calibration}", "{result:" + calibration.name + "}/calibration.json"},
           {"{sequence}", sequence.path.string()},
           {"{out}", "{out}/trajectory.txt"}};
-      step.words({"/bin/sh", "-c"});
-      std::string command = study_.trajectories.command;
-      for (const auto& [field, place] : fields) {
-        // Goes on behind what was put in: the place of {out} holds {out} itself.
-        for (auto at = command.find(field); at != std::string::npos;
-             at = command.find(field, at + place.size())) {
-          command.replace(at, field.size(), place);
-        }
-      }
+      const std::string& command = study_.trajectories.command;
+      step.words({"/bin/sh", "-c"}).filled(commandWith(fields, command), command);
       // The files stand within the command's text, so they are named once more for the key.
-      step.words({command}).needs(calibration).watches(sequence.path);
+      step.needs(calibration).watches(sequence.path);
       const Step estimate = add(step, s.row.name, sequence.name);
       StepBuilder judge(StepKind::kTrajectory, folderOf(s) + "/trajectory_" + sequence.name,
                         hashes_);

@@ -39,7 +39,9 @@ class Places {
     for (auto at = word.find('{'); at != std::string::npos; at = word.find('{', from)) {
       const auto end = word.find('}', at);
       if (end == std::string::npos) break;
-      text += word.substr(from, at - from) + place(word.substr(at + 1, end - at - 1));
+      const bool of_shell = at > 0 && word[at - 1] == '$';
+      text += word.substr(from, at - from);
+      text += of_shell ? word.substr(at, end + 1 - at) : place(word.substr(at + 1, end - at - 1));
       from = end + 1;
     }
     return text + word.substr(from);
@@ -87,7 +89,11 @@ std::string lastMessage(const fs::path& log) {
     }
   }
   std::string message = said.empty() ? last : said;
-  if (message.size() > kLongestMessage) message = message.substr(0, kLongestMessage) + "...";
+  if (message.size() > kLongestMessage) {
+    std::size_t end = kLongestMessage;
+    while (end > 0 && (message[end] & 0xC0) == 0x80) --end;  // not within a character of UTF-8
+    message = message.substr(0, end) + "...";
+  }
   return isUtf8(message) ? message : "a message that is not UTF-8";
 }
 

@@ -82,6 +82,11 @@ std::optional<StepResult> readStepResult(const fs::path& folder) {
   }
 }
 
+void forgetResult(const fs::path& folder) {
+  std::error_code ignored;
+  fs::remove(folder / kStepFile, ignored);
+}
+
 StudyRecord readStepPart(const fs::path& folder) {
   const fs::path file = folder / kStepFile;
   try {

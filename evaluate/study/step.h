@@ -155,6 +155,8 @@ inline constexpr const char* kStepFile = "step.json";
 std::string stepText(const StepResult& result, const StudyRecord& part);
 /// Empty where there is none, or none that this version reads.
 std::optional<StepResult> readStepResult(const std::filesystem::path& folder);
+/// Without its mark a result counts as not there.
+void forgetResult(const std::filesystem::path& folder);
 /// The rows of a step that is done. Throws InputError where they cannot be read.
 StudyRecord readStepPart(const std::filesystem::path& folder);
 

@@ -30,6 +30,12 @@ class StepBuilder {
     }
     return *this;
   }
+  /// A word whose places are of this machine; the key has it as the study's definition does.
+  StepBuilder& filled(const std::string& word, const std::string& as_written) {
+    step_.words.push_back(word);
+    key_ += as_written + "\n";
+    return *this;
+  }
   /// A word that no result depends on: where to write, how many threads.
   StepBuilder& aside(const std::string& word) {
     step_.words.push_back(word);

@@ -202,7 +202,6 @@ struct StudyAlarm {
   std::string kind;  ///< "deterministic", "median", "cusum"
   double was = 0;
   double is = 0;
-  bool accepted = false;
   std::string command;  ///< makes the figure again
 };
 
@@ -216,7 +215,6 @@ void fields(V& v, StudyAlarm& a) {
   v("kind", a.kind, "`deterministic`: same inputs and version; `median`; `cusum`");
   v("was", a.was, "before");
   v("is", a.is, "now");
-  v.ifSet("accepted", a.accepted, "marked as accepted");
   v.ifSet("command", a.command, "to run again");
 }
 

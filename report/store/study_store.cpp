@@ -50,6 +50,7 @@ int wholeAt(SQLite::Statement& row, int column) { return row.getColumn(column).g
 
 // SQLite owns the copy and lets it grow.
 void load(SQLite::Database& db, const std::string& bytes) {
+  if (bytes.empty()) throw SQLite::Exception("it is empty", SQLITE_NOTADB);
   auto* copy = static_cast<unsigned char*>(sqlite3_malloc64(bytes.size()));
   if (copy == nullptr) throw std::bad_alloc();
   std::memcpy(copy, bytes.data(), bytes.size());
@@ -202,7 +203,7 @@ std::vector<StudyAlarm> StudyStore::alarms(int night) const {
   std::vector<StudyAlarm> alarms;
   while (row.executeStep()) {
     alarms.push_back({textAt(row, 0), textAt(row, 1), wholeAt(row, 2), textAt(row, 3),
-                      numberAt(row, 4), numberAt(row, 5), false, textAt(row, 6)});
+                      numberAt(row, 4), numberAt(row, 5), textAt(row, 6)});
   }
   return alarms;
 }

@@ -218,6 +218,13 @@ TEST(UserStudyPage, LinksEveryPointOfASession) {
   }
 }
 
+TEST(UserStudyPage, SaysWhichRatiosOfSpreadAreBeyondTheAxis) {
+  StudyRecord record = test::syntheticUserStudy();
+  EXPECT_THAT(userStudyPage(), Not(HasSubstr("Ratios above 10")));
+  record.statistics.spread.front().ratio = 40;
+  EXPECT_THAT(renderStudyPage(record), HasSubstr("Ratios above 10 stand there (1)"));
+}
+
 TEST(UserStudyPage, LeadsFromEveryPointToItsSession) {
   const StudyRecord record = test::syntheticUserStudy();
   const std::string svg = plot(userStudyPage(), "study-held-out");

@@ -82,7 +82,7 @@ TEST_F(StudyStoreTest, KeepsNumbersToTheLastBitAndUnknownOnes) {
 TEST_F(StudyStoreTest, KeepsAlarmsStepsAndAcceptances) {
   StudyStore store(file());
   store.addNight(night(1), {});
-  store.addAlarms(1, {{"ate_m/s", "a", 1, "median", 0.1, 0.2, false, "plumbline x"}});
+  store.addAlarms(1, {{"ate_m/s", "a", 1, "median", 0.1, 0.2, "plumbline x"}});
   store.setSteps(1, {{"sessions/a/calibrate", "key", "done", "", "plumbline", 1, 2}});
   store.setSteps(1, {{"sessions/b/calibrate", "key", "failed", "why", "plumbline", 1, 2}});
   store.accept({1, "a", "ate_m", "note", "date"});
@@ -98,6 +98,11 @@ TEST_F(StudyStoreTest, NothingIsWrittenBeforeItIsSaved) {
   StudyStore store(file());
   store.addNight(night(1), {});
   EXPECT_FALSE(std::filesystem::exists(file()));
+}
+
+TEST_F(StudyStoreTest, RefusesAnEmptyFileAsDamaged) {
+  std::ofstream(file()).close();
+  EXPECT_THROW(StudyStore{file()}, InputError);
 }
 
 TEST_F(StudyStoreTest, RefusesADamagedFileAndNamesIt) {

@@ -123,7 +123,7 @@ StudyRecord syntheticUserStudy(int participants) {
   }
   record.others = {{"p01_free", "kalibr", 0.31, {{"cam0.fu", "px", 0.4, 2.1}}, ""},
                    {"p01_guided", "kalibr", std::nullopt, {}, "no camchain"}};
-  record.alarms = {{"held_out_rmse_px", "p01_guided", 2, "median", 0.24, 0.31, false,
+  record.alarms = {{"held_out_rmse_px", "p01_guided", 2, "median", 0.24, 0.31,
                     "plumbline study run-step calibrate/p01_guided"}};
   record.rig = "d435i-1";
   record.nights = {{1, "2026-01-01T03:00:00Z", "1.0", 12, 1, 0, 210.0, 0.26},

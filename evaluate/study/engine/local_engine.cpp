@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kEngineLog = "engine.log";
 constexpr double kTellEvery = 1;       // [s]
 constexpr double kBeyondLimits = 120;  // [s] that a step's own process gets to end it
 
@@ -150,6 +149,8 @@ class LocalEngine {
 
   void launch(std::size_t i, std::size_t threads) {
     ++attempts_[i];
+    // If the process dies without a result, an older one must not pass for its own.
+    forgetResult(night_ / steps_[i].name);
     ProcessRequest request;
     request.words = {kRunningProgram,        "study",        "run-step",
                      night_.string(),        steps_[i].name, "--threads",

@@ -11,6 +11,9 @@
 
 namespace plumbline {
 
+/// In the night's folder: what its processes print.
+inline constexpr const char* kEngineLog = "engine.log";
+
 /// Where a night stands.
 struct NightProgress {
   std::size_t done = 0, all = 0, failed = 0;  ///< of the steps that had to be done

@@ -115,8 +115,8 @@ Section trajectorySection(const StudyRecord& record) {
                   {},
                   {}};
   if (record.trajectories.empty()) return section;
-  int failed = 0;
-  for (const StudyTrajectory& t : record.trajectories) failed += t.ate_m ? 0 : 1;
+  int incomplete = 0;
+  for (const StudyTrajectory& t : record.trajectories) incomplete += t.ate_m ? 0 : 1;
   const BoxPlot plot = groupedBoxes(record, record.trajectories, &StudyTrajectory::sequence,
                                     &StudyTrajectory::ate_m, "{:.4f} m");
   if (plot.boxes.empty()) return section;
@@ -124,8 +124,8 @@ Section trajectorySection(const StudyRecord& record) {
       std::move(section),
       boxFigure(plot, "ATE by sequence and method", "ATE RMSE [m]", "study-ate",
                 fmt::format("Whiskers at the best and the worst, box from 25 to 75 %, line at the "
-                            "median; {} of {} runs failed and are not included.",
-                            failed, record.trajectories.size()),
+                            "median; {} of {} runs are not complete and not included.",
+                            incomplete, record.trajectories.size()),
                 true));
 }
 

@@ -29,14 +29,15 @@ std::vector<Card> cardsOf(const StudyRecord& record) {
       {"Gave up", std::to_string(gave_up), "", fmt::format("limit {:g} s", record.limit_s)}};
   for (const StudyMethod& m : record.statistics.methods) {
     if (!m.median_held_out_px) continue;
+    const auto scored = count(record, [&](const StudySession& s) {
+      return s.method == m.method && s.held_out_rmse_px.has_value();
+    });
     cards.push_back({"Held-out RMSE, " + m.method, fmt::format("{:.4f}", *m.median_held_out_px),
-                     "px", fmt::format("median of {} sessions", m.calibrated)});
+                     "px", fmt::format("median of {} sessions", scored)});
   }
   if (!record.nights.empty()) {
-    const auto open = std::count_if(record.alarms.begin(), record.alarms.end(),
-                                    [](const StudyAlarm& a) { return !a.accepted; });
-    cards.push_back(
-        {"Alarms", std::to_string(open), "", fmt::format("night {}", record.nights.back().night)});
+    cards.push_back({"Alarms", std::to_string(record.alarms.size()), "",
+                     fmt::format("night {}", record.nights.back().night)});
   }
   return cards;
 }

@@ -12,6 +12,7 @@
 namespace plumbline::html_internal {
 namespace {
 
+constexpr double kHighestRatio = 10;   // drawn: a wild one would flatten the others
 constexpr double kShownTerm_m = 2e-5;  // terms of a board that stay below are not drawn
 
 Table spreadTable(const StudyRecord& record) {
@@ -49,6 +50,7 @@ Figure spreadFigure(const StudyRecord& record) {
   if (names.empty()) return {};
   LinePlot plot;
   double top = 2;
+  std::size_t beyond = 0;
   double low = 0, high = std::numeric_limits<double>::infinity();
   for (const StudySpread& s : all) {
     const StudySession* farthest = sessionOf(record, s.farthest);
@@ -57,11 +59,12 @@ Figure spreadFigure(const StudyRecord& record) {
     const double x =
         static_cast<double>(placeOf(names, s.parameter)) +
         0.25 * (static_cast<double>(k) - 0.5 * static_cast<double>(record.methods.size() - 1));
-    plot.points.push_back({x, s.ratio,
+    beyond += s.ratio > kHighestRatio ? 1 : 0;
+    plot.points.push_back({x, std::min(s.ratio, kHighestRatio),
                            fmt::format("{}, {}: {:.2f}; farthest from the mean: {}", s.parameter,
                                        s.method, s.ratio, s.farthest),
                            farthest ? farthest->page : "", seriesColour(k)});
-    top = std::max(top, s.ratio);
+    top = std::max(top, std::min(s.ratio, kHighestRatio));
     // The narrowest interval of all: that of the method with most sessions.
     low = std::max(low, s.low);
     high = std::min(high, s.high);
@@ -86,13 +89,16 @@ Figure spreadFigure(const StudyRecord& record) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     plot.frame.x.ticks.push_back({static_cast<double>(i), names[i]});
   }
-  // One wild ratio would flatten the others; the table has it.
-  plot.frame.y = {"ratio", Range{0, 1.08 * std::min(top, 10.0)}, {}, false, false};
-  return {toSvg(plot, "study-spread"),
-          "1: the sessions of one rig spread as each of them states; a point links to the session "
-          "farthest from the mean. Dashed: 95 % interval of the ratio if the stated deviations are "
-          "true (for the method with most sessions).",
-          true};
+  plot.frame.y = {"ratio", Range{0, 1.08 * top}, {}, false, false};
+  std::string caption =
+      "1: the sessions of one rig spread as each of them states; a point links to the session "
+      "farthest from the mean. Dashed: 95 % interval of the ratio if the stated deviations are "
+      "true (for the method with most sessions).";
+  if (beyond > 0) {
+    caption += fmt::format(" Ratios above {:g} stand there ({}); the table has their values.",
+                           kHighestRatio, beyond);
+  }
+  return {toSvg(plot, "study-spread"), caption, true};
 }
 
 }  // namespace

@@ -109,20 +109,17 @@ Table alarmsTable(const StudyRecord& record) {
                {"By"},
                {"Was", kNumber},
                {"Is", kNumber},
-               {"Accepted"},
                {"To run again", Cell::Kind::kCode}},
               {}};
   for (const StudyAlarm& a : record.alarms) {
     Cell figure = code(a.metric);
-    // What was accepted stays in sight, but is no fault any more.
-    figure.level = a.accepted ? VerdictLevel::kCaution : VerdictLevel::kBad;
+    figure.level = VerdictLevel::kBad;
     table.rows.push_back({figure,
                           named(record, a.session),
                           number(std::to_string(a.night)),
                           {a.kind},
                           number(fmt::format("{:.6g}", a.was)),
                           number(fmt::format("{:.6g}", a.is)),
-                          {a.accepted ? "yes" : "no"},
                           code(a.command)});
   }
   return table;

@@ -69,6 +69,7 @@ TEST_F(DefinitionTest, RefusesWithFileAndLine) {
       {"target_shape: bent\n", ":10:", "is not a file"},
       {"limit_s: -1\n", ":10:", "seconds, 0 to 86400"},
       {"limit_s: 600000\n", ":10:", "limit_s is 600000"},
+      {"limit_s: 0\n", ":10:", "seconds above 0"},
       {"calibrate: {colour: red}\n", ":10:", "no option --colour"},
       {"perturbations: {offsets_ms: [100, 1e9]}\n", ":10:", "milliseconds up to"},
       {"perturbations: {offsets_s: [1]}\n", ":10:", "unknown key 'offsets_s'"},

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "evaluate/study/night_folder.h"
+#include "calibrator/base/error.h"
+#include "evaluate/study/night.h"
+#include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {
 namespace {
@@ -143,6 +145,29 @@ TEST(HistoryTest, WhatWasAcceptedIsTheNewNormal) {
 
 // A drift of 0.1 % a night is below every night's deviation; cumulated over sessions it shows. A
 // session that joins late is compared with its own first night only.
+TEST(HistoryTest, AcceptingASessionLeavesTheAlarmsOfTheStudy) {
+  const TemporaryFolder folder;
+  folder.write(kStudyMarkFile, "{}");
+  StudyStore store(folder.path(kHistoryFile));
+  store.addNight({1, "", "1", 2, 0, 0, {}, {}}, {});
+  store.addAlarms(1,
+                  {{"ate_m", "", 1, "cusum", 0, 0.1, ""}, {"ate_m", "b", 1, "median", 1, 2, ""}});
+  store.save();
+  EXPECT_THROW(acceptChanges(folder.path(), "a", "", ""), InputError);
+  EXPECT_EQ(acceptChanges(folder.path(), "b", "", "").size(), 1u);
+  EXPECT_EQ(acceptChanges(folder.path(), "", "", "").size(), 2u);
+}
+
+TEST(HistoryTest, ADriftIsAShareOnlyOfWhatHasOne) {
+  NightOutcome outcome;
+  outcome.alarms = {{"ate_m", "", 1, "cusum", 0, 0.1, ""}};
+  EXPECT_THAT(nightSummary(outcome, ""), testing::HasSubstr("worse by 10 % than"));
+  for (const char* name : {"failed", "camera_entropy_nats"}) {
+    outcome.alarms[0].metric = name;
+    EXPECT_THAT(nightSummary(outcome, ""), testing::HasSubstr("worse than")) << name;
+  }
+}
+
 TEST(HistoryTest, CusumFindsADriftThatNoNightShows) {
   History history;
   std::vector<StudyAlarm> alarms;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/study/plan.h"
 
+#include <chrono>
 #include <map>
+#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -50,9 +52,13 @@ TEST_F(PlanTest, HasTheStepsOfEverySession) {
   EXPECT_EQ(evaluate.needs.at(0).key, steps.at("sessions/a/calibrate").key);
 }
 
+const std::string kCommand =
+    "sequences: [{name: s, path: eval, truth: target.yaml}]\n"
+    "trajectories: {command: 'vio {calibration} \"{sequence}\" $HOME/${out} {out}'}\n";
+
 TEST_F(PlanTest, KeysAreOfContentsAndNotOfPlaces) {
-  const auto before = plan();
-  EXPECT_THAT(changed(before, plan()), IsEmpty());
+  const auto before = plan(kCommand);
+  EXPECT_THAT(changed(before, plan(kCommand)), IsEmpty());
   const auto moved = root_.string() + "_moved";
   std::filesystem::remove_all(moved);
   std::filesystem::copy(root_, moved, std::filesystem::copy_options::recursive);
@@ -62,6 +68,13 @@ TEST_F(PlanTest, KeysAreOfContentsAndNotOfPlaces) {
     EXPECT_EQ(step.key, before.at(step.name).key) << step.name;
   }
   std::filesystem::remove_all(moved);
+}
+
+TEST_F(PlanTest, ACommandHasItsPlacesQuotedAndKeepsWhatIsTheShells) {
+  EXPECT_EQ(plan(kCommand).at("sessions/a/estimate_s").words.back(),
+            "vio '{result:sessions/a/calibrate}/calibration.json' \"" +
+                std::filesystem::weakly_canonical(root_ / "eval").string() +
+                "\" $HOME/${out} '{out}/trajectory.txt'");
 }
 
 TEST_F(PlanTest, AChangedRecordingChangesItsSessionAlone) {
@@ -137,7 +150,10 @@ TEST_F(PlanTest, HashesOfUnchangedFilesAreKept) {
   write("kept.txt", kept);
   InputHashes second(root_ / "kept.txt");
   EXPECT_EQ(second.of(root_ / "old").content, "0123456789abcdef");
+  // Written in place and given its earlier time. The clock of a file system ticks in milliseconds.
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
   write("old/file", "Content");
+  std::filesystem::last_write_time(root_ / "old/file", past);
   InputHashes third(root_ / "kept.txt");
   EXPECT_NE(third.of(root_ / "old").content, "0123456789abcdef");
   EXPECT_NE(third.of(root_ / "old").content, hashed.content);

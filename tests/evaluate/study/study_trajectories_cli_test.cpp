@@ -21,6 +21,13 @@ TEST_F(StudyTrajectoryNights, TrajectoriesComeFromACommandOrAPattern) {
   auto summary = nlohmann::json::parse(read(scratch_ / "night/summary.json"));
   ASSERT_EQ(summary.at("trajectories").size(), 4u);
   EXPECT_LT(summary.at("trajectories")[0].at("ate_m").get<double>(), 1e-9);
+  std::string said = "a";
+  for (int i = 0; i < 400; ++i) said += "\u00e4";
+  write(data / "STUDY.yaml", study_file + "trajectories: {command: 'echo " + said + "; exit 3'}\n");
+  EXPECT_EQ(study(data, scratch_ / "night").exit_code, 0);
+  summary = nlohmann::json::parse(read(scratch_ / "night/summary.json"));
+  EXPECT_THAT(summary.at("trajectories")[0].at("failure").get<std::string>(),
+              HasSubstr("\u00e4\u00e4..."));
   fs::create_directories(data / "runs/p1_free");
   fs::copy(data / "eval/truth/trajectory.csv", data / "runs/p1_free/s_1.txt");
   write(data / "runs/p1_free/s_2.txt", "no trajectory\n");

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a night says of steps that failed, or have no result.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "evaluate/study/night_folder.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+/// A session with a calibration, another tool's, and two held-out recordings.
+class MergeTest : public testing::Test {
+ protected:
+  MergeTest() {
+    SessionEntry session;
+    session.row.name = "a";
+    study_.sessions = {session};
+    study_.offsets_ms = {100, 1};
+    StudyRecord calibrated;
+    calibrated.sessions = {session.row};
+    done(StepKind::kCalibrate, "calibrate", "", calibrated);
+    StudyRecord compared;
+    compared.others = {{"a", "kalibr", {}, {}, ""}};
+    done(StepKind::kCompare, "compare_kalibr", "kalibr", compared);
+    StudyRecord scored;
+    scored.held_out = {{"a", "e1", 1.0, ""}};
+    done(StepKind::kEvaluate, "evaluate_e1", "e1", scored);
+    done(StepKind::kEvaluate, "evaluate_kalibr_e1", "kalibr/e1", scored);
+  }
+
+  Step& add(StepKind kind, const std::string& name, const std::string& part) {
+    Step step;
+    step.kind = kind;
+    step.name = "sessions/a/" + name;
+    step.session = "a";
+    step.part = part;
+    steps_.push_back(step);
+    return steps_.back();
+  }
+  void done(StepKind kind, const std::string& name, const std::string& part,
+            const StudyRecord& rows) {
+    const Step& step = add(kind, name, part);
+    folder_.write(step.name + "/step.json", stepText(results_[step.name], rows));
+  }
+  void failed(StepKind kind, const std::string& name, const std::string& part) {
+    StepResult& result = results_[add(kind, name, part).name];
+    result.status = StepStatus::kFailed;
+    result.message = "too few corners";
+  }
+  StudyRecord merged() {
+    night_ = mergeNight(study_, folder_.path(), steps_, results_);
+    return night_.record;
+  }
+
+  TemporaryFolder folder_;
+  StudyDefinition study_;
+  std::vector<Step> steps_;
+  StepResults results_;
+  MergedNight night_;
+};
+
+TEST_F(MergeTest, AnErrorOverRecordingsIsOverAllOfThem) {
+  EXPECT_EQ(merged().sessions[0].held_out_rmse_px, 1);
+  EXPECT_EQ(merged().others[0].held_out_rmse_px, 1);
+  failed(StepKind::kEvaluate, "evaluate_e2", "e2");
+  failed(StepKind::kEvaluate, "evaluate_kalibr_e2", "kalibr/e2");
+  const StudyRecord record = merged();
+  EXPECT_FALSE(record.sessions[0].held_out_rmse_px);
+  EXPECT_FALSE(record.others[0].held_out_rmse_px);
+  ASSERT_EQ(record.held_out.size(), 2u);
+  EXPECT_EQ(record.held_out[1].failure, "too few corners");
+}
+
+TEST_F(MergeTest, AStepThatWasLeftOutCountsAndSaysWhy) {
+  failed(StepKind::kDetect, "detect", "");
+  add(StepKind::kEvaluate, "evaluate_e2", "e2").needs = {{"sessions/a/detect", ""}};
+  add(StepKind::kEvaluate, "evaluate_kalibr_e2", "kalibr/e2");
+  const StudyRecord record = merged();
+  EXPECT_FALSE(record.sessions[0].held_out_rmse_px);
+  EXPECT_FALSE(record.others[0].held_out_rmse_px);
+  ASSERT_EQ(record.held_out.size(), 2u);
+  EXPECT_EQ(record.held_out[1].failure, "too few corners");
+  EXPECT_EQ(night_.steps_left_out, 1);
+  EXPECT_THAT(record.verdict.findings[1].evidence,
+              HasSubstr("1 of 7 steps failed, 1 that need them were left out, 1 were not done"));
+}
+
+TEST_F(MergeTest, AFailedPerturbationIsOneOfEveryOffset) {
+  failed(StepKind::kPerturb, "perturb", "");
+  const StudyRecord record = merged();
+  ASSERT_EQ(record.perturbations.size(), 2u);
+  EXPECT_EQ(record.perturbations[0].offset_ms, 100);
+  EXPECT_EQ(record.perturbations[1].offset_ms, 1);
+  EXPECT_EQ(record.perturbations[1].failure, "too few corners");
+}
+
+}  // namespace
+}  // namespace plumbline
