@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/session/session_folder.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
@@ -27,13 +28,14 @@
 namespace plumbline {
 namespace {
 
+constexpr int kMostMegabytes = 1 << 24;
+
 struct OdometryCommandOptions {
   OdometryRequest request;
   std::string with = "builtin";
   std::string estimate = toString(HintKind::kNone);
   TrajectoryMetricWords metrics;
   double max_ate_m = 0;
-  double memory_mb = 0;
   ResultOptions output;
 };
 
@@ -72,8 +74,8 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
                  "Limit on the wall time of an external system's run [s]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--memory-limit", o.memory_mb, "Limit on its address space [MB] (0: none)")
-      ->check(numberFrom(0))
+  app.add_option("--memory-limit", r.memory_mb, "Limit on its address space [MB] (0: none)")
+      ->check(numberWithin(0, kMostMegabytes))
       ->capture_default_str();
   app.add_option("--max-ate", o.max_ate_m,
                  "ATE [m] above which a run has diverged (default: the ATE of an estimate that "
@@ -101,7 +103,6 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
         "--executable: the built-in odometry has none; choose an external system by --with");
   }
   request.hint = *enumFrom<HintKind>(o.estimate);
-  request.memory_bytes = static_cast<std::size_t>(o.memory_mb * 1e6);
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
   request.how.truth_w_first = o.metrics.truth_w_first;
   request.how.truth_inverted = o.metrics.truth_inverted;
@@ -110,10 +111,23 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
   return request;
 }
 
+/// What is read, the files beside the sequences too: no output may replace it, and it is hashed.
+std::vector<std::string> inputsOf(const OdometryCommandOptions& o) {
+  const OdometryRequest& r = o.request;
+  std::vector<std::string> inputs = r.sequences;
+  inputs.insert(inputs.end(), r.calibrations.begin(), r.calibrations.end());
+  if (r.imu) inputs.push_back(*r.imu);
+  if (o.with.ends_with(".yaml")) inputs.push_back(o.with);
+  if (!r.truth) return inputs;
+  for (const std::string& sequence : r.sequences) {
+    inputs.push_back(filledIn(*r.truth, {{"sequence", findSession(sequence).name}}));
+  }
+  return inputs;
+}
+
 int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
   const OdometryRequest request = odometryRequest(o);
-  std::vector<std::string> inputs = request.sequences;
-  inputs.insert(inputs.end(), request.calibrations.begin(), request.calibrations.end());
+  const std::vector<std::string> inputs = inputsOf(o);
   ResultWriter out(o.output, o.output.request("odometry", inputs));
   ProgressBar bar;
   TrajectoryRecord record = runOdometry(request, out.path(), bar.sink());

@@ -185,7 +185,7 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
   process.folder = folder;
   process.log = folder / "log.txt";
   process.limit_s = request.seconds;
-  process.limit_mb = static_cast<int>(request.memory_bytes >> 20);
+  process.limit_mb = request.memory_mb;
   const ProcessEnd end = runProcess(process);
   ExternalRun run;
   run.seconds = end.seconds;

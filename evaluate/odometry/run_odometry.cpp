@@ -181,7 +181,7 @@ ExternalRun runExternalOnce(const Plan& plan, const OdometryRequest& request, bo
                                  plan.run,
                                  refine,
                                  request.run_seconds,
-                                 request.memory_bytes};
+                                 request.memory_mb};
   return runExternal(external, *plan.sequence, withNoise(plan), folder);
 }
 
@@ -348,6 +348,7 @@ void OdometryRequest::check() const {
   if (calibrations.empty()) throw InputError("expected a calibration");
   requireOption(runs >= 0, "runs", runs, "0 or more");
   requirePositive("run_seconds", run_seconds);
+  requireOption(memory_mb >= 0, "memory_mb", memory_mb, "0 or more");
   requireOption(threads >= 0, "threads", threads, "0 or more");
   builtin.check();
   how.metrics.check();

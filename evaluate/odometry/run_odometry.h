@@ -66,9 +66,9 @@ struct OdometryRequest {
   bool sensitivity = false;               ///< also move every parameter by itself (sensitivity.h)
   HintKind hint = HintKind::kNone;        ///< what the odometry itself would choose, too
   BuiltinOptions builtin;
-  double run_seconds = 3600;     ///< wall time of another system's run
-  std::size_t memory_bytes = 0;  ///< and its address space; 0: no limit
-  TrajectoryRequest how;         ///< but for the files: how the estimates are judged
+  double run_seconds = 3600;  ///< wall time of another system's run
+  int memory_mb = 0;          ///< and its address space; 0: no limit
+  TrajectoryRequest how;      ///< but for the files: how the estimates are judged
   double min_coverage = kLeastCoverage;
   std::optional<double> max_ate_m;
   int threads = 0;  ///< runs at once; 0: all cores
@@ -98,9 +98,9 @@ struct ExternalRequest {
   std::filesystem::path calibration;  ///< its file
   bool noise_known = true;            ///< whether the calibration states the IMU's noise
   int run = 1;
-  bool refine = false;           ///< with its online calibration (Runner::online)
-  double seconds = 3600;         ///< limit of wall time
-  std::size_t memory_bytes = 0;  ///< limit of address space; 0: none
+  bool refine = false;    ///< with its online calibration (Runner::online)
+  double seconds = 3600;  ///< limit of wall time
+  int memory_mb = 0;      ///< limit of address space; 0: none
 };
 
 /// What it left. Empty `problem`: a trajectory.

@@ -132,8 +132,10 @@ std::string filledIn(const std::string& text, const std::map<std::string, std::s
     out += text.substr(at, open - at);
     if (open == text.size()) break;
     const std::size_t close = text.find('}', open);
-    const std::string name = close == std::string::npos ? text.substr(open + 1)
-                                                        : text.substr(open + 1, close - open - 1);
+    if (close == std::string::npos) {
+      throw InputError(fmt::format("{}: {} is not closed; expected }}", text, text.substr(open)));
+    }
+    const std::string name = text.substr(open + 1, close - open - 1);
     const auto field = fields.find(name);
     if (field == fields.end()) {
       std::vector<std::string> known;

@@ -49,7 +49,8 @@ std::optional<Runner> knownRunner(const std::string& name);
 /// "my_vio --config {settings} {sequence} {output}/trajectory.txt". Nothing is exported.
 Runner runnerOf(const std::string& command);
 
-/// `text` with every {field} replaced by its value; throws InputError for an unknown one.
+/// `text` with every {field} replaced by its value; throws InputError for one that is unknown or
+/// not closed.
 std::string filledIn(const std::string& text, const std::map<std::string, std::string>& fields);
 
 }  // namespace plumbline

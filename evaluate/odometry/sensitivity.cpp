@@ -69,18 +69,19 @@ class Moves {
 using Ates = std::vector<std::optional<double>>;
 
 /// Standard deviation of the ATE over the small random moves: what no parameter can be blamed for.
-double noiseOf(const Ates& ates) {
+/// None where fewer than two of them have one.
+std::optional<double> noiseOf(const Ates& ates) {
   std::vector<double> known;
   for (std::size_t k = 0; k < kNoiseRuns; ++k) {
     if (const auto& ate = ates[Moves::kNoise + k]) known.push_back(*ate);
   }
-  return known.size() < 2 ? 0 : sampleStatistics(known).std;
+  return known.size() < 2 ? std::nullopt : std::optional(sampleStatistics(known, 1).std);
 }
 
 /// The mean of both ways, in which what is odd in the step cancels; one way where there is one.
 ParameterSensitivity changeOf(const CalibrationParameter& parameter, std::size_t i,
                               const Moves& moves, const Ates& ates) {
-  ParameterSensitivity p{parameter.name, parameter.unit, moves.step(i), {}, {}, {}};
+  ParameterSensitivity p{parameter.name, parameter.unit, moves.step(i), {}, {}, {}, false};
   const auto change = [&](std::size_t place) -> std::optional<double> {
     if (place == 0 || !ates[place]) return std::nullopt;
     return *ates[place] - *ates[0];
@@ -154,16 +155,23 @@ CalibrationSensitivity sensitivityOf(const Calibration& calibration, const Sensi
   out.ate_m = *ates[0];
   out.noise_m = noiseOf(ates);
   const std::vector<CalibrationParameter> list = calibrationParameters(calibration);
+  out.sum_m = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (moves.plus(i) == 0) continue;
-    out.parameters.push_back(changeOf(list[i], i, moves, ates));
-    out.sum_m += out.parameters.back().change_m.value_or(0);
+    ParameterSensitivity p = changeOf(list[i], i, moves, ates);
+    p.above_chance = p.change_m && out.noise_m && std::abs(*p.change_m) > 2 * *out.noise_m;
+    // Counted as no change, one whose run failed would be called interaction.
+    out.sum_m = p.change_m && out.sum_m ? std::optional(*out.sum_m + *p.change_m) : std::nullopt;
+    out.parameters.push_back(std::move(p));
   }
   if (ates[Moves::kWhole]) {
     out.whole_m = *ates[Moves::kWhole] - out.ate_m;
-    out.interaction_m = *out.whole_m - out.sum_m;
+    if (out.sum_m) out.interaction_m = *out.whole_m - *out.sum_m;
   }
-  const auto size = [](const ParameterSensitivity& p) { return std::abs(p.change_m.value_or(0)); };
+  // One whose run failed does more than any that has an error.
+  const auto size = [](const ParameterSensitivity& p) {
+    return p.change_m ? std::abs(*p.change_m) : std::numeric_limits<double>::infinity();
+  };
   std::stable_sort(out.parameters.begin(), out.parameters.end(),
                    [&](const auto& a, const auto& b) { return size(a) > size(b); });
   return out;

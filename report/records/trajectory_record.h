@@ -237,6 +237,9 @@ inline TrajectoryRun failedRun(TrajectoryRun run, const std::string& problem) {
   run.status = RunStatus::kFailed;
   run.problem = problem;
   run.left_out.clear(), run.cure.clear();
+  run.ate_translation_m = {}, run.ate_rotation_deg = {};
+  run.rpe.clear(), run.nees.clear(), run.hand_eye.reset();
+  run.association = {}, run.alignment = {};
   run.t.clear();
   run.truth_m.clear(), run.estimate_m.clear();
   run.truth_rpy_deg.clear(), run.estimate_rpy_deg.clear();
@@ -376,7 +379,8 @@ struct ParameterSensitivity {
   double step = 0;                 ///< by which it is moved [unit]
   std::optional<double> plus_m;    ///< change of the ATE with + step
   std::optional<double> minus_m;   ///< with - step; empty where the step has a sign
-  std::optional<double> change_m;  ///< the mean of both, or the one there is
+  std::optional<double> change_m;  ///< the mean of both, or the one there is; empty: a run failed
+  bool above_chance = false;       ///< |change_m| is more than twice the noise
 };
 
 template <class V>
@@ -386,7 +390,8 @@ void fields(V& v, ParameterSensitivity& p) {
   v("step", p.step, "change of the parameter, in `unit`");
   v("plus_m", p.plus_m, "m", "change of the ATE with + step; absent where the run failed");
   v("minus_m", p.minus_m, "m", "with - step; absent for the difference of two calibrations");
-  v("change_m", p.change_m, "m", "mean of both");
+  v("change_m", p.change_m, "m", "mean of both; absent where a run failed");
+  v.ifSet("above_chance", p.above_chance, "the change is more than twice `noise_m`");
 }
 
 inline std::string partName(const ParameterSensitivity& p) { return p.name; }
@@ -396,10 +401,11 @@ struct CalibrationSensitivity {
   std::string sequence, calibration;
   std::string towards;  ///< the calibration whose values are taken; empty: steps are deviations
   double ate_m = 0;     ///< unmoved
-  double noise_m = 0;  ///< standard deviation of the ATE where all parameters move by 1e-3 steps at
-                       ///< random: changes below it mean nothing
+  /// Standard deviation of the ATE where all parameters move by 1e-3 steps at random: changes below
+  /// it mean nothing. Empty where fewer than two of these runs have one.
+  std::optional<double> noise_m;
   std::optional<double> whole_m;                 ///< ATE under `towards` - ate_m
-  double sum_m = 0;                              ///< of all change_m
+  std::optional<double> sum_m;                   ///< of all change_m; empty where one is
   std::optional<double> interaction_m;           ///< whole - sum: what single moves do not explain
   std::vector<ParameterSensitivity> parameters;  ///< largest change first
 };
@@ -414,9 +420,9 @@ void fields(V& v, CalibrationSensitivity& s) {
   v("calibration", s.calibration, "whose parameters are changed");
   v.ifSet("towards", s.towards, "whose values they take; absent: steps are standard deviations");
   v("ate_m", s.ate_m, "m", "unmoved");
-  v("noise_m", s.noise_m, "m", "spread of the ATE under changes of 1e-3 steps");
+  v("noise_m", s.noise_m, "m", "standard deviation of the ATE under changes of 1e-3 steps");
   v("whole_m", s.whole_m, "m", "ATE under `towards` - `ate_m`");
-  v("sum_m", s.sum_m, "m", "of all changes");
+  v("sum_m", s.sum_m, "m", "of all changes; absent where one is missing");
   v("interaction_m", s.interaction_m, "m", "whole - sum: what single changes do not explain");
   v("parameters", s.parameters, "each changed by itself, the largest effect first");
 }
@@ -428,6 +434,15 @@ struct TrajectoryStudy {
   std::vector<PairedDifference> paired;
   std::vector<CalibrationSensitivity> sensitivity;  ///< where it was asked for
 };
+
+/// Each calibration over everything: over all sequences, or the only one.
+inline std::vector<RunsSummary> overAll(const TrajectoryStudy& study) {
+  std::vector<RunsSummary> all;
+  for (const RunsSummary& s : study.summary) {
+    if (s.sequence.empty()) all.push_back(s);
+  }
+  return all.empty() ? study.summary : all;
+}
 
 template <class V>
 void fields(V& v, TrajectoryStudy& s) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,14 +16,6 @@ namespace plumbline {
 namespace {
 
 using Findings = std::vector<Finding>;
-
-/// Each calibration over everything: over all sequences, or the only one.
-std::vector<RunsSummary> overAll(const TrajectoryStudy& study) {
-  std::vector<RunsSummary> all;
-  std::copy_if(study.summary.begin(), study.summary.end(), std::back_inserter(all),
-               [](const RunsSummary& s) { return s.sequence.empty(); });
-  return all.empty() ? study.summary : all;
-}
 
 std::string ofCalibration(const std::string& calibration) {
   return calibration.empty() ? "" : " of " + calibration;
@@ -119,7 +110,7 @@ std::string pairedWords(const PairedDifference& d) {
   if (d.better.empty() || !d.low_m || !d.high_m) {
     return fmt::format("; {} and {} were not shown to differ", d.b, d.a);
   }
-  const auto [low, high] = std::minmax(std::abs(*d.low_m), std::abs(*d.high_m));
+  const auto [low, high] = std::minmax({std::abs(*d.low_m), std::abs(*d.high_m)});
   return fmt::format("; {} is better than {} by {:.2g} m (95 % interval {:.2g} to {:.2g})",
                      d.better, other, std::abs(d.mean_m), low, high);
 }
@@ -128,14 +119,18 @@ std::string pairedWords(const PairedDifference& d) {
 /// unknown, which is said rather than left out.
 std::string manyRuns(const TrajectoryStudy& study) {
   const std::vector<RunsSummary> all = overAll(study);
-  const auto known = [](const RunsSummary& s) { return s.ate_median_m.has_value(); };
-  if (!all.empty() && std::none_of(all.begin(), all.end(), known)) return "no run is complete";
+  const auto complete = [](const RunsSummary& s) { return s.complete > 0; };
+  if (!all.empty() && std::none_of(all.begin(), all.end(), complete)) return "no run is complete";
+  const bool truth = std::any_of(study.runs.begin(), study.runs.end(),
+                                 [](const TrajectoryRun& run) { return !run.without_truth; });
+  if (!truth && !study.runs.empty()) return "there is no ground truth, and so no error";
   std::string text;
   for (const RunsSummary& s : all) {
     text += text.empty() ? "median ATE" : ",";
     if (!s.calibration.empty()) text += " of " + s.calibration;
-    text +=
-        s.ate_median_m ? fmt::format(" {:.3g} m", *s.ate_median_m) : " unknown (no complete run)";
+    text += s.ate_median_m    ? fmt::format(" {:.3g} m", *s.ate_median_m)
+            : s.complete == 0 ? " unknown (no complete run)"
+                              : " unknown (half of the runs or more are not complete)";
   }
   for (const PairedDifference& d : study.paired) text += pairedWords(d);
   return text.empty() ? "no run has an error" : text;

@@ -57,15 +57,10 @@ std::string stepText(const ParameterSensitivity& p) {
   return p.unit == "-" ? step : step + " " + unit.unit;
 }
 
-/// Twice the noise is what a change must exceed to be told from chance. What has no change, as one
-/// of its runs lost track, is not told either.
-bool isTold(const CalibrationSensitivity& s, const ParameterSensitivity& p) {
-  return p.change_m && std::abs(*p.change_m) > 2 * s.noise_m;
-}
-
 /// As many digits as chance leaves, to a micrometre.
 std::string millimetres(const CalibrationSensitivity& s, double metres) {
-  const std::string text = withPrecisionOf(1e3 * metres, 1e3 * std::max(s.noise_m, 1e-5));
+  const std::string text =
+      withPrecisionOf(1e3 * metres, 1e3 * std::max(s.noise_m.value_or(0), 1e-5));
   return metres > 0 ? "+" + text : text;
 }
 
@@ -73,28 +68,45 @@ Cell change(const CalibrationSensitivity& s, const std::optional<double>& metres
   return number(metres ? millimetres(s, *metres) : kDash);
 }
 
-/// Names the one that makes the error largest; those that lower it stand in the table alone.
+/// The parameters whose changed runs failed, then the largest of the effects that are told from
+/// chance.
+std::string effectsOf(const CalibrationSensitivity& s) {
+  std::string lost;
+  const ParameterSensitivity* largest = nullptr;  // they come largest first
+  for (const ParameterSensitivity& p : s.parameters) {
+    if (!p.change_m) lost += (lost.empty() ? "" : ", ") + p.name;
+    if (p.above_chance && !largest) largest = &p;
+  }
+  std::string text;
+  if (!lost.empty()) text = fmt::format("Runs with a change of {} failed. ", lost);
+  if (largest) {
+    const double change_m = *largest->change_m;
+    return text + fmt::format(
+                      "{} has the largest effect{}: changed by {} it {} the ATE of {:.2f} mm by {} "
+                      "mm. ",
+                      largest->name, lost.empty() ? "" : " of the others", stepText(*largest),
+                      change_m > 0 ? "raises" : "lowers", 1e3 * s.ate_m,
+                      // Without the sign, which the word has.
+                      millimetres(s, std::abs(change_m)).substr(1));
+  }
+  return text + fmt::format("No {}parameter changes the ATE of {:.2f} mm by more than chance. ",
+                            lost.empty() ? "" : "other ", 1e3 * s.ate_m);
+}
+
 std::string sentenceOf(const CalibrationSensitivity& s) {
   std::string text;
-  const ParameterSensitivity* worst = nullptr;
-  for (const ParameterSensitivity& p : s.parameters) {
-    if (isTold(s, p) && *p.change_m > 0 && (!worst || *p.change_m > *worst->change_m)) worst = &p;
-  }
-  if (worst) {
-    // Without the sign of the change, which is positive.
-    text = fmt::format(
-        "{} has the largest effect: changed by {} it adds {} mm to the ATE of {:.2f} mm. ",
-        worst->name, stepText(*worst), millimetres(s, *worst->change_m).substr(1), 1e3 * s.ate_m);
+  if (s.noise_m) {
+    text = effectsOf(s) + fmt::format(
+                              "Chance: {} mm (one standard deviation); dots mark what exceeds it "
+                              "twice.",
+                              twoDigits(1e3 * *s.noise_m));
   } else {
-    text = fmt::format("No parameter adds more to the ATE of {:.2f} mm than chance does. ",
-                       1e3 * s.ate_m);
+    text = "Runs with changes by chance failed, so no effect can be told from it.";
   }
-  text += fmt::format("Chance: {} mm (one standard deviation); dots mark what exceeds it twice.",
-                      twoDigits(1e3 * s.noise_m));
-  if (s.whole_m && s.interaction_m) {
+  if (s.whole_m && s.sum_m && s.interaction_m) {
     text += fmt::format(
         " All changed together: {} mm. The single changes add up to {} mm; interaction: {} mm.",
-        millimetres(s, *s.whole_m), millimetres(s, s.sum_m), millimetres(s, *s.interaction_m));
+        millimetres(s, *s.whole_m), millimetres(s, *s.sum_m), millimetres(s, *s.interaction_m));
   }
   return text;
 }
@@ -108,7 +120,7 @@ Table parametersTable(const CalibrationSensitivity& s) {
               {}};
   for (const ParameterSensitivity& p : s.parameters) {
     Cell mean = change(s, p.change_m);
-    if (isTold(s, p)) mean.level = VerdictLevel::kCaution;
+    if (p.above_chance) mean.level = VerdictLevel::kCaution;
     table.rows.push_back({code(p.name), number(stepText(p)), change(s, p.plus_m),
                           change(s, p.minus_m), std::move(mean)});
   }

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics/statistics.h"
 #include "report/html/trajectory/sections.h"
 
 namespace plumbline::html_internal {
@@ -33,16 +32,17 @@ std::vector<Cell> runRow(const TrajectoryRun& run) {
   const SampleStatistics& ate = run.ate_translation_m;
   const SampleStatistics& turn = run.ate_rotation_deg;
   const bool known = ate.n > 0;
-  return {nameCell(run.sequence),
-          nameCell(run.calibration),
-          nameCell(run.run),
-          statusCell(run),
-          number(fmt::format("{:.1f}", 100 * run.coverage)),
-          number(known ? metres(ate.rmse) : kDash),
-          number(known ? metres(ate.median) : kDash),
-          number(known ? metres(ate.max) : kDash),
-          number(turn.n > 0 ? fmt::format("{:.3f}", turn.rmse) : kDash),
-          run.problem.empty() ? Cell{kDash} : Cell{run.problem}};
+  return {
+      nameCell(run.sequence),
+      nameCell(run.calibration),
+      nameCell(run.run),
+      statusCell(run),
+      number(run.status == RunStatus::kFailed ? kDash : fmt::format("{:.1f}", 100 * run.coverage)),
+      number(known ? metres(ate.rmse) : kDash),
+      number(known ? metres(ate.median) : kDash),
+      number(known ? metres(ate.max) : kDash),
+      number(turn.n > 0 ? fmt::format("{:.3f}", turn.rmse) : kDash),
+      run.problem.empty() ? Cell{kDash} : Cell{run.problem}};
 }
 
 Table runsTable(const std::vector<TrajectoryRun>& runs) {
@@ -61,18 +61,8 @@ Table runsTable(const std::vector<TrajectoryRun>& runs) {
   return withoutEmptyColumns(std::move(table));
 }
 
-/// The summary of every calibration over all sequences.
-std::vector<RunsSummary> overall(const TrajectoryStudy& study) {
-  std::vector<RunsSummary> all;
-  for (const RunsSummary& s : study.summary) {
-    if (s.sequence.empty()) all.push_back(s);
-  }
-  return all.empty() ? study.summary : all;  // one sequence is all there is
-}
-
-/// Over the complete runs alone; the headline's median counts the others as larger than any.
 std::string medianText(const RunsSummary& s) {
-  return s.ate_complete_median_m ? metres(*s.ate_complete_median_m) : kDash;
+  return s.ate_median_m ? metres(*s.ate_median_m) : kDash;
 }
 
 Table completionTable(const TrajectoryStudy& study) {
@@ -80,9 +70,9 @@ Table completionTable(const TrajectoryStudy& study) {
                {"Completed"},
                {"Partial", kNumber},
                {"Failed", kNumber},
-               {"Median ATE RMSE of complete runs [m]", kNumber}},
+               {"Median ATE RMSE [m]", kNumber}},
               {}};
-  for (const RunsSummary& s : overall(study)) {
+  for (const RunsSummary& s : overAll(study)) {
     table.rows.push_back(
         {{s.calibration.empty() ? kDash : s.calibration},
          {fmt::format("{} of {}", s.complete, s.expected), Cell::Kind::kText, s.level},
@@ -93,31 +83,19 @@ Table completionTable(const TrajectoryStudy& study) {
   return withoutEmptyColumns(std::move(table));
 }
 
-/// Of the ATE's RMSE over the complete runs; none where there is no such run.
-std::optional<double> medianOf(const std::vector<TrajectoryRun>& runs, const std::string& sequence,
-                               const std::string& calibration) {
-  std::vector<double> rmse;
-  for (const TrajectoryRun& run : runs) {
-    if (run.sequence == sequence && run.calibration == calibration &&
-        run.status == RunStatus::kComplete && run.ate_translation_m.n > 0) {
-      rmse.push_back(run.ate_translation_m.rmse);
-    }
-  }
-  if (rmse.empty()) return std::nullopt;
-  return quantile(rmse, 0.5);
-}
-
-/// Sequences by calibrations; the smallest of a row of several is set off.
-Table sequencesTable(const std::vector<TrajectoryRun>& runs) {
-  const std::vector<std::string> calibrations = calibrationsOf(runs);
+/// Sequences by calibrations; the smallest median of a row of several is set off.
+Table sequencesTable(const TrajectoryStudy& study) {
+  const std::vector<std::string> calibrations = calibrationsOf(study.runs);
   Table table{{{"Sequence"}}, {}};
   for (const std::string& c : calibrations) table.columns.push_back({c + " [m]", kNumber});
-  for (const std::string& sequence : sequencesOf(runs)) {
+  for (const std::string& sequence : sequencesOf(study.runs)) {
     std::vector<std::optional<double>> medians;
     double least = std::numeric_limits<double>::infinity();
     for (const std::string& c : calibrations) {
-      medians.push_back(medianOf(runs, sequence, c));
-      // A calibration without a complete run is passed over.
+      const auto found = std::find_if(
+          study.summary.begin(), study.summary.end(),
+          [&](const RunsSummary& s) { return s.sequence == sequence && s.calibration == c; });
+      medians.push_back(found == study.summary.end() ? std::nullopt : found->ate_median_m);
       least = std::min(least, medians.back().value_or(least));
     }
     std::vector<Cell> row{nameCell(sequence)};
@@ -158,13 +136,15 @@ Table remarksTable(const std::vector<TrajectoryRun>& runs) {
   return table;
 }
 
+std::string coverageText(const TrajectoryRun& run) {
+  if (run.without_truth) return "no ground truth";
+  if (run.status == RunStatus::kFailed) return "failed";
+  return fmt::format("{}, {:.1f} % of the truth's time", toString(run.status), 100 * run.coverage);
+}
+
 Card oneRunCard(const TrajectoryRun& run) {
   return {"ATE RMSE", run.ate_translation_m.n > 0 ? metres(run.ate_translation_m.rmse) : kDash, "m",
-          fmt::format("{}, {:.1f} % of the truth's time",
-                      run.status == RunStatus::kComplete  ? "complete"
-                      : run.status == RunStatus::kPartial ? "partial"
-                                                          : "failed",
-                      100 * run.coverage)};
+          coverageText(run)};
 }
 
 }  // namespace
@@ -172,12 +152,11 @@ Card oneRunCard(const TrajectoryRun& run) {
 std::vector<Card> trajectoryCards(const TrajectoryStudy& study) {
   if (study.runs.size() == 1) return {oneRunCard(study.runs.front())};
   std::vector<Card> cards;
-  for (const RunsSummary& s : overall(study)) {
-    cards.push_back(
-        {"ATE, " + (s.calibration.empty() ? std::string("all runs") : s.calibration), medianText(s),
-         "m",
-         fmt::format("median RMSE of complete runs; {} of {} complete, {} partial, {} failed",
-                     s.complete, s.expected, s.partial, s.failed)});
+  for (const RunsSummary& s : overAll(study)) {
+    cards.push_back({"ATE, " + (s.calibration.empty() ? std::string("all runs") : s.calibration),
+                     medianText(s), "m",
+                     fmt::format("median RMSE; {} of {} complete, {} partial, {} failed",
+                                 s.complete, s.expected, s.partial, s.failed)});
   }
   return cards;
 }
@@ -193,13 +172,19 @@ Section runsSection(const TrajectoryStudy& study) {
                   {}};
   if (runs.empty()) return section;
   if (runs.size() > 1) {
-    section.blocks.push_back({"Completion", "", completionTable(study), {}, {}});
+    section.blocks.push_back(
+        {"Completion",
+         "In the median a run that is not complete counts as larger than any; none where half of "
+         "the runs or more are not.",
+         completionTable(study),
+         {},
+         {}});
   }
   if (calibrationsOf(runs).size() > 1) {
     section.blocks.push_back({"Sequences and calibrations",
-                              "Median ATE RMSE of complete runs; the smallest of a sequence is "
-                              "bold, even if it is not significant (paired differences, below).",
-                              sequencesTable(runs),
+                              "Median ATE RMSE, as above; the smallest of a sequence is bold, even "
+                              "if it is not significant (paired differences, below).",
+                              sequencesTable(study),
                               {},
                               {}});
   }

@@ -155,6 +155,10 @@ TEST_F(OtherOdometry, KeepsEveryEndOfARun) {
 TEST_F(OtherOdometry, RunsAsOftenAsAskedAndSaysWhatItCannotStart) {
   ASSERT_EQ(standIn({"good"}, "--runs 3").exit_code, 0);
   EXPECT_EQ(document()["runs"].size(), 3U);
+  const json before = document()["provenance"]["input_hash"];
+  write(folder_ / "truth.txt", circle() + "# the same poses\n");
+  ASSERT_EQ(standIn({"good"}).exit_code, 0);
+  EXPECT_NE(document()["provenance"]["input_hash"], before) << "the truth is an input";
   const Outcome outcome =
       odometry((folder_ / "seq").string() + " --calibration " + kCalibration.string() +
                " --truth " + (folder_ / "truth.txt").string() + " --with /no/such/vio");
@@ -248,6 +252,21 @@ TEST_F(OtherOdometry, RefusesWhatCannotBeCompared) {
   EXPECT_EQ(alone.exit_code, 2) << alone.text;
   EXPECT_THAT(alone.text, HasSubstr("states no standard deviations"));
   EXPECT_EQ(odometry(sequence + calibration + " --executable x").exit_code, 2);
+  const Outcome open =
+      odometry(sequence + calibration + " --truth '" + folder_.string() + "/{sequence'");
+  EXPECT_EQ(open.exit_code, 2) << open.text;
+  EXPECT_THAT(open.text, HasSubstr("{sequence is not closed"));
+  EXPECT_EQ(odometry(sequence + calibration + " --memory-limit 99999999999").exit_code, 2);
+  // What is read beside sequence and calibrations lies in no output either.
+  fs::create_directories(folder_ / "out");
+  for (const char* option : {"--truth", "--imu"}) {
+    write(folder_ / "out/read.yaml", "x\n");
+    const Outcome inside = odometry(sequence + calibration + " " + option + " " +
+                                    (folder_ / "out/read.yaml").string());
+    EXPECT_EQ(inside.exit_code, 2);
+    EXPECT_THAT(inside.text, HasSubstr("an input")) << option;
+    EXPECT_TRUE(fs::exists(folder_ / "out/read.yaml"));
+  }
 }
 
 // Four seconds of rendered images, and what may be wrong with them and with the calibration.

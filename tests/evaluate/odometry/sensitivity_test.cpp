@@ -61,10 +61,11 @@ TEST(Sensitivity, SinglesSumAndInteractionAreThoseOfAKnownError) {
   EXPECT_NEAR(rowOf(s, "T_SC0.ty").change_m.value(), 0.003, 1e-9);
   EXPECT_EQ(s.parameters[0].name, "cam0.fu");  // the larger first
   EXPECT_FALSE(s.parameters[0].minus_m.has_value());
-  EXPECT_NEAR(s.sum_m, 0.007, 1e-9);
+  EXPECT_NEAR(s.sum_m.value(), 0.007, 1e-9);
   EXPECT_NEAR(s.whole_m.value(), 0.004 + 0.003 + 0.008, 1e-9);
   EXPECT_NEAR(s.interaction_m.value(), 0.008, 1e-9);
-  EXPECT_LT(s.noise_m, 2e-5);
+  EXPECT_LT(s.noise_m.value(), 2e-5);
+  EXPECT_TRUE(s.parameters[0].above_chance);
 
   // Both ways a linear change cancels, and the quadratic one stays.
   SensitivitySteps both = towards;
@@ -87,7 +88,9 @@ TEST(Sensitivity, NoiseIsTheSpreadUnderMovesThatMeanNothing) {
   SensitivitySteps steps;
   steps.steps = Eigen::VectorXd::Constant(
       static_cast<Eigen::Index>(calibrationParameters(rig()).size()), 1e-3);
-  EXPECT_GT(sensitivityOf(rig(), steps, ate, 1, {}).noise_m, 5e-5);
+  const CalibrationSensitivity s = sensitivityOf(rig(), steps, ate, 1, {});
+  EXPECT_GT(s.noise_m.value(), 5e-5);
+  EXPECT_FALSE(rowOf(s, "T_SC0.ty").above_chance);
 }
 
 TEST(Sensitivity, AFailedRunHasNoChange) {
@@ -105,6 +108,43 @@ TEST(Sensitivity, AFailedRunHasNoChange) {
   EXPECT_FALSE(row.plus_m.has_value());
   EXPECT_TRUE(row.minus_m.has_value());
   EXPECT_FALSE(row.change_m.has_value());
+  EXPECT_FALSE(s.sum_m.has_value());
+}
+
+// What no change is explained by the others: not known, and not their interaction.
+TEST(Sensitivity, AFailedRunLeavesSumAndInteractionOpen) {
+  const Eigen::Index fu = indexOf("cam0.fu"), ty = indexOf("T_SC0.ty");
+  const auto ate = [&](const Calibration& c) -> std::optional<double> {
+    const Eigen::VectorXd d = calibrationChange(c, rig());
+    if (d[fu] > 0.5 && d[ty] == 0) return std::nullopt;
+    return 0.01 + d[ty];
+  };
+  SensitivitySteps steps;
+  steps.steps =
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(calibrationParameters(rig()).size()));
+  steps.steps[fu] = 1;
+  steps.steps[ty] = 1e-3;
+  steps.both_ways = false;
+  const CalibrationSensitivity s = sensitivityOf(rig(), steps, ate, 1, {});
+  EXPECT_EQ(s.parameters[0].name, "cam0.fu") << "it does most";
+  EXPECT_TRUE(s.whole_m.has_value());
+  EXPECT_FALSE(s.sum_m || s.interaction_m);
+}
+
+TEST(Sensitivity, WithoutRunsForTheNoiseNothingIsAboveChance) {
+  const Eigen::Index fu = indexOf("cam0.fu");
+  const auto ate = [&](const Calibration& c) -> std::optional<double> {
+    const double x = std::abs(calibrationChange(c, rig())[fu]);
+    return x > 1e-6 && x < 0.5 ? std::nullopt : std::optional(0.01 + x);
+  };
+  SensitivitySteps steps;
+  steps.steps =
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(calibrationParameters(rig()).size()));
+  steps.steps[fu] = 1;
+  const CalibrationSensitivity s = sensitivityOf(rig(), steps, ate, 1, {});
+  EXPECT_FALSE(s.noise_m.has_value());
+  EXPECT_NEAR(rowOf(s, "cam0.fu").change_m.value(), 1, 1e-9);
+  EXPECT_FALSE(rowOf(s, "cam0.fu").above_chance);
 }
 
 TEST(Sensitivity, DeviationsAreFoundByName) {

@@ -131,6 +131,7 @@ TEST_F(EvaluateRuns, NothingIsDropped) {
     EXPECT_EQ(r.status, status) << sequence << run;
     EXPECT_THAT(r.problem, HasSubstr(words));
     EXPECT_EQ(r.t.empty(), status == RunStatus::kFailed);
+    EXPECT_EQ(r.ate_translation_m.n == 0, status == RunStatus::kFailed);
   };
   expect("MH_01", "0", RunStatus::kFailed, "no file");
   expect("MH_01", "1", RunStatus::kFailed, "MH_01_1.txt:1");

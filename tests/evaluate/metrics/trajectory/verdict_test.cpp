@@ -64,6 +64,23 @@ TEST(TrajectoryVerdict, WithoutACompleteRunSaysSo) {
   EXPECT_THAT(v.headline, Not(HasSubstr("unknown")));
 }
 
+TEST(TrajectoryVerdict, AMedianMayBeUnknownThoughSomeRunsAreComplete) {
+  TrajectoryRun failed = completeRun("ours", "2");
+  failed.status = RunStatus::kFailed;
+  TrajectoryStudy study = studyOf({completeRun("ours", "1"), failed});
+  study.summary[0].ate_median_m.reset();
+  EXPECT_THAT(trajectoryVerdict(study).headline,
+              HasSubstr("Median ATE of ours unknown (half of the runs or more are not complete)"));
+}
+
+TEST(TrajectoryVerdict, RunsWithoutTruthAreCompleteAndHaveNoError) {
+  TrajectoryRun run = completeRun("ours", "1");
+  run.without_truth = true;
+  TrajectoryStudy study = studyOf({run, run});
+  study.summary[0].ate_median_m.reset();
+  EXPECT_EQ(trajectoryVerdict(study).headline, "There is no ground truth, and so no error.");
+}
+
 TEST(TrajectoryVerdict, OfOneSequenceCountsItsRows) {
   TrajectoryStudy study = studyOf({completeRun("ours", "1"), completeRun("ours", "2")});
   study.summary[0].sequence = "MH_01";
