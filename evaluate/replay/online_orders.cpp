@@ -124,7 +124,7 @@ class Online {
 
   void step(int most) {
     const int views = static_cast<int>(used_.size());
-    const int count = std::min(most, options_.at_every_view ? 1 : viewsUntilNextEstimate(views));
+    const int count = std::min(most, viewsUntilNextEstimate(views));
     const auto solution = views > 0 ? pool_.solve(framesUsed()) : std::nullopt;
     // Too few views, or too much alike: one more is taken blindly.
     if (!solution) return addNext();

@@ -171,7 +171,7 @@ class Remarks {
     if (greedy == nullptr || random == nullptr) return;
     const auto at = std::lower_bound(greedy->views.begin(), greedy->views.end(), views());
     const auto i = static_cast<std::size_t>(at - greedy->views.begin());
-    if (at == greedy->views.end() || i >= random->held_out_px.size()) return;
+    if (at == greedy->views.end() || *at != views() || i >= random->held_out_px.size()) return;
     if (!greedy->held_out_px[i] || !random->held_out_px[i] || !random->held_out_px.back()) return;
     // held_out_px.back() is the whole pool's, as of any order that holds all of it.
     const Comparison there{greedy->held_out_px[i]->median, *random->held_out_px[i], random->seeds};
@@ -212,7 +212,7 @@ class Remarks {
     const std::size_t used = guide.empty() ? 0 : guide.front()->order.size();
     out_.push_back(fmt::format(
         "Of {} frames that the guide kept {} are in the pool and on its curve; the others lie in "
-        "or beside held-out blocks.",
+        "or beside held-out blocks, or have no plausible pose.",
         guide_frames, used));
   }
 

@@ -87,9 +87,10 @@ std::string replaySummary(const ReplayRecord& record) {
   }
   if (record.counterfactuals) addCounterfactuals(text, *record.counterfactuals);
   if (record.compliance) {
-    add(text, "operator: reached {} of {} suggestions, median {:.1f} s\n",
-        record.compliance->reached, record.compliance->suggestions.size(),
-        record.compliance->median_seconds_to_reach);
+    const OperatorCompliance& c = *record.compliance;
+    add(text, "operator: reached {} of {} suggestions", c.reached, c.suggestions.size());
+    if (c.reached > 0) add(text, ", median {:.1f} s", c.median_seconds_to_reach);
+    add(text, "\n");
   }
   add(text, "\n{}", verdictText(record.verdict));
   return fmt::to_string(text);

@@ -42,9 +42,6 @@ struct OnlineOrderOptions {
   ViewCriterion criterion = ViewCriterion::kPredictedError;
   LaterUseKind later_use = LaterUseKind::kSeen;  ///< of the frames to choose from
   int most_views = 40;
-  /// The estimate is made anew with every view up to 8, then with every 2nd, 4th, 6th, 10th (from
-  /// 12, 20, 32 on); views in between are chosen at the estimate before.
-  bool at_every_view = false;
 
   /// Throws InputError for values out of range.
   void check() const;
@@ -64,7 +61,8 @@ struct OnlineOrder {
 };
 
 /// Frames of a pool in the order in which a criterion takes them, each decision at the estimate of
-/// its time: the batch over the views so far. `first`, of `candidates`, are its beginning. A view
+/// its time: the batch over the views so far, made anew with every view up to 8, then with every
+/// 2nd, 4th, 6th, 10th (from 12, 20, 32 on). `first`, of `candidates`, are its beginning. A view
 /// whose RMSE at that estimate exceeds three times the candidates' median is not taken: one
 /// photograph of several px error would inflate all components. While the views so far do not
 /// determine the cameras the next ones come as `candidates` lists them.

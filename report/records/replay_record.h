@@ -41,8 +41,8 @@ struct SuggestionOutcome {
   std::optional<double> mean_px;      ///< mean of the distance over its frames
   std::optional<double> closest_m;    ///< least distance of the camera's position
   std::optional<double> closest_rad;  ///< and of its orientation, at that instant
-  /// Per camera, what it would see at suggestion.T_FC0, by the cameras that the guide had then:
-  /// what the operator would have been shown. Empty: nothing is overlaid.
+  /// Per camera, what it would see at suggestion.T_FC0, by the record's cameras and not those that
+  /// the guide had then. Empty: nothing is overlaid.
   std::vector<std::vector<Corner>> overlay;
 };
 

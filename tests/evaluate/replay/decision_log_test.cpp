@@ -96,5 +96,16 @@ TEST(DecisionLog, SuggestionsAndRoundsComeWithTheirFrame) {
   EXPECT_FALSE(json::parse(decisionLine(d))["round"].contains("reach_s")) << "does not count";
 }
 
+// No time to reach any is stated where none was.
+TEST(ReplaySummary, OfSuggestionsThatWereNotReachedHasNoTime) {
+  ReplayRecord record;
+  record.compliance.emplace().suggestions.resize(5);
+  EXPECT_THAT(replaySummary(record), ::testing::HasSubstr("reached 0 of 5 suggestions\n"));
+  record.compliance->reached = 2;
+  record.compliance->median_seconds_to_reach = 3;
+  EXPECT_THAT(replaySummary(record),
+              ::testing::HasSubstr("reached 2 of 5 suggestions, median 3.0 s"));
+}
+
 }  // namespace
 }  // namespace plumbline
