@@ -92,7 +92,7 @@ TEST(HandEye, IsTheMinimumThatCeresFinds) {
   // The covariance is scaled by what the residuals are of the noise stated.
   const double chi2 = 2 * summary.final_cost / (6.0 * static_cast<double>(pairs.size()) - 13);
   ceres::Covariance covariance{ceres::Covariance::Options()};
-  ASSERT_TRUE(covariance.Compute({{x, x}}, &problem));
+  ASSERT_TRUE(covariance.Compute(std::vector<const double*>{x}, &problem));
   Eigen::Matrix<double, 13, 13, Eigen::RowMajor> expected;
   covariance.GetCovarianceBlock(x, x, expected.data());
   for (int k = 0; k < 13; ++k) {
