@@ -202,10 +202,8 @@ ConvergenceBasin convergenceBasin(const PerturbationRecord& record, double bound
     // side. Zero counts above.
     bool& open = c->amount < 0 ? open_below : open_above;
     const bool recovered = c->problem.empty() && std::abs(c->offset_error_s) <= bound_s;
-    if (!recovered) ++basin.failed;
     open = open && recovered;
     if (!open) continue;
-    ++basin.inside;
     basin.from_ms = std::min(basin.from_ms, c->amount);
     basin.to_ms = std::max(basin.to_ms, c->amount);
   }

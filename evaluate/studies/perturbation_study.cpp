@@ -136,8 +136,10 @@ void compare(const Solution& solution, const Solution& base, const std::vector<d
       solution.calibration.imu->timeOffset() - injected - base.calibration.imu->timeOffset();
 }
 
-PerturbationRecord startRecord(const Solution& base) {
+PerturbationRecord startRecord(const StudyInputs& inputs, const Solution& base) {
   PerturbationRecord record;
+  // First: the findings go by the corners' noise.
+  record.assumptions = assumptionsOf(inputs.camera, inputs.camera_imu, *inputs.session);
   for (const CalibrationParameter& p : calibrationParameters(base.calibration)) {
     record.parameters.push_back(p.name);
     record.units.push_back(p.unit);
@@ -200,7 +202,7 @@ Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
   StudyInputs inputs = asked;
   const auto base = solveBase(inputs);
   if (!base) return base.failure();
-  PerturbationRecord record = startRecord(*base);
+  PerturbationRecord record = startRecord(inputs, *base);
   record.cases.resize(perturbations.size());
   std::atomic<std::size_t> done = 0;
   std::mutex telling;
@@ -242,7 +244,6 @@ Result<PerturbationRecord> perturbSession(const PerturbRequest& asked,
   auto record = perturbationStudy(inputs, request.perturbations, options);
   if (!record) return record;
   attribute(record.value(), request.provenance, loaded);
-  record.value().assumptions = assumptionsOf(request.camera, request.camera_imu, loaded.session);
   return record;
 }
 

@@ -29,14 +29,14 @@ struct PerturbationStudyOptions {
 };
 
 /// Calibrates the session as it is (the base) and once for every perturbation, each from its own
-/// first guess, never from the base's solution. Cameras are calibrated again only where a
-/// perturbation touches them and they were not given. Under a moved IMU the frames are those of the
-/// base, so that
+/// first guess; only initial-intrinsics starts from the base's cameras, with other focal lengths.
+/// Cameras are calibrated again only where a perturbation touches them and they were not given.
+/// Under a moved IMU the frames are those of the base, so that
 ///   error = recovered - injected - base
 /// compares the same measurements. A case that fails is kept with its problem.
 ///
-/// The record has everything but name, provenance and assumptions. Fails where the base does;
-/// throws InputError for amounts out of range and for IMU perturbations of a session without one.
+/// The record has everything but name and provenance. Fails where the base does; throws InputError
+/// for amounts out of range and for IMU perturbations of a session without one.
 Result<PerturbationRecord> perturbationStudy(const StudyInputs& inputs,
                                              const std::vector<Perturbation>& perturbations,
                                              const PerturbationStudyOptions& options = {});
@@ -65,8 +65,6 @@ Result<PerturbationRecord> perturbSession(const PerturbRequest& request,
 struct ConvergenceBasin {
   double from_ms = 0;  ///< smallest injected offset of the unbroken range that holds 0
   double to_ms = 0;
-  int inside = 0;  ///< cases in the range
-  int failed = 0;  ///< offsets outside: not converged, or recovered worse than the bound
 };
 
 /// Basin of the cases "imu-shift" with |error| <= `bound_s`.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -12,11 +13,32 @@
 namespace plumbline {
 namespace {
 
-void addRow(Text& text, const PerturbationCase& c, std::size_t parameters) {
-  add(text, "{},{},{},{},{},{},{},{},{},{},{},{}", c.kind, c.amount, c.unit, c.seed,
-      c.problem.empty() ? "yes" : "no", c.rmse_px, c.frames, c.iterations, c.time_offset_s,
-      c.time_offset_std_s.value_or(0), c.offset_error_s, csvCell(c.problem));
-  for (std::size_t i = 0; i < parameters; ++i) {
+/// Of a time offset; without one nothing, which 0 would not say.
+struct OffsetFigures {
+  std::optional<double> value_s, std_s, error_s;
+};
+
+OffsetFigures offsetOf(const PerturbationRecord& record, const PerturbationCase& c) {
+  if (!c.problem.empty() || !hasOffset(record)) return {};
+  return {c.time_offset_s, c.time_offset_std_s, c.offset_error_s};
+}
+
+std::string cell(const std::optional<double>& value) {
+  return value ? fmt::format("{}", *value) : "";
+}
+
+std::string fixed(const std::optional<double>& value, double factor, int decimals) {
+  return value ? fmt::format("{:.{}f}", factor * *value, decimals) : "";
+}
+
+void addRow(Text& text, const PerturbationRecord& record, const PerturbationCase& c) {
+  const bool solved = c.problem.empty();
+  const OffsetFigures offset = offsetOf(record, c);
+  add(text, "{},{},{},{},{},", c.kind, c.amount, c.unit, c.seed, solved ? "yes" : "no");
+  add(text, "{}", solved ? fmt::format("{},{},{}", c.rmse_px, c.frames, c.iterations) : ",,");
+  add(text, ",{},{},{},{}", cell(offset.value_s), cell(offset.std_s), cell(offset.error_s),
+      csvCell(c.problem));
+  for (std::size_t i = 0; i < record.parameters.size(); ++i) {
     add(text, ",{}", i < c.changes.size() ? fmt::format("{}", c.changes[i]) : "");
   }
   add(text, "\n");
@@ -37,9 +59,10 @@ void addLine(Text& text, const PerturbationRecord& record, const PerturbationCas
     add(text, "{:<32} failed: {}\n", what, c.problem);
     return;
   }
-  add(text, "{:<32} {:>12.6f} {:>10.6f} {:>12.4f} {:>9.4f} {:>5}  {}\n", what,
-      1e3 * c.time_offset_s, 1e3 * c.time_offset_std_s.value_or(0), 1e6 * c.offset_error_s,
-      c.rmse_px, c.iterations, largestChange(record, c));
+  const OffsetFigures offset = offsetOf(record, c);
+  add(text, "{:<32} {:>12} {:>10} {:>12} {:>9.4f} {:>5}  {}\n", what, fixed(offset.value_s, 1e3, 6),
+      fixed(offset.std_s, 1e3, 6), fixed(offset.error_s, 1e6, 4), c.rmse_px, c.iterations,
+      largestChange(record, c));
 }
 
 }  // namespace
@@ -53,8 +76,8 @@ std::string perturbationTable(const PerturbationRecord& record) {
     add(text, ",change of {} [{}]", record.parameters[i], record.units[i]);
   }
   add(text, "\n");
-  addRow(text, record.base, record.parameters.size());
-  for (const PerturbationCase& c : record.cases) addRow(text, c, record.parameters.size());
+  addRow(text, record, record.base);
+  for (const PerturbationCase& c : record.cases) addRow(text, record, c);
   return fmt::to_string(text);
 }
 
@@ -62,10 +85,10 @@ std::string perturbationSummary(const PerturbationRecord& record) {
   Text text;
   add(text, "{:<32} {:>12} {:>10} {:>12} {:>9} {:>5}  {}\n", "", "offset [ms]", "std [ms]",
       "error [us]", "RMSE [px]", "iter.", "largest other change");
-  PerturbationCase base = record.base;
-  add(text, "{:<32} {:>12.6f} {:>10.6f} {:>12} {:>9.4f} {:>5}\n", "as recorded",
-      1e3 * base.time_offset_s, 1e3 * base.time_offset_std_s.value_or(0), "", base.rmse_px,
-      base.iterations);
+  const OffsetFigures offset = offsetOf(record, record.base);
+  add(text, "{:<32} {:>12} {:>10} {:>12} {:>9.4f} {:>5}\n", "as recorded",
+      fixed(offset.value_s, 1e3, 6), fixed(offset.std_s, 1e3, 6), "", record.base.rmse_px,
+      record.base.iterations);
   for (const PerturbationCase& c : record.cases) addLine(text, record, c);
   add(text, "\n{}", verdictText(record.verdict));
   return fmt::to_string(text);

@@ -20,4 +20,9 @@ std::optional<std::size_t> largestOtherChange(const std::vector<std::string>& pa
   return worst;
 }
 
+bool hasOffset(const PerturbationRecord& record) {
+  return std::find(record.parameters.begin(), record.parameters.end(), "time_offset") !=
+         record.parameters.end();
+}
+
 }  // namespace plumbline

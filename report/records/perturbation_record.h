@@ -95,6 +95,9 @@ struct PerturbationRecord {
   std::vector<PerturbationCase> cases;
 };
 
+/// Whether time offsets were estimated: not by a study of cameras alone.
+bool hasOffset(const PerturbationRecord& record);
+
 /// perturbation.json.
 template <class V>
 void fields(V& v, PerturbationRecord& r) {

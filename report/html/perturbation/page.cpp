@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "report/html/page.h"
 #include "report/html/perturbation/figures.h"
 #include "report/html/section.h"
@@ -16,12 +17,6 @@ namespace {
 using namespace html_internal;
 
 constexpr const char* kShift = "imu-shift";
-constexpr const char* kOffset = "time_offset";
-
-bool hasOffset(const PerturbationRecord& record) {
-  return std::find(record.parameters.begin(), record.parameters.end(), kOffset) !=
-         record.parameters.end();
-}
 
 std::string largestChange(const PerturbationRecord& record, const PerturbationCase& c) {
   const auto worst = largestOtherChange(record.parameters, c);
@@ -162,7 +157,7 @@ std::vector<Card> cardsOf(const PerturbationRecord& record) {
   for (const PerturbationCase& c : record.cases) {
     if (!c.problem.empty()) {
       ++failed;
-    } else if (c.kind == kShift && std::abs(c.offset_error_s) > worst) {
+    } else if (c.kind == kShift && isLarger(std::abs(c.offset_error_s), worst)) {
       worst = std::abs(c.offset_error_s);
       at = c.amount;
     }
@@ -176,7 +171,7 @@ std::vector<Card> cardsOf(const PerturbationRecord& record) {
     cards.push_back({"Base time offset", milliseconds(record.base), "ms",
                      "std " + stdText(record.base) + " ms"});
   }
-  if (worst >= 0) {
+  if (!(worst < 0)) {  // also where it is not a number
     cards.push_back({"Largest offset error", microseconds(worst, "{:.3g}"), "\u00b5s",
                      fmt::format("at {:+g} ms injected", at)});
   }
