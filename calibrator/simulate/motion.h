@@ -80,7 +80,7 @@ struct FlightOptions {
 /// derivative is analytic and no integrator is involved:
 ///   dq/dt = q' ds/dt,  d2q/dt2 = q'' (ds/dt)^2 + q' d2s/dt2,
 /// with ds/dt = 1 in flight, 0 in the rests, and quintic ramps between them (twice continuously
-/// differentiable). Within 0.45 of the room's half width, 0.6 of its half height.
+/// differentiable). Within 0.45 of the room's half width, 0.4 of its half height.
 class FlightMotion {
  public:
   FlightMotion(const SimulatedRig& rig, double duration_s, const FlightOptions& options);

@@ -36,4 +36,12 @@ double RandomStream::normal() {
   return radius * std::cos(2 * std::numbers::pi * uniform());
 }
 
+Eigen::Vector3d RandomStream::normalVector() {
+  // In statements of their own: the order in which arguments are evaluated is not fixed.
+  const double x = normal();
+  const double y = normal();
+  const double z = normal();
+  return {x, y, z};
+}
+
 }  // namespace plumbline

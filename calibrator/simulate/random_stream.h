@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <initializer_list>
 #include <random>
@@ -26,6 +27,7 @@ enum class RandomPurpose : std::uint64_t {
   kLandmarks,
   kTracks,
   kTexture,
+  kMotionCapture,
 };
 
 /// Reproducible random numbers: std::mt19937_64 (its sequence is fixed by the standard) with
@@ -45,6 +47,8 @@ class RandomStream {
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   /// Standard normal by Box and Muller (cosine branch): two outputs a draw.
   double normal();
+  /// Three of them, x first.
+  Eigen::Vector3d normalVector();
 
  private:
   std::mt19937_64 engine_;

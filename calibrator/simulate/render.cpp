@@ -215,18 +215,20 @@ float TargetRenderer::mixedLight(const View& view, int x, int y, float light) co
 }
 
 std::vector<float> TargetRenderer::illuminate(const Transform& T_FC) const {
-  std::vector<float> light(gain_.size(), static_cast<float>(options_.wall_level));
-  if (T_FC.t.z() <= 0) return light;  // behind the wall
+  std::vector<float> light = gain_;
+  if (T_FC.t.z() <= 0) {  // behind the wall
+    for (float& pixel : light) pixel *= static_cast<float>(options_.wall_level);
+    return light;
+  }
   const View view{T_FC.R.cast<float>(), T_FC.t.cast<float>()};
   std::vector<Hit> above = castRow(view, 0);
   auto pixel = light.begin();
-  auto gain = gain_.begin();
   for (int y = 0; y < height_; ++y) {
     // Each lattice row serves two rows of pixels, and is cast once.
     std::vector<Hit> below = castRow(view, y + 1);
-    for (int x = 0; x < width_; ++x, ++pixel, ++gain) {
-      *pixel = *gain * pixelLight(view, x, y, &above[static_cast<std::size_t>(x)],
-                                  &below[static_cast<std::size_t>(x)]);
+    for (int x = 0; x < width_; ++x, ++pixel) {
+      *pixel *= pixelLight(view, x, y, &above[static_cast<std::size_t>(x)],
+                           &below[static_cast<std::size_t>(x)]);
     }
     above = std::move(below);
   }

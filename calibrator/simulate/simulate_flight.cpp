@@ -122,14 +122,7 @@ class Tracker {
 /// Streams without views, and where every camera stood at every frame.
 void addStreams(SimulatedSession& recording) {
   for (std::size_t c = 0; c < recording.truth.cameras.size(); ++c) {
-    const CameraCalibration& camera = recording.truth.cameras[c];
-    CameraStream stream;
-    stream.name = camera.name;
-    stream.rostopic = camera.rostopic;
-    stream.resolution = camera.intrinsics.resolution;
-    stream.camera_model = toString(camera.intrinsics.projection_model);
-    stream.distortion_model = toString(camera.intrinsics.distortion_model);
-    recording.session.cameras.push_back(std::move(stream));
+    recording.session.cameras.push_back(emptyStream(recording.truth.cameras[c]));
     std::vector<Transform> poses;
     for (const TimeNs t : recording.frame_stamps) {
       poses.push_back(recording.cameraPose(static_cast<int>(c), t));

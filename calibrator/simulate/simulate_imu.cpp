@@ -30,14 +30,6 @@ struct TriadSequence {
   std::vector<Eigen::Vector3d> bias;
 };
 
-/// Drawn in statements of their own: the order in which arguments are evaluated is not fixed.
-Eigen::Vector3d normalVector(RandomStream& random) {
-  const double x = random.normal();
-  const double y = random.normal();
-  const double z = random.normal();
-  return {x, y, z};
-}
-
 /// Noise of all samples. Numbers are drawn outwards from sample 0, forwards and backwards from a
 /// stream each, so that a longer recording or margin keeps the noise of what it had.
 TriadSequence triadSequence(const TriadNoise& noise, std::uint64_t seed, const SampleRange& range) {
@@ -51,8 +43,8 @@ TriadSequence triadSequence(const TriadNoise& noise, std::uint64_t seed, const S
     Eigen::Vector3d bias = noise.initial_bias;
     const std::int64_t last = direction > 0 ? range.after : range.before;
     for (std::int64_t j = 0; j <= last; ++j) {
-      if (j > 0) bias += noise.walk_sigma * normalVector(walk);
-      const Eigen::Vector3d n = noise.white_sigma * normalVector(white);
+      if (j > 0) bias += noise.walk_sigma * walk.normalVector();
+      const Eigen::Vector3d n = noise.white_sigma * white.normalVector();
       const std::int64_t position = range.before + direction * j;
       if (position < 0 || (j == 0 && direction < 0)) continue;  // 0 belongs to the forward pass
       s.white[static_cast<std::size_t>(position)] = n;

@@ -72,12 +72,7 @@ std::vector<TimeNs> nominalStamps(double rate_hz, const SimulationOptions& o) {
 /// Adds the stream of camera `index`, the poses behind its views and what faults struck of it.
 void simulateCamera(SimulatedSession& s, int index, const SimulationOptions& o) {
   const CameraCalibration& camera = s.truth.cameras[static_cast<std::size_t>(index)];
-  CameraStream stream;
-  stream.name = camera.name;
-  stream.rostopic = camera.rostopic;
-  stream.resolution = camera.intrinsics.resolution;
-  stream.camera_model = toString(camera.intrinsics.projection_model);
-  stream.distortion_model = toString(camera.intrinsics.distortion_model);
+  CameraStream stream = emptyStream(camera);
   const ViewFaults faulty(s, index, o);
   std::vector<Transform> poses;
   const auto frames = faultyFrames(s, index, o);
@@ -94,6 +89,15 @@ void simulateCamera(SimulatedSession& s, int index, const SimulationOptions& o) 
 }
 
 }  // namespace
+
+CameraStream emptyStream(const CameraCalibration& camera) {
+  return {camera.name,
+          camera.rostopic,
+          camera.intrinsics.resolution,
+          toString(camera.intrinsics.projection_model),
+          toString(camera.intrinsics.distortion_model),
+          {}};
+}
 
 MotionState SimulatedSession::motionAtImuTime(TimeNs t_imu) const {
   return trajectory.at(secondsBetween(start_ns, t_imu));
@@ -159,6 +163,9 @@ SimulatedSession simulateMotion(const SimulatedRig& rig, AnalyticTrajectory traj
                      .view_poses = {}};
   s.session.name = "simulated-" + rig.name;
   SimulatedImu imu = simulateImu(s.trajectory, *s.truth.imu, gravity_F, o);
+  if (imu.samples.empty()) {
+    throw InputError("no IMU sample is left; expected a shorter gap, or a larger imu_margin_s");
+  }
   s.session.imu = ImuStream{s.truth.imu->rostopic, s.truth.imu->noise, std::move(imu.samples)};
   s.biases = std::move(imu.biases);
   for (std::size_t i = 0; i < o.faults.size(); ++i) {

@@ -91,14 +91,17 @@ struct SimulatedSession {
 /// initial bias at start_ns (backwards in time as well).
 /// Same arguments, same values; every sensor and effect has random numbers of its own, so that no
 /// option shifts another's noise. Faults change what is recorded, not the truth; motionAt...(),
-/// cameraPose() and states are without faults. Throws InputError for options out of range or a rig
-/// without cameras or IMU.
+/// cameraPose() and states are without faults. Throws InputError for options out of range, a rig
+/// without cameras or IMU, or where no IMU sample is left.
 SimulatedSession simulateSession(const SimulatedRig& rig, const SimulationOptions& options = {});
 
 /// The same along any motion, with gravity_F [m/s^2] pointing down: rig, clocks, IMU and states,
 /// without a view. `options.target` and `options.trajectory` are not looked at.
 SimulatedSession simulateMotion(const SimulatedRig& rig, AnalyticTrajectory trajectory,
                                 const Eigen::Vector3d& gravity_F, const SimulationOptions& options);
+
+/// The stream of a camera without views, as its calibration describes it.
+CameraStream emptyStream(const CameraCalibration& camera);
 
 /// IMU samples with the biases that are in them.
 struct SimulatedImu : ImuRecording {
@@ -115,8 +118,10 @@ SimulatedImu simulateImu(const AnalyticTrajectory& trajectory, const ImuCalibrat
 std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
                                    const SimulationOptions& options);
 
-/// Where a camera sees a corner of the target [px]; empty where it cannot.
-using CornerProjection = std::function<std::optional<Eigen::Vector2d>(int corner_id)>;
+/// Where a camera sees a corner of the target that lies at p_F, as a detector has it [px]; empty
+/// where it cannot.
+using CornerProjection =
+    std::function<std::optional<Eigen::Vector2d>(int corner_id, const Eigen::Vector3d& p_F)>;
 
 /// The same for any way of seeing corners.
 std::vector<Corner> visibleCorners(const Resolution& resolution, const CornerProjection& project,

@@ -22,7 +22,8 @@ bool isInside(const Eigen::Vector2d& uv, const Resolution& size, double border) 
 }
 
 /// The four corners of a tag in the image; empty where a detector would not see the tag.
-std::optional<TagCorners> projectTag(const Resolution& resolution, const CornerProjection& project,
+template <class Projection>
+std::optional<TagCorners> projectTag(const Resolution& resolution, const Projection& project,
                                      int tag, const SimulationOptions& o) {
   TagCorners corners;
   for (int k = 0; k < 4; ++k) {
@@ -35,23 +36,6 @@ std::optional<TagCorners> projectTag(const Resolution& resolution, const CornerP
   }
   return corners;
 }
-
-}  // namespace
-
-std::vector<Corner> visibleCorners(const Resolution& resolution, const CornerProjection& project,
-                                   const SimulationOptions& o) {
-  std::vector<Corner> corners;
-  for (int tag = 0; tag < o.target.tagCount(); ++tag) {
-    const auto seen = projectTag(resolution, project, tag, o);
-    if (!seen) continue;
-    for (int k = 0; k < 4; ++k) {
-      corners.push_back({4 * tag + k, (*seen)[static_cast<std::size_t>(k)]});
-    }
-  }
-  return corners;
-}
-
-namespace {
 
 /// tagEdgeScale() of the tag whose corners begin with id `first`, by its edges as the detector has
 /// them, wider by `relative` where they span kTagEdgePx; 1 where it is not seen whole.
@@ -73,16 +57,13 @@ double edgeScaleOf(const Projection& project, int first, double relative) {
 
 }  // namespace
 
-std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
+std::vector<Corner> visibleCorners(const Resolution& resolution, const CornerProjection& project,
                                    const SimulationOptions& o) {
-  // Behind the board, whose back is not printed. A projection alone would see through it.
-  if (T_FC.t.z() <= 0) return {};
-  const Transform T_CF = T_FC.inverse();
   AprilGrid board = o.target;
   const double tag_edge = std::exchange(board.shape.terms[kTargetTerms - 1], 0);
   const std::vector<Eigen::Vector3d> points = cornerPoints(board);
   const auto exact = [&](int corner_id) {
-    return project(camera, T_CF * points[static_cast<std::size_t>(corner_id)]);
+    return project(corner_id, points[static_cast<std::size_t>(corner_id)]);
   };
   const auto projection = [&](int corner_id) {
     if (tag_edge == 0) return exact(corner_id);
@@ -91,7 +72,26 @@ std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_
     const Eigen::Vector3d outward(k == 1 || k == 2 ? 0.5 : -0.5, k == 2 || k == 3 ? 0.5 : -0.5, 0);
     const double wider = tag_edge * edgeScaleOf(exact, corner_id - k, tag_edge / board.tag_size);
     const Eigen::Vector3d& p = points[static_cast<std::size_t>(corner_id)];
-    return project(camera, T_CF * (p + wider * outward));
+    return project(corner_id, p + wider * outward);
+  };
+  std::vector<Corner> corners;
+  for (int tag = 0; tag < o.target.tagCount(); ++tag) {
+    const auto seen = projectTag(resolution, projection, tag, o);
+    if (!seen) continue;
+    for (int k = 0; k < 4; ++k) {
+      corners.push_back({4 * tag + k, (*seen)[static_cast<std::size_t>(k)]});
+    }
+  }
+  return corners;
+}
+
+std::vector<Corner> visibleCorners(const Intrinsics& camera, const Transform& T_FC,
+                                   const SimulationOptions& o) {
+  // Behind the board, whose back is not printed. A projection alone would see through it.
+  if (T_FC.t.z() <= 0) return {};
+  const Transform T_CF = T_FC.inverse();
+  const auto projection = [&](int /*corner_id*/, const Eigen::Vector3d& p_F) {
+    return project(camera, T_CF * p_F);
   };
   return visibleCorners(camera.resolution, projection, o);
 }

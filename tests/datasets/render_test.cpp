@@ -198,6 +198,12 @@ TEST(TargetRenderer, WallSurroundsThePaper) {
   EXPECT_LT(image.at(92, 62), 200);  // the target, too far away to resolve
   const GrayImage wall = renderer.render({T_FC.R, {0.3, 0.3, -1}}, 0);
   EXPECT_EQ(wall.at(94, 60), 105);
+  // The lens darkens the wall's back as it does all else.
+  RenderOptions dark_corners = plainOptions();
+  dark_corners.vignetting = 0.4;
+  const TargetRenderer vignetting(smallCamera(), target, dark_corners);
+  const GrayImage back = vignetting.render({T_FC.R, {0.3, 0.3, -1}}, 0);
+  EXPECT_LT(back.at(0, 0), 0.7 * back.at(94, 60));
 }
 
 TEST(TargetRenderer, SameNumberSameNoise) {

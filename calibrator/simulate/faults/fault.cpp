@@ -29,11 +29,6 @@ void requireWithin(const Fault& fault, const char* what, double value, const Fau
   }
 }
 
-bool takesAxis(FaultKey key) { return key == FaultKey::kAxis || key == FaultKey::kAxisOrCamera; }
-bool takesCamera(FaultKey key) {
-  return key == FaultKey::kCamera || key == FaultKey::kAxisOrCamera;
-}
-
 void checkKeys(const Fault& fault, const FaultScope& scope) {
   const FaultDescription& d = describe(fault.kind);
   // A stretch along z would stretch nothing.

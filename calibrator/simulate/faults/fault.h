@@ -106,6 +106,12 @@ struct FaultValue {
 
 enum class TakesInstant { kNo, kYes };
 enum class FaultKey { kNone, kAxis, kCamera, kAxisOrCamera };
+constexpr bool takesAxis(FaultKey key) {
+  return key == FaultKey::kAxis || key == FaultKey::kAxisOrCamera;
+}
+constexpr bool takesCamera(FaultKey key) {
+  return key == FaultKey::kCamera || key == FaultKey::kAxisOrCamera;
+}
 /// Whether images can show it; what happens to detected corners only, they cannot.
 enum class InImages { kYes, kNo };
 

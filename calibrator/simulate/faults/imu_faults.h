@@ -31,10 +31,9 @@ class ImuFaults {
   ImuReading read(const AnalyticTrajectory& trajectory, const Eigen::Vector3d& gravity_F,
                   double t_s) const;
 
+ private:
   /// T_SS' of the slipped IMU frame S' at t_s.
   Transform slipped(double t_s) const;
-
- private:
   MotionState motion(const AnalyticTrajectory& trajectory, double t_s) const;
 
   Eigen::Matrix3d M_gyro_ = Eigen::Matrix3d::Identity();

@@ -108,7 +108,6 @@ ViewFaults::ViewFaults(const SimulatedSession& simulated, int index, const Simul
       bumps_(faultsOfCamera(o.faults, {kBump}, index, 1)),
       displacements_(faultsOf(o.faults, {kSway, kMovedTarget})),
       shapes_(faultsOf(o.faults, {kStretch, kBow})),
-      board_(cornerPoints(o.target)),
       blurs_(faultsOfCamera(o.faults, {kBlur}, index)) {}
 
 Transform ViewFaults::cameraPose(double t_s) const {
@@ -123,10 +122,9 @@ Transform ViewFaults::cameraPose(double t_s) const {
   return T_BC;
 }
 
-Vector3d ViewFaults::boardCorner(int id) const {
+Vector3d ViewFaults::boardCorner(int id, Vector3d p) const {
   const AprilGrid& target = options_.target;
   const Vector2d flat = target.corner(id);
-  Vector3d p = board_[static_cast<std::size_t>(id)];
   const Vector2d centre(0.5 * target.width(), 0.5 * target.height());
   for (const NumberedFault& f : shapes_) {
     if (f->kind == kStretch) p[f->axis.value_or(0)] *= 1 + f->value;
@@ -175,8 +173,8 @@ std::vector<Corner> ViewFaults::corners(const FaultyFrame& frame) const {
   }
   if (T_BC.t.z() <= 0) return {};
   const std::vector<double> shifts = blurShifts(frame);
-  const auto projection = [&](int id) {
-    return seeInRow(boardCorner(id), frame.t_s + shifts[static_cast<std::size_t>(id)]);
+  const auto projection = [&](int id, const Vector3d& p_B) {
+    return seeInRow(boardCorner(id, p_B), frame.t_s + shifts[static_cast<std::size_t>(id)]);
   };
   return visibleCorners(intrinsics.resolution, projection, options_);
 }

@@ -43,7 +43,8 @@ class ViewFaults {
   std::vector<Corner> corners(const FaultyFrame& frame) const;
 
  private:
-  Eigen::Vector3d boardCorner(int id) const;
+  /// Of a corner at p before these faults.
+  Eigen::Vector3d boardCorner(int id, Eigen::Vector3d p) const;
   std::optional<Eigen::Vector2d> see(const Eigen::Vector3d& p_B, double t_s) const;
   std::optional<Eigen::Vector2d> seeInRow(const Eigen::Vector3d& p_B, double t_s) const;
   std::vector<double> blurShifts(const FaultyFrame& frame) const;
@@ -52,9 +53,7 @@ class ViewFaults {
   const SimulationOptions& options_;
   std::size_t camera_;
   double readout_s_ = 0;
-  std::vector<NumberedFault> bumps_, displacements_, shapes_;
-  std::vector<Eigen::Vector3d> board_;  // its corners before the faults
-  std::vector<NumberedFault> blurs_;
+  std::vector<NumberedFault> bumps_, displacements_, shapes_, blurs_;
 };
 
 /// What happens to the detected corners of camera `index`, in this order: false corners, swapped

@@ -17,14 +17,14 @@ double between(double skilled, double clumsy, double clumsiness) {
 void OperatorSkill::check() const {
   requireWithin(0, 10, "skill.reaction_s", reaction_s);
   requireWithin(1e-3, 10, "skill.speed_m_s", speed_m_s);
-  requireWithin(1e-3, 10, "skill.turn_rad_s", turn_rad_s);
+  requireWithin(1e-3, kFastestTurn_rad_s, "skill.turn_rad_s", turn_rad_s);
   requireWithin(0, 1, "skill.position_error_m", position_error_m);
   requireWithin(0, 1, "skill.angle_error_rad", angle_error_rad);
   requireWithin(1e-3, 100, "skill.correction_s", correction_s);
   requireWithin(0, 1, "skill.overshoot", overshoot);
   requireWithin(0, 0.1, "skill.tremor_m", tremor_m);
   requireWithin(0, 0.1, "skill.tremor_rad", tremor_rad);
-  requireWithin(0, 1.2, "skill.reach_rad", reach_rad);
+  requireWithin(0, kFarthestReach_rad, "skill.reach_rad", reach_rad);
   requireWithin(0, 3, "skill.roll_rad", roll_rad);
   requireWithin(0.02, std::numbers::pi, "skill.off_axis_rad", off_axis_rad);
   requireWithin(0.1, 10, "skill.haste", haste);

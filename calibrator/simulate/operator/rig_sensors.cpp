@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "calibrator/base/error.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/simulate/simulate_session.h"
 
@@ -26,6 +27,9 @@ RigSensors::RigSensors(const SimulatedRig& rig, const SimulationOptions& options
       gravity_F_(rig.calibration.imu->gravity_m_s2 * options.down_F.normalized()),
       frames_(static_cast<int>(std::lround(options.duration_s * rig.camera_rate_hz))) {
   options_.check();
+  if (options_.camera_rate_hz || options_.imu_rate_hz || options_.time_offset_s) {
+    throw InputError("an operated rig has its own rates and time offset; omit the others");
+  }
   // At rest a sensor's readings are its noise, its bias and gravity.
   TrajectoryOptions resting;
   resting.kind = MotionKind::kStatic;
@@ -69,12 +73,7 @@ Session RigSensors::emptySession() const {
   session.target = options_.target;
   session.target.shape = {};  // target.yaml states the grid
   for (const CameraCalibration& camera : rig_.calibration.cameras) {
-    session.cameras.push_back({camera.name,
-                               camera.rostopic,
-                               camera.intrinsics.resolution,
-                               toString(camera.intrinsics.projection_model),
-                               toString(camera.intrinsics.distortion_model),
-                               {}});
+    session.cameras.push_back(emptyStream(camera));
   }
   session.imu = ImuStream{rig_.calibration.imu->rostopic, rig_.calibration.imu->noise, {}};
   return session;

@@ -51,11 +51,7 @@ bool SimulatedOperator::hasFollowed(double t_s) const {
   return following_since_s_ && t_s >= *following_since_s_ + *shown_->duration_s + kApproach_s;
 }
 
-Eigen::Vector3d SimulatedOperator::normal(double std) {
-  // Declarators are evaluated in their order, arguments of a call are not.
-  const double x = random_.normal(), y = random_.normal(), z = random_.normal();
-  return std * Eigen::Vector3d(x, y, z);
-}
+Eigen::Vector3d SimulatedOperator::normal(double std) { return std * random_.normalVector(); }
 
 double SimulatedOperator::tired() const { return 1 + skill_.fatigue_per_min * t_s_ / 60; }
 

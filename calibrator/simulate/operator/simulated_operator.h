@@ -28,6 +28,8 @@ constexpr std::array<const char*, 2> enumWords(OwnViewsKind /*of*/) { return {"a
 /// How well a person moves a rig. The defaults are of someone who has done it a few times, does all
 /// that is asked for and does not tire.
 struct OperatorSkill {
+  static constexpr double kFastestTurn_rad_s = 10, kFarthestReach_rad = 1.2;
+
   double reaction_s = 0.5;  ///< from what is shown to what is done about it [s]
   double speed_m_s = 0.35;  ///< of the hand between views [m/s]
   double turn_rad_s = 0.8;  ///< likewise [rad/s]

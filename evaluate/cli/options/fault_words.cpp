@@ -72,13 +72,11 @@ std::string valueForm(const FaultValue& value, const char* before) {
 
 /// "slip=ANGLE@TIME[,x|y|z]".
 std::string formOf(const FaultDescription& d) {
-  const bool takes_axis = d.key == FaultKey::kAxis || d.key == FaultKey::kAxisOrCamera;
-  const bool takes_camera = d.key == FaultKey::kCamera || d.key == FaultKey::kAxisOrCamera;
   // A board stretches in its plane alone.
   return d.name + valueForm(d.value, "=") + valueForm(d.extent, ",") +
          (d.instant == TakesInstant::kYes ? "@TIME" : "") +
-         (takes_axis ? (d.kind == FaultKind::kStretch ? "[,x|y]" : "[,x|y|z]") : "") +
-         (takes_camera ? "[,camN]" : "");
+         (takesAxis(d.key) ? (d.kind == FaultKind::kStretch ? "[,x|y]" : "[,x|y|z]") : "") +
+         (takesCamera(d.key) ? "[,camN]" : "");
 }
 
 [[noreturn]] void refuse(const std::string& spec, const FaultDescription& d,
@@ -224,15 +222,13 @@ Fault faultFrom(const std::string& spec) {
   fault.kind = d.kind;
   fault.spec = spec;
   fault.at_s = instantFrom(spec, d, words);
-  const bool takes_axis = d.key == FaultKey::kAxis || d.key == FaultKey::kAxisOrCamera;
-  const bool takes_camera = d.key == FaultKey::kCamera || d.key == FaultKey::kAxisOrCamera;
   std::vector<std::string_view> numbers;
   for (const std::string_view word : words.list) {
     const auto axis = axisFrom(word);
     const auto camera = cameraFrom(word);
-    if (takes_axis && axis && !fault.axis) {
+    if (takesAxis(d.key) && axis && !fault.axis) {
       fault.axis = axis;
-    } else if (takes_camera && camera && !fault.camera) {
+    } else if (takesCamera(d.key) && camera && !fault.camera) {
       fault.camera = camera;
     } else if (axis || camera) {
       refuse(spec, d, fmt::format("'{}' is not expected there", word));

@@ -46,6 +46,14 @@ bool sameImu(const SimulatedSession& a, const SimulatedSession& b) {
   return true;
 }
 
+TEST(SimulateSession, SaysWhereNoImuSampleIsLeft) {
+  SimulationOptions o = shortOptions();
+  o.imu_margin_s = 0;
+  o.time_offset_s = 0;
+  o.faults = {{.kind = FaultKind::kGap, .value = 10, .at_s = 0}};
+  EXPECT_THROW((void)simulateSession(simulatedRig("euroc"), o), InputError);
+}
+
 TEST(SimulateSession, SameSeedSameSession) {
   const SimulatedSession a = simulateSession(simulatedRig("euroc"), shortOptions());
   const SimulatedSession b = simulateSession(simulatedRig("euroc"), shortOptions());

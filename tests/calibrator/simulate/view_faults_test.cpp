@@ -58,6 +58,16 @@ void forEachCorner(const SimulatedSession& s, const Expect& expect) {
   }
 }
 
+// A bow of a nanometre is none, and takes the way of faults: tag_edge must mean the same on it.
+TEST(ViewFaults, LeaveTheEdgesOfTagsAsTheyAre) {
+  SimulationOptions o = soundRecording(1);
+  o.target.shape.terms[kTargetTerms - 1] = 1e-3;
+  const CornersById sound = cornersById(withFaults(o, {}));
+  const CornersById bowed = cornersById(withFaults(o, {{.kind = kBow, .value = 1e-9}}));
+  ASSERT_EQ(sound.size(), bowed.size());
+  for (const auto& [key, uv] : sound) ASSERT_LE((bowed.at(key) - uv).norm(), 1e-4);
+}
+
 TEST(ViewFaults, BumpTurnsOneCameraFromItsInstantOn) {
   const SimulatedSession s =
       withFaults(soundRecording(), {{.kind = kBump, .value = 0.1 * kDegree, .at_s = 2, .axis = 1}});
