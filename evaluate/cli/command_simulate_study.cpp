@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <optional>
+#include <string>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
@@ -47,6 +50,10 @@ void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
       ->capture_default_str();
 }
 
+std::string timeOf(const std::optional<double>& median_s) {
+  return median_s ? fmt::format("{:.1f} s", *median_s) : "none finished";
+}
+
 int simulateStudyFolder(SimulateStudyOptions o) {
   o.study.guide_board = *enumFrom<GuideBoard>(o.guide_board);
   o.study.check();
@@ -57,8 +64,8 @@ int simulateStudyFolder(SimulateStudyOptions o) {
   bar.clear();
   say("Simulated {} sessions of {} participants (seed {}) in {}\n", made.sessions,
       o.study.participants, o.study.seed, o.output.out);
-  say("Median time: free {:.1f} s, guided {:.1f} s; {} gave up; {} of {} suggestions reached\n",
-      made.free_s, made.guided_s, made.gave_up, made.reached, made.suggestions);
+  say("Median time: free {}, guided {}; {} gave up; {} of {} suggestions reached\n",
+      timeOf(made.free_s), timeOf(made.guided_s), made.gave_up, made.reached, made.suggestions);
   say("Run it: plumbline study {0}/STUDY.yaml --out NIGHT; the truth is in {0}/truth.json\n",
       o.output.out);
   return kDone;

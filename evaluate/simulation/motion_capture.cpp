@@ -14,12 +14,6 @@
 namespace plumbline {
 namespace {
 
-Eigen::Vector3d normal(RandomStream& random, double std) {
-  // One after the other: arguments of a call are evaluated in any order.
-  const double x = random.normal(), y = random.normal(), z = random.normal();
-  return std * Eigen::Vector3d(x, y, z);
-}
-
 bool inGap(const std::vector<std::pair<double, double>>& gaps, double t_s) {
   return std::any_of(gaps.begin(), gaps.end(),
                      [&](const auto& gap) { return t_s >= gap.first && t_s < gap.second; });
@@ -40,8 +34,8 @@ MotionCapture simulateMotionCapture(const SimulatedSession& session,
                                     const MotionCaptureOptions& o) {
   o.check();
   const double span_s = secondsBetween(session.frame_stamps.front(), session.frame_stamps.back());
-  RandomStream places(o.seed, RandomPurpose::kDroppedFrames, {3});
-  RandomStream noise(o.seed, RandomPurpose::kImageNoise, {3});
+  RandomStream places(o.seed, RandomPurpose::kMotionCapture, {0});
+  RandomStream noise(o.seed, RandomPurpose::kMotionCapture, {1});
   MotionCapture capture;
   capture.trajectory.name = "mocap0";
   for (int i = 0; i < o.drop_outs; ++i) {
@@ -57,7 +51,8 @@ MotionCapture simulateMotionCapture(const SimulatedSession& session,
     const double t_s = k / o.rate_hz;
     // Drawn in gaps as well: the noise of the other poses does not depend on them.
     Vector6d error;
-    error << normal(noise, o.noise_m), normal(noise, o.noise_rad);
+    error.head<3>() = o.noise_m * noise.normalVector();
+    error.tail<3>() = o.noise_rad * noise.normalVector();
     if (inGap(capture.gaps_s, t_s)) continue;
     // The motion goes by the IMU's clock, which shows start_ns at its begin.
     const TimeNs t_imu = session.start_ns + toNanoseconds(t_s);

@@ -48,6 +48,8 @@ class Judge {
     return secondsBetween(views.front().t, views[static_cast<std::size_t>(frame)].t);
   }
   int frames() const { return static_cast<int>(operated_.session.cameras.front().views.size()); }
+  /// Stages last sums of frames' periods, beside which stamps are rounded: to the nearest frame.
+  double halfPeriod() const { return frames() > 1 ? 0.5 * secondsAt(1) : 0; }
   double beginOf(GuideStage stage) const {
     return stage == GuideStage::kCamera ? 0 : operated_.camera_s;
   }
@@ -99,7 +101,7 @@ class Judge {
 
   /// Frames of a stage at least `apart_s` apart, for times that grow geometrically.
   std::vector<Checkpoint> evenly(GuideStage stage, double apart_s) const {
-    const double begin = beginOf(stage);
+    const double begin = beginOf(stage), half = halfPeriod();
     const double end = stage == GuideStage::kCamera ? operated_.camera_s
                                                     : operated_.camera_s + operated_.camera_imu_s;
     std::vector<Checkpoint> all;
@@ -107,7 +109,7 @@ class Judge {
     double next_s = options_.first_s, last_s = -std::numeric_limits<double>::infinity();
     for (int k = 0; k < frames(); ++k) {
       const double t_s = secondsAt(k);
-      if (t_s < begin || t_s >= end) continue;
+      if (t_s < begin - half || t_s >= end - half) continue;
       // A microsecond for stamps that are rounded to nanoseconds.
       if (t_s >= last_s + apart_s - 1e-6) taken.push_back(k), last_s = t_s;
       if (t_s - begin < next_s) continue;
@@ -203,7 +205,8 @@ std::vector<KeptViews> keptViews(const OperatedSession& operated, GuideStage sta
     for (const int gone : d.withdrawn) std::erase(kept, gone);
     if (d.accepted) kept.push_back(d.frame);
     const bool changed = d.accepted || !d.withdrawn.empty();
-    if (!changed || d.mode == GuideMode::kInitialising) continue;
+    const bool stops = d.mode == GuideMode::kFinished && (all.empty() || !all.back().finished);
+    if ((!changed && !stops) || d.mode == GuideMode::kInitialising) continue;
     const auto predicted = stage == GuideStage::kCamera ? d.projection_px : d.error_px;
     all.push_back({secondsBetween(*begin, d.t), kept, predicted, d.mode == GuideMode::kFinished});
   }

@@ -2,6 +2,7 @@
 #include "evaluate/simulation/simulate_study.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <iterator>
 #include <mutex>
@@ -89,7 +90,7 @@ void makeVisit(const SimulatedRig& rig, const StudySimulationOptions& o, std::si
   made.session.name = v.visit->name;
   v.made = outcomeOf(made);
   // Made as well, for no factor says how long a guided session would have taken.
-  v.other = outcomeOf(operated(rig, o, index, inOtherPeriod(*v.visit, o)));
+  v.other = outcomeOf(operated(rig, o, index, inOtherPeriod(*v.person, *v.visit, o)));
   v.suggestions = static_cast<int>(made.suggestions.size());
   v.reached = made.reached;
   const fs::path place = fs::path("sessions") / v.visit->name;
@@ -117,12 +118,10 @@ void makeHeldOut(const SimulatedRig& rig, const StudySimulationOptions& o, std::
                ViewFormat::kCorners, folder / place);
 }
 
-/// With motion capture beside it, of which the truth is returned. Images show a flat board,
-/// whatever the bend of the others.
+/// With motion capture beside it, of which the truth is returned.
 Json makeSequence(const SimulatedRig& rig, const StudySimulationOptions& o, std::uint64_t seed,
                   const fs::path& place, const fs::path& folder) {
-  SimulationOptions simulation = recordingOf(o, seed);
-  if (o.images) simulation.target.shape = {};
+  const SimulationOptions simulation = recordingOf(o, seed);
   const SimulatedSession made = simulateRecording(rig, simulation);
   makeFoldersIn(folder, place);
   SimulatedSessionFormat format;
@@ -241,7 +240,6 @@ std::string truthOf(const SimulatedRig& rig, const StudySimulationOptions& o,
                {"trajectories", o.trajectories()}}},
              {"rig", rig.name}};
   truth.update(toJson(rig.calibration));
-  // Of all recordings but rendered sequences.
   truth["board"] = toJson(bentBoard(o.board_bend_mm));
   Json sessions = Json::array();
   for (const Visit& v : visits) {
@@ -297,7 +295,7 @@ StudySimulationSummary simulateStudy(const StudySimulationOptions& o, const fs::
   parallelFor(all, o.threads, [&](int /*worker*/, std::size_t i) {
     const std::size_t k = i - std::min(i, visits.size());
     // Not of the participants' random numbers: the same recordings whoever takes part.
-    const std::uint64_t seed = (o.seed << 16U) + 1 + k;
+    const std::uint64_t seed = std::rotl(o.seed, 16) + 1 + k;
     if (i < visits.size()) {
       makeVisit(rig, o, i, visits[i], folder);
     } else if (k < held_out) {

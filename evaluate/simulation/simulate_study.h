@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,19 +63,21 @@ struct SimulatedParticipant {
 
 /// Crossover: every other participant begins with the guide, after a shuffle. Skills are spread
 /// evenly over the participants, in random order. In the second session errors, reaction and
-/// duration are `learning` times those of the first and speeds its inverse. Of four participants or
-/// more two give up, one with each method, at two fifths of the duration. Equal options give equal
-/// participants.
+/// duration are `learning` times those of the first, speeds and reach its inverse, within
+/// OperatorSkill's limits. Of four participants or more two give up, one with each method, at two
+/// fifths of the duration. Equal options give equal participants.
 std::vector<SimulatedParticipant> simulatedParticipants(const StudySimulationOptions& options);
 
 /// The same session with the same luck, had the person made it in the other period (1 or 2).
-SimulatedVisit inOtherPeriod(const SimulatedVisit& visit, const StudySimulationOptions& options);
+SimulatedVisit inOtherPeriod(const SimulatedParticipant& person, const SimulatedVisit& visit,
+                             const StudySimulationOptions& options);
 
 /// What was made of a study.
 struct StudySimulationSummary {
   int sessions = 0, gave_up = 0;
   int suggestions = 0, reached = 0;
-  double free_s = 0, guided_s = 0;  ///< median lengths of finished sessions
+  /// Median lengths of finished sessions; empty: nobody finished one.
+  std::optional<double> free_s, guided_s;
 };
 
 /// Writes a user study into `folder`, which is there and empty:
@@ -83,7 +86,7 @@ struct StudySimulationSummary {
 ///   sessions/NAME/                 recordings with corners; guided ones with suggestions.csv
 ///   evaluation/evalNN/             recordings of the rig that no method saw
 ///   sequences/seqNN/               likewise, with mav0/mocap0/data.csv, truth/ and, if asked for,
-///                                  images in place of corners (of a flat board)
+///                                  images in place of corners
 /// The rig is "d435i" (stereo 15 Hz, IMU 400 Hz, the paper's noise densities). All recordings show
 /// one board that is bent and not quite even, which target.yaml does not say. Free recordings and
 /// guided ones are those of operated_session.h. Equal options give equal bytes.

@@ -13,16 +13,18 @@ namespace {
 
 constexpr double kGivesUpAfter = 0.4;  // of the duration
 
-/// The skill of the second session.
-OperatorSkill practised(OperatorSkill skill, double learning) {
+/// A person's skill in the first or the second session.
+OperatorSkill skillIn(int period, double clumsiness, double learning) {
+  OperatorSkill skill = handSkill(clumsiness);
+  if (period == 1) return skill;
   for (double* smaller :
        {&skill.reaction_s, &skill.position_error_m, &skill.angle_error_rad, &skill.correction_s}) {
     *smaller *= learning;
   }
-  // Reach grows as speeds do.
-  for (double* larger : {&skill.speed_m_s, &skill.turn_rad_s, &skill.reach_rad}) {
-    *larger /= learning;
-  }
+  skill.speed_m_s /= learning;
+  // Reach grows as speeds do, up to what is possible.
+  skill.turn_rad_s = std::min(skill.turn_rad_s / learning, OperatorSkill::kFastestTurn_rad_s);
+  skill.reach_rad = std::min(skill.reach_rad / learning, OperatorSkill::kFarthestReach_rad);
   return skill;
 }
 
@@ -56,8 +58,7 @@ SimulatedVisit visitOf(const SimulatedParticipant& person, bool guided, int peri
   visit.method = guided ? "guided" : "free";
   visit.name = person.name + "_" + visit.method;
   visit.period = period;
-  visit.skill = handSkill(person.clumsiness);
-  if (period > 1) visit.skill = practised(visit.skill, o.learning);
+  visit.skill = skillIn(period, person.clumsiness, o.learning);
   // Drawn for guided sessions as well, which do not use it, so that no order of methods shifts what
   // follows.
   const double own = random.uniform(0.85, 1.15) * (period > 1 ? o.learning : 1);
@@ -115,12 +116,12 @@ std::vector<SimulatedParticipant> simulatedParticipants(const StudySimulationOpt
   return people;
 }
 
-SimulatedVisit inOtherPeriod(const SimulatedVisit& visit, const StudySimulationOptions& o) {
+SimulatedVisit inOtherPeriod(const SimulatedParticipant& person, const SimulatedVisit& visit,
+                             const StudySimulationOptions& o) {
   const bool to_second = visit.period == 1;
   SimulatedVisit other = visit;
   other.period = to_second ? 2 : 1;
-  // Practice is a factor, so that its inverse takes it back.
-  other.skill = practised(visit.skill, to_second ? o.learning : 1 / o.learning);
+  other.skill = skillIn(other.period, person.clumsiness, o.learning);
   // A guided session's is the limit, which practice does not move.
   if (visit.method == "free") other.duration_s *= to_second ? o.learning : 1 / o.learning;
   limitPatience(other, o);

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
@@ -124,6 +125,8 @@ TEST(RigSensors, MeasureTheSpline) {
   const double g = rig.calibration.imu->gravity_m_s2;
   EXPECT_NEAR((samples.back().accel - o.initial_accel_bias).norm(), g, 0.05);
   EXPECT_TRUE(sensors.samplesUntil(motion, o.start_ns + toNanoseconds(1.0)).empty()) << "taken";
+  o.imu_rate_hz = 100;
+  EXPECT_THROW(RigSensors(rig, o), InputError) << "its rates are the rig's";
 }
 
 }  // namespace

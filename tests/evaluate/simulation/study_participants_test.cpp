@@ -41,17 +41,33 @@ TEST(SimulatedParticipants, LearnFromTheirFirstSession) {
   }
 }
 
+// Whatever is learned, there are limits to how fast one turns and how far one reaches.
+TEST(SimulatedParticipants, LearnNoMoreThanAnybodyCan) {
+  StudySimulationOptions o;
+  for (const double learning : {0.6, 0.1}) {
+    o.learning = learning;
+    for (const auto& p : simulatedParticipants(o)) {
+      for (const SimulatedVisit& visit : p.visits) {
+        EXPECT_NO_THROW(visit.skill.check());
+        const SimulatedVisit other = inOtherPeriod(p, visit, o);
+        EXPECT_NO_THROW(other.skill.check());
+        EXPECT_EQ(inOtherPeriod(p, other, o).skill.reach_rad, visit.skill.reach_rad);
+      }
+    }
+  }
+}
+
 TEST(SimulatedParticipants, AreTheSameInTheOtherPeriodButForPractice) {
   for (const auto& p : simulatedParticipants({})) {
     for (const SimulatedVisit& visit : p.visits) {
-      const SimulatedVisit other = inOtherPeriod(visit, {});
+      const SimulatedVisit other = inOtherPeriod(p, visit, {});
       const double practice = visit.period == 1 ? 0.85 : 1 / 0.85;
       EXPECT_EQ(other.period, 3 - visit.period);
       EXPECT_EQ(other.seed, visit.seed);
       EXPECT_NEAR(other.skill.reaction_s, practice * visit.skill.reaction_s, 1e-12);
       EXPECT_NEAR(other.duration_s,
                   visit.method == "free" ? practice * visit.duration_s : visit.duration_s, 1e-9);
-      const SimulatedVisit back = inOtherPeriod(other, {});
+      const SimulatedVisit back = inOtherPeriod(p, other, {});
       EXPECT_NEAR(back.skill.turn_rad_s, visit.skill.turn_rad_s, 1e-12);
       EXPECT_NEAR(back.skill.patience_s, visit.skill.patience_s, 1e-9);
     }
