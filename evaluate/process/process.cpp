@@ -73,6 +73,7 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
       dup2(log, STDERR_FILENO) < 0) {
     _exit(126);
   }
+  if (nothing > STDERR_FILENO) close(nothing);  // the program has it as its input
   // 126: what a shell returns for a program that it found and could not run.
   if (!request.folder.empty() && chdir(request.folder.c_str()) != 0) _exit(126);
   limitTo(RLIMIT_CORE, 0);

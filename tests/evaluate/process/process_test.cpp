@@ -52,6 +52,14 @@ TEST_F(Process, TellsExitCodeSignalAndWhatItPrinted) {
   EXPECT_TRUE(run("true").ok());
 }
 
+TEST_F(Process, AProgramHasItsThreeStreamsAndNoMoreOfOurs) {
+  // The two lowest that are free: the log's, then that of its standard input.
+  const int first = dup(STDIN_FILENO), second = dup(STDIN_FILENO);
+  close(first), close(second);
+  run("exec readlink /proc/self/fd/0 /proc/self/fd/" + std::to_string(second));
+  EXPECT_EQ(log(), "/dev/null\n");
+}
+
 TEST_F(Process, AProgramThatIsNotThereDoesNotPassForOneThatSucceeded) {
   ProcessRequest request;
   request.words = {"no-such-program-of-plumbline"};
