@@ -194,11 +194,11 @@ std::string roff(const std::string& text) {
 
 std::string manOption(const CLI::Option& option) {
   std::string value;
-  if (takesValue(option)) value = " \\fI" + roff(option.get_positional() ? "" : "VALUE") + "\\fR";
+  if (takesValue(option) && !option.get_positional()) value = " \\fIVALUE\\fR";
   const std::string standard = option.get_default_str();
   return fmt::format(".TP\n\\fB{}\\fR{}\n{}{}\n",
                      roff(option.get_positional() ? option.get_name(true) : firstLongName(option)),
-                     option.get_positional() ? "" : value, roff(option.get_description()),
+                     value, roff(option.get_description()),
                      standard.empty() ? "" : roff(" (default: " + standard + ")"));
 }
 

@@ -90,10 +90,7 @@ int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App&
                    o.output.request("scores of a calibration", o.session, std::move(inputs)));
   const auto result = evaluateCalibration(request, bar.sink());
   bar.clear();
-  if (!result) {
-    complain(problemOf(result.failure()));
-    return kFailed;
-  }
+  if (!result) return tellFailure(result.failure());
   return out.finish(*result, {{"evaluation.json", documentOf(*result)}}, renderCalibrationPage,
                     evaluationSummary(*result) + "\n" + verdictText(result->verdict));
 }

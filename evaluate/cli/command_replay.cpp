@@ -17,6 +17,7 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/guide_trajectory_options.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
@@ -130,16 +131,6 @@ void declareTrajectories(CLI::App& app, TrajectoryGuideOptions& o) {
                  "Time between two scorings of the candidate trajectories [s]")
       ->check(positiveNumber())
       ->capture_default_str();
-  app.add_option("--trajectory-s", o.duration_s, "Duration of a trajectory [s]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--trajectory-amplitude", o.amplitude, "Scale factor of the trajectories")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--trajectory-held-s", o.reached_s,
-                 "Time at a trajectory's start until it counts as reached [s]")
-      ->check(numberFrom(0))
-      ->capture_default_str();
   app.add_option("--max-speed", o.max_speed_m_s, "Speed limit of a trajectory [m/s]")
       ->check(positiveNumber())
       ->capture_default_str();
@@ -170,11 +161,7 @@ void GuideOptionSet::declare(CLI::App& app) {
       ->capture_default_str();
   declareViews(app, guide.views);
   declareTrajectories(app, guide.trajectories);
-  app.add_option(
-         "--first-trajectory", first_trajectory,
-         "Ask for the first trajectory at-once, with the camera-IMU stage's first frame, or "
-         "when it can be scored")
-      ->capture_default_str();
+  declareTrajectoriesAndStops(app, guide, first_trajectory);
   app.add_option("--max-rate", max_rate_deg_s, "Angular-rate limit of a trajectory [deg/s]")
       ->check(positiveNumber())
       ->capture_default_str();
@@ -183,22 +170,6 @@ void GuideOptionSet::declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--expires-s", guide.views.expires_s, "Time after which a suggestion expires [s]")
       ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option(
-         "--stop-projection-px", guide.views.stop_projection_px,
-         "Finish the camera stage exactly when the predicted projection error over the image "
-         "(RMS) is at most this [px] (0: use the criterion)")
-      ->check(numberWithin(0, 100))
-      ->capture_default_str();
-  app.add_option(
-         "--stop-reprojection-px", guide.trajectories.stop_reprojection_px,
-         "Finish the camera-IMU stage exactly when the expected reprojection error of points "
-         "predicted by the IMU is at most this [px] (0: use the criterion)")
-      ->check(numberWithin(0, 100))
-      ->capture_default_str();
-  app.add_option("--operator-speed", guide.pace.speed_m_s,
-                 "Rank suggestions by gain per second at this hand speed [m/s] (0: by gain alone)")
-      ->check(numberWithin(0, 10))
       ->capture_default_str();
   app.add_option("--latency-ms", latencies,
                  "Simulated computing time of a step, e.g. camera-frame=5,next-view=40 [ms]")

@@ -39,7 +39,8 @@ std::filesystem::path storeOf(const std::string& input) {
     if (!std::filesystem::exists(store)) {
       throw InputError(store.string(), 0,
                        "is missing; expected a result folder of `plumbline calibrate`, `perturb`, "
-                       "`compare`, `evaluate` or `replay`, or the path of a records file");
+                       "`compare`, `evaluate`, `odometry`, `replay` or `study`, or the path of a "
+                       "records file");
     }
     return store;
   }

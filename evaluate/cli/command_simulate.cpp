@@ -56,7 +56,8 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
                  "t_imu = t_cam + this [ms] (default: the rig's)");
   app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px] (not with --images)")
       ->capture_default_str();
-  app.add_option("--outliers", s.outlier_fraction, "Fraction of outlier corners")
+  app.add_option("--outliers", s.outlier_fraction,
+                 "Fraction of outlier corners (not with --images)")
       ->capture_default_str();
   app.add_option("--fault", o.faults,
                  "Inject a fault, e.g. gyro-delay=5ms; repeatable; list: prints all faults")
@@ -82,6 +83,9 @@ int simulate(SimulateOptions o) {
     o.simulation.target.shape = targetShapeFromWords(*o.target_shape, o.simulation.target);
   }
   if (o.images) checkRendered(o.simulation.faults);
+  if (o.images && o.simulation.outlier_fraction > 0) {
+    throw InputError("--outliers are of corners, which --images does not write; omit one");
+  }
   if (o.images && o.simulation.target.shape.terms[kTargetTerms - 1] != 0) {
     throw InputError(
         "--target-shape tag-edge is an error of a detector, which --images cannot show; omit one");
@@ -125,9 +129,11 @@ Command simulateCommand() {
               sub->footer("Example:\n  " + command.example);
               subs.emplace_back(sub, command.configure(*sub));
             }
-            return std::function<int()>([options, subs] {
+            return std::function<int()>([options, subs, &app] {
               for (const auto& [sub, run] : subs) {
-                if (sub->parsed()) return run();
+                if (!sub->parsed()) continue;
+                refuseBefore(app, *sub);
+                return run();
               }
               return simulate(*options);
             });

@@ -8,6 +8,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/guide_trajectory_options.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/options/simulation_options.h"
@@ -59,43 +60,6 @@ struct SimulateOperatorOptions {
   OperatorSimulationOptions simulation;
 };
 
-/// What the guide asks for and when it stops.
-void declareOperatorsGuide(CLI::App& app, SimulateOperatorOptions& o) {
-  auto& guide = o.simulation.guide;
-  app.add_option(
-         "--stop-projection-px", guide.views.stop_projection_px,
-         "Finish the camera stage exactly when the predicted projection error over the image "
-         "(RMS) is at most this [px] (0: use the criterion)")
-      ->check(numberWithin(0, 100))
-      ->capture_default_str();
-  app.add_option(
-         "--stop-reprojection-px", guide.trajectories.stop_reprojection_px,
-         "Finish the camera-IMU stage exactly when the expected reprojection error of points "
-         "predicted by the IMU is at most this [px] (0: use the criterion)")
-      ->check(numberWithin(0, 100))
-      ->capture_default_str();
-  app.add_option("--trajectory-s", guide.trajectories.duration_s, "Duration of a trajectory [s]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--trajectory-amplitude", guide.trajectories.amplitude,
-                 "Scale factor of the trajectories")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--trajectory-held-s", guide.trajectories.reached_s,
-                 "Time at a trajectory's start until it counts as reached [s]")
-      ->check(numberFrom(0))
-      ->capture_default_str();
-  app.add_option(
-         "--first-trajectory", o.first_trajectory,
-         "Ask for the first trajectory at-once, with the camera-IMU stage's first frame, or "
-         "when it can be scored")
-      ->capture_default_str();
-  app.add_option("--operator-speed", guide.pace.speed_m_s,
-                 "Rank suggestions by gain per second at this hand speed [m/s] (0: by gain alone)")
-      ->check(CLI::Range(0.0, 10.0))
-      ->capture_default_str();
-}
-
 void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   auto& s = o.simulation;
   o.output.declare(app, "Folder to write")->required();
@@ -115,7 +79,7 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
     app.add_option(kFigures[i].option, o.figures[i], kFigures[i].text);
   }
-  declareOperatorsGuide(app, o);
+  declareTrajectoriesAndStops(app, s.guide, o.first_trajectory);
   app.add_option("--duration", s.duration_s,
                  "Length of an unguided recording, and limit of a guided one [s]")
       ->check(CLI::Range(5.0, 3600.0))

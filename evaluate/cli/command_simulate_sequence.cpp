@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"
@@ -45,7 +46,8 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
       ->capture_default_str();
   app.add_option("--track-sigma", s.tracks.sigma_px, "Noise of tracks [px] (not with --images)")
       ->capture_default_str();
-  app.add_option("--outliers", s.tracks.outlier_share, "Fraction of outlier observations")
+  app.add_option("--outliers", s.tracks.outlier_share,
+                 "Fraction of outlier observations (not with --images)")
       ->capture_default_str();
   app.add_flag("--images", s.images.rendered, "Render images instead of writing tracks");
   app.add_option("--exposure-ms", o.exposure_ms, "Exposure time of images (motion blur) [ms]")
@@ -61,6 +63,9 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
 int simulateSequenceFolder(SimulateSequenceOptions o) {
   if (o.time_offset_ms) o.sequence.simulation.time_offset_s = *o.time_offset_ms * 1e-3;
   o.sequence.images.exposure_s = o.exposure_ms * 1e-3;
+  if (o.sequence.images.rendered && o.sequence.tracks.outlier_share > 0) {
+    throw InputError("--outliers are of tracks, which --images does not write; omit one");
+  }
   o.sequence.check();
   OutputFolder out(o.output.request("sequence"));
   ProgressBar bar;

@@ -49,12 +49,14 @@ void checkWords(const std::string& option, const std::string& words) {
   if (option == "outliers") outliersFrom(words);
   if (option == "select-views") viewSelectionFrom(words);
   if (option == "resolution") resolutionFrom(words);
+  VerdictThresholds unused;
+  if (option == "threshold") setThreshold(words, unused);
 }
 
 // What a study decides itself, or what no result depends on.
 void refuseReserved(const std::string& option) {
   for (const char* name : {"out", "force", "threads", "cache", "no-cache", "target", "target-shape",
-                           "no-report", "session"}) {
+                           "no-report", "json", "fail-on", "session"}) {
     if (option == name)
       throw InputError(fmt::format(
           "--{} is set by the study itself; remove it from the study's options", option));
@@ -335,7 +337,9 @@ Command studyCommand() {
             addPart(app, "run-pack", "Run the steps of a task", "", configureRunPack, parts);
             return std::function<int()>([options, parts, &app] {
               for (const auto& [part, handler] : parts) {
-                if (part->parsed()) return handler();
+                if (!part->parsed()) continue;
+                refuseBefore(app, *part);
+                return handler();
               }
               return study(*options, app);
             });

@@ -9,10 +9,14 @@
 namespace plumbline {
 namespace {
 
+/// Those that help shows: what is hidden has no group.
 std::vector<std::string> wordsOf(const CLI::App& app) {
   std::vector<std::string> words;
-  for (const CLI::App* sub : app.get_subcommands(nullptr)) words.push_back(sub->get_name());
+  for (const CLI::App* sub : app.get_subcommands(nullptr)) {
+    if (!sub->get_group().empty()) words.push_back(sub->get_name());
+  }
   for (const CLI::Option* option : app.get_options()) {
+    if (option->get_group().empty()) continue;
     for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
   }
   return words;

@@ -195,22 +195,15 @@ ViewSelectionOptions viewSelectionFrom(const std::string& word) {
 }
 
 ViewCriterion viewCriterionFrom(const std::string& word) {
-  for (const auto criterion : {ViewCriterion::kMutualInformation, ViewCriterion::kPredictedError}) {
-    if (word == toString(criterion)) return criterion;
-  }
-  refuse("--criterion", word, "mi or predicted-error");
+  return byWord<ViewCriterion>("--criterion", word);
 }
 
 FirstTrajectory firstTrajectoryFrom(const std::string& word) {
-  if (const auto first = enumFrom<FirstTrajectory>(word)) return *first;
-  refuse("--first-trajectory", word, "at-once or scored");
+  return byWord<FirstTrajectory>("--first-trajectory", word);
 }
 
 LaterUseKind laterUseFrom(const std::string& word) {
-  for (const auto kind : {LaterUseKind::kSeen, LaterUseKind::kImage}) {
-    if (word == toString(kind)) return kind;
-  }
-  refuse("--later-use", word, "seen or image");
+  return byWord<LaterUseKind>("--later-use", word);
 }
 
 std::vector<CameraModelPair> modelsFrom(const std::string& words) {
@@ -236,7 +229,10 @@ Resolution resolutionFrom(const std::string& word, const char* option) {
   if (parts.size() == 2) {
     const auto width = number(parts[0]);
     const auto height = number(parts[1]);
-    if (width && height && *width >= 1 && *height >= 1 && *width < 1e5 && *height < 1e5) {
+    const auto is_size = [](const std::optional<double>& value) {
+      return value && *value >= 1 && *value < 1e5 && *value == std::floor(*value);
+    };
+    if (is_size(width) && is_size(height)) {
       return {static_cast<int>(*width), static_cast<int>(*height)};
     }
   }

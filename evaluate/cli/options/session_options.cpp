@@ -85,8 +85,13 @@ void SessionOptions::declareEstimating(CLI::App& app) {
 }
 
 void SessionOptions::declareOptional(CLI::App& app) {
-  app.add_option("--session", session, "Folder of a recording (EuRoC layout)");
+  auto* recording = app.add_option("--session", session, "Folder of a recording (EuRoC layout)");
   declareDetails(app);
+  for (const char* of_recording :
+       {"--target", "--target-shape", "--imu", "--resolution", "--only", "--from", "--to",
+        "--stride", "--sync-tolerance-ms", "--border-bits"}) {
+    app.get_option(of_recording)->needs(recording);
+  }
 }
 
 void SessionOptions::declareDetails(CLI::App& app) {
@@ -248,16 +253,27 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
   std::vector<std::pair<std::string, std::string>> given;
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name(false, false);
-    // Where results go and how they are told stays out, so that equal results have equal documents;
-    // the session is the input, which is stated beside its hash.
-    static const std::set<std::string> kWithoutEffect = {"--out",   "--force",   "--json",
-                                                         "session", "--fail-on", "--no-report"};
+    // Where results go and how they are told and made stays out, so that equal results have equal
+    // documents; the session is the input, which is stated beside its hash.
+    static const std::set<std::string> kWithoutEffect = {"--out",     "--force",   "--json",
+                                                         "session",   "--fail-on", "--no-report",
+                                                         "--threads", "--cache",   "--no-cache"};
     if (option->count() == 0 || kWithoutEffect.contains(name)) continue;
     given.emplace_back(name, option->get_expected_max() == 0
                                  ? "yes"
                                  : fmt::format("{}", fmt::join(option->results(), ",")));
   }
   return given;
+}
+
+void refuseBefore(const CLI::App& app, const CLI::App& sub) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0) continue;
+    throw InputError(
+        fmt::format("{} stands before {}, which it is no option of; omit it, or give "
+                    "it after {}",
+                    option->get_name(), sub.get_name(), sub.get_name()));
+  }
 }
 
 CLI::Option* OutputOptions::declare(CLI::App& app, const std::string& help) {

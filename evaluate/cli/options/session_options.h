@@ -78,9 +78,13 @@ struct EstimationOptions {
   CameraImuOptions cameraImuStage(const CameraStageOptions& camera) const;
 };
 
-/// Names and values of the options that were given, in their order, for the provenance; without the
-/// positional `session` and --out.
+/// Names and values of the options that were given, in their order, for the provenance; without
+/// those that no result depends on.
 std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& app);
+
+/// Throws InputError where an option was given before the subcommand `sub` of `app`, for which it
+/// would have no effect.
+void refuseBefore(const CLI::App& app, const CLI::App& sub);
 
 /// What an option's number must be; NaN and infinity never are. Whole numbers where it is an int.
 CLI::Validator positiveNumber();

@@ -196,6 +196,8 @@ TEST_F(CommandCompare, RefusesWhatItCannotCompare) {
   refused(both + " --fit best", "squares or fourth-power");
   refused(both + " --uncertainty none", "cross-reprojection or mean-frames");
   refused(both + " --focus-radius -1", "--focus-radius");
+  refused(both + " --from 3", "--session");
+  refused(both + " --target target.yaml", "--session");
   refused(both + " --session " + (scratch() / "nowhere").string(), "nowhere");
   refused(ours() + " " + (session() / "target.yaml").string(), "target.yaml");
 }

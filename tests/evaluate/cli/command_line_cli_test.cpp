@@ -55,6 +55,9 @@ TEST_F(CommandLine, AMistypedWordIsRecognised) {
   EXPECT_THAT(plumbline("simulate --out x --durration 3").text,
               HasSubstr("did you mean --duration?"));
   EXPECT_THAT(plumbline("--nonsense").text, testing::Not(HasSubstr("did you mean")));
+  // --fit of compare is in no help.
+  EXPECT_THAT(plumbline("compare a b --out x --fitt squares").text,
+              testing::Not(HasSubstr("mean --fit?")));
 }
 
 TEST_F(CommandLine, CompletionKnowsEveryCommandAndItsOptions) {
@@ -198,6 +201,15 @@ TEST_F(CommandLine, OptionsThatWouldBeCutOrMeanNothingAreRefused) {
                 AllOf(HasSubstr("--threshold rmse_px=2,1"), HasSubstr("BAD the larger")));
   expectRefusal(calibrate(session(), "--threshold coverage=0.5,0.75"), 2,
                 HasSubstr("BAD the smaller"));
+  const std::string out = " --out " + (scratch() / "out").string();
+  // What stands before a subcommand is no option of it.
+  expectRefusal(plumbline("simulate --seed 7 sequence" + out), 2,
+                AllOf(HasSubstr("--seed"), HasSubstr("after sequence")));
+  expectRefusal(plumbline("study --jobs 2 accept night"), 2, HasSubstr("--jobs"));
+  for (const char* sub : {"", " sequence"}) {
+    expectRefusal(plumbline("simulate" + std::string(sub) + " --images --outliers 0.1" + out), 2,
+                  HasSubstr("--outliers"));
+  }
 }
 
 TEST_F(CommandLine, PipesAndDevicesAreRefusedAtOnce) {

@@ -118,8 +118,8 @@ TEST_F(CommandReplay, TheLogDoesNotDependOnTheThreads) {
   const std::string one_document = read(out() / "replay.json");
   ASSERT_EQ(replay(session(), "--no-report --threads 3").exit_code, 0);
   EXPECT_EQ(read(out() / "decisions.jsonl"), one);
-  const std::string three = replaced(read(out() / "replay.json"), "--threads 3", "--threads 1");
-  EXPECT_TRUE(replaced(three, "\"--threads\": \"3\"", "\"--threads\": \"1\"") == one_document);
+  // The command line is stated as it was given; the options are those that a result depends on.
+  EXPECT_TRUE(replaced(read(out() / "replay.json"), "--threads 3", "--threads 1") == one_document);
 }
 
 TEST_F(CommandReplay, LatencyDropsFramesAndCountsThem) {

@@ -94,8 +94,9 @@ TEST_F(StudyRerun, TheListOfCommandsGivesTheSameStore) {
 TEST_F(StudyRerun, OptionsOfCalibrateAreCheckedBeforeAnythingRuns) {
   const fs::path data = ownData();
   const std::string good = read(data / "STUDY.yaml");
-  for (const char* options : {"{loss: cauchy}", "{pixel-sigma: -1}", "{colour: red}", "{out: here}",
-                              "{models: fisheye}"}) {
+  for (const char* options :
+       {"{loss: cauchy}", "{pixel-sigma: -1}", "{colour: red}", "{out: here}", "{models: fisheye}",
+        "{fail-on: bad}", "{json: all.json}", "{threshold: 'rmse_px=abc'}"}) {
     write(data / "STUDY.yaml",
           replaced(good, kCalibrate, std::string("calibrate: ") + options + "\n"));
     const Outcome outcome = study(data, scratch_ / "night");

@@ -77,7 +77,7 @@ TEST(ModelsOption, TakesKalibrsWordsAndAliases) {
 
 TEST(ResolutionOption, IsWidthByHeight) {
   EXPECT_EQ(resolutionFrom("752x480"), (Resolution{752, 480}));
-  for (const char* word : {"752", "752x", "x480", "752x480x3", "0x480", "-1x480"}) {
+  for (const char* word : {"752", "752x", "x480", "752x480x3", "0x480", "-1x480", "752.9x480"}) {
     EXPECT_THAT(complaint([&] { (void)resolutionFrom(word); }), HasSubstr("--resolution")) << word;
   }
 }
