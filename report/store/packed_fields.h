@@ -62,7 +62,8 @@ class Packer {
   std::string bytes_;
 };
 
-/// The inverse. Throws std::runtime_error where the bytes end within an element.
+/// The inverse. Throws std::runtime_error where the bytes end within an element, or stand for no
+/// value of an enumeration.
 class Unpacker {
  public:
   static constexpr bool kReads = true, kAll = false;
@@ -163,7 +164,11 @@ void Packer::pack(const T& value) {
 template <class T>
 void Unpacker::unpack(T& value) {
   if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
-    value = static_cast<T>(get<std::uint8_t>());
+    const auto byte = get<std::uint8_t>();
+    if constexpr (WordedEnum<T>) {
+      if (byte >= enumWords(value).size()) throw std::runtime_error("a word is none of its list");
+    }
+    value = static_cast<T>(byte);
   } else if constexpr (std::is_arithmetic_v<T>) {
     value = get<T>();
   } else if constexpr (std::is_same_v<T, std::string>) {

@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kMostTags = 587;  // of the family tag36h11
 constexpr double kLargestTag_m = 5;
+constexpr int kMostFrames = 1'000'000;  // nine hours of 30 Hz
 constexpr double kLargestSpacing = 3;
 constexpr double kLongestBound_s = 1e4;
 constexpr double kShortestBound_s = 1e-12;
@@ -36,16 +37,41 @@ void checkCameras(const std::vector<CameraCalibration>& cameras) {
   }
 }
 
+// Values are looked up by the place of their name.
+void checkNames(std::size_t names, Eigen::Index values) {
+  require(values == static_cast<Eigen::Index>(names), "names and deviations differ in number");
+}
+
+void checkCovariance(const ParameterCovariance& covariance) {
+  checkNames(covariance.names.size(), covariance.matrix.rows());
+  checkNames(covariance.names.size(), covariance.matrix.cols());
+  checkNames(covariance.names.size(), static_cast<Eigen::Index>(covariance.units.size()));
+}
+
 // Every residual stands for a camera and a frame of its stage.
 template <class StageResult>
 void checkStage(const StageResult& stage) {
   checkCameras(stage.cameras);
+  checkCovariance(stage.summary.covariance);
   for (const CornerResidual& r : stage.residuals) {
     require(r.camera >= 0 && static_cast<std::size_t>(r.camera) < stage.cameras.size(),
             "a residual is of a camera that is not there");
     require(r.frame >= 0 && static_cast<std::size_t>(r.frame) < stage.frames.size(),
             "a residual is of a frame that is not there");
   }
+}
+
+void checkCorners(const std::vector<std::vector<Corner>>& cameras, const AprilGrid& target) {
+  for (const std::vector<Corner>& corners : cameras) {
+    for (const Corner& c : corners) {
+      require(c.id >= 0 && c.id < target.cornerCount(), "a corner is of no tag of the target");
+    }
+  }
+}
+
+void checkRound(const CandidateRound& round) {
+  require(round.best >= -1 && round.best < static_cast<int>(round.mi_nats.size()),
+          "the best candidate is none of its round");
 }
 
 }  // namespace
@@ -64,6 +90,9 @@ void checkRecord(const CalibrationRecord& record) {
     require(record.camera_imu->states.size() == record.camera_imu->frames.size(),
             "states and frames differ in number");
   }
+  for (const auto& spread : {record.camera_resample, record.camera_imu_resample}) {
+    if (spread) checkNames(spread->names.size(), spread->std.size());
+  }
 }
 
 /// The plot of the basin takes the logarithm of the bound, and draws a tick for every decade.
@@ -75,6 +104,12 @@ void checkRecord(const PerturbationRecord& record) {
 void checkRecord(const ReplayRecord& record) {
   checkTarget(record.target);
   checkCameras(record.cameras);
+  for (const ReplayFrame& frame : record.frames) checkCorners(frame.corners, record.target);
+  for (const SuggestionOutcome& o : record.suggestions) checkCorners(o.overlay, record.target);
+  for (const Decision& d : record.decisions) {
+    require(d.frame < kMostFrames, "a decision is of a frame that no recording has");
+    if (d.round) checkRound(*d.round);
+  }
 }
 
 /// The depth is asked while it parses, so that a document that was made deep is never built.

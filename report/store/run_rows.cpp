@@ -10,16 +10,7 @@
 
 namespace plumbline::store_internal {
 
-namespace {
-
-template <class E>
-E wordAs(const std::string& word) {
-  const auto known = enumFrom<E>(word);
-  if (!known) throw std::runtime_error("unknown word '" + word + "'");
-  return *known;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 RunWriter::RunWriter(SQLite::Database& db, RunKind kind, const std::string& name,
                      const Provenance& p, const Verdict& verdict)
@@ -109,10 +100,10 @@ std::vector<RunSummary> listRuns(SQLite::Database& db) {
   while (query.executeStep()) {
     RunSummary& run = runs.emplace_back();
     run.id = query.getColumn(0).getInt64();
-    run.kind = wordAs<RunKind>(query.getColumn(1).getString());
+    run.kind = json_fields::enumOrThrow<RunKind>(query.getColumn(1).getString());
     run.name = query.getColumn(2).getString();
     run.date = query.getColumn(3).getString();
-    run.verdict = wordAs<VerdictLevel>(query.getColumn(4).getString());
+    run.verdict = json_fields::enumOrThrow<VerdictLevel>(query.getColumn(4).getString());
   }
   return runs;
 }

@@ -3,8 +3,10 @@
 // query its rows; what is damaged, of another kind or version is refused.
 #include "report/store/store.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -217,6 +219,49 @@ TEST_F(StoreTest, RefusesABoundThatCannotBeDrawn) {
     EXPECT_THAT(complaintOf([&] { Store(file()).loadPerturbation(); }),
                 HasSubstr("offset_bound_s"));
   }
+}
+
+TEST_F(StoreTest, RefusesWhatPagesWouldLookUpBeyondItsEnd) {
+  const ReplayRecord good = test::syntheticReplay();
+  const auto complaintAfter = [&](const std::function<void(ReplayRecord&)>& spoil) {
+    ReplayRecord record = good;
+    spoil(record);
+    std::filesystem::remove(file());
+    Store(file()).save(record);
+    return complaintOf([&] { Store(file()).loadReplay(); });
+  };
+  EXPECT_EQ(complaintAfter([](ReplayRecord&) {}), "no complaint");
+  for (const int id : {-1, good.target.cornerCount()}) {
+    EXPECT_THAT(complaintAfter([&](ReplayRecord& r) { r.frames[3].corners[0][0].id = id; }),
+                HasSubstr("no tag of the target"));
+  }
+  EXPECT_THAT(complaintAfter([](ReplayRecord& r) { r.decisions[5].frame = 2'000'000'000; }),
+              HasSubstr("no recording has"));
+  const auto round = std::find_if(good.decisions.begin(), good.decisions.end(),
+                                  [](const Decision& d) { return d.round.has_value(); });
+  ASSERT_NE(round, good.decisions.end());
+  const auto at = static_cast<std::size_t>(round - good.decisions.begin());
+  EXPECT_THAT(complaintAfter([&](ReplayRecord& r) {
+                r.decisions[at].round->best = static_cast<int>(round->round->mi_nats.size());
+              }),
+              HasSubstr("none of its round"));
+}
+
+TEST_F(StoreTest, RefusesACovarianceOfOtherParameters) {
+  CalibrationRecord record = test::syntheticRecord({.frames = 3});
+  record.camera->summary.covariance.names.emplace_back("cam9.fu");
+  record.camera->summary.covariance.units.emplace_back("px");
+  Store(file()).save(record);
+  EXPECT_THAT(complaint(), HasSubstr("differ in number"));
+}
+
+TEST_F(StoreTest, RefusesAByteThatIsNoWord) {
+  store_internal::Packer packer;
+  packer.pack(static_cast<GuideReason>(200));
+  const std::string bytes = packer.take();
+  store_internal::Unpacker unpacker(bytes);
+  GuideReason reason{};
+  EXPECT_THROW(unpacker.unpack(reason), std::runtime_error);
 }
 
 TEST_F(StoreTest, DropsARunWithAllOfIt) {
