@@ -179,9 +179,8 @@ std::string betterOf(const ComparisonRecord& record, const std::string& label) {
   std::string better;
   for (const PairedPrediction& p : record.paired) {
     if (p.label != label) continue;
-    const double sigmas = p.std_px2 > 0 ? p.difference_px2 / p.std_px2 : 0;
-    if (std::abs(sigmas) <= kPredictionSigmas) return "";
-    const std::string& here = sigmas < 0 ? label : record.calibrations[0].label;
+    if (!p.isClear()) return "";
+    const std::string& here = p.sigmas() < 0 ? label : record.calibrations[0].label;
     if (!better.empty() && better != here) return "";
     better = here;
   }
@@ -224,15 +223,15 @@ void addProjection(const ComparisonRecord& record, std::size_t i,
 
 /// Good in any case: which one predicts better is an answer and no fault.
 Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction& p) {
-  const double sigmas = p.std_px2 > 0 ? p.difference_px2 / p.std_px2 : 0;
+  const double sigmas = p.sigmas();
   const std::string& first = record.calibrations[0].label;
-  const bool clear = std::abs(sigmas) > kPredictionSigmas;
   Finding f;
   f.rule = fmt::format("Corners of {} predicted, {} against {}", p.camera, p.label, first);
-  f.evidence = fmt::format(
-      "{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
-      clear ? (sigmas < 0 ? p.label : first) + " is better" : std::string("no clear difference"),
-      p.difference_px2, p.std_px2, p.views);
+  f.evidence =
+      fmt::format("{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
+                  p.isClear() ? (sigmas < 0 ? p.label : first) + " is better"
+                              : std::string("no clear difference"),
+                  p.difference_px2, p.std_px2, p.views);
   f.value = std::abs(sigmas);
   f.threshold = kPredictionSigmas;
   f.unit = "sigma";

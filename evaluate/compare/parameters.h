@@ -13,10 +13,6 @@
 
 namespace plumbline {
 
-/// Half the 95 % interval of a paired prediction, in its standard errors: one that predicts corners
-/// better does so beyond it.
-inline constexpr double kPredictionSigmas = 1.959964;
-
 /// When a difference is worth a person's attention.
 struct ComparisonThresholds {
   double notable = 2;         ///< of a parameter's difference, caution from [standard deviations]

@@ -24,10 +24,16 @@ std::string sentenceOf(const Verdict& verdict) {
       verdict.level == VerdictLevel::kBad ? "are violated or need attention" : "need attention");
 }
 
+// Without rules and without a sentence nothing was judged, and nothing is good.
+bool isJudged(const Page& study) {
+  return study.verdict && !(study.verdict->findings.empty() && study.verdict->headline.empty() &&
+                            study.sentence.empty());
+}
+
 std::vector<Pair> contentsOf(const Page& study, const std::vector<Section>& sections) {
   std::vector<Pair> entries;
   if (study.player) entries.push_back({study.player->id, study.player->title});
-  entries.push_back({"verdict", study.verdict ? "Verdict" : "Summary"});
+  entries.push_back({"verdict", isJudged(study) ? "Verdict" : "Summary"});
   if (!study.cards.empty()) entries.push_back({"key-figures", "Key figures"});
   for (const Section& section : sections) entries.push_back({section.id, section.title});
   entries.push_back({"provenance", "Provenance"});
@@ -68,7 +74,7 @@ std::string renderPage(const Page& study) {
   data page = startPage({study.kicker, study.name, study.provenance});
   if (!study.script.empty()) page.set("viewer", study.script);
   setPlayer(page, study.player);
-  if (study.verdict) {
+  if (isJudged(study)) {
     setVerdict(page, *study.verdict,
                study.sentence.empty() ? sentenceOf(*study.verdict) : study.sentence,
                study.good_word);

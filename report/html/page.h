@@ -24,6 +24,8 @@ std::vector<Card> keyFigures(const CalibrationRecord& record);
 /// "cam0: fu, fv [px], k1 [-]; T_C0C1: tx [m]": the parameters of a covariance by owner, a unit
 /// after the last of its run.
 std::string parameterList(const ParameterCovariance& covariance);
+/// Heading of a parameter by its prefix; what is no camera's is the IMU's.
+std::string groupOf(const std::string& parameter);
 
 struct ParameterRow {
   std::string name, value, std, unit, spread, ratio;

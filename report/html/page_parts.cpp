@@ -63,15 +63,6 @@ void addStageCards(std::vector<Card>& cards, const std::string& stage, const Sta
        share(static_cast<std::size_t>(s.views_used), static_cast<std::size_t>(s.views_offered))});
 }
 
-/// Heading of a parameter by its prefix; what is no camera's is the IMU's.
-std::string groupOf(const std::string& parameter) {
-  const std::string prefix = parameter.substr(0, parameter.find('.'));
-  if (prefix.rfind("cam", 0) == 0) return "Intrinsics of " + prefix;
-  if (prefix.rfind("T_C0C", 0) == 0)
-    return "Camera " + prefix.substr(5) + " in camera 0 (" + prefix + ")";
-  return "Camera 0 in the IMU (T_SC0) and time offset";
-}
-
 /// Values that were held have no interval: their deviations are not theirs.
 void addParameters(const std::vector<ParameterEstimate>& parameters, bool held,
                    std::vector<ParameterGroup>& groups) {
@@ -115,6 +106,14 @@ void addNoise(std::vector<Pair>& rows, const ImuNoise& n) {
 
 }  // namespace
 
+std::string groupOf(const std::string& parameter) {
+  const std::string prefix = parameter.substr(0, parameter.find('.'));
+  if (prefix.rfind("cam", 0) == 0) return "Intrinsics of " + prefix;
+  if (prefix.rfind("T_C0C", 0) == 0)
+    return "Camera " + prefix.substr(5) + " in camera 0 (" + prefix + ")";
+  return "Camera 0 in the IMU (T_SC0) and time offset";
+}
+
 std::string parameterList(const ParameterCovariance& covariance) {
   std::string text;
   std::string owner;
@@ -146,8 +145,7 @@ std::vector<Card> keyFigures(const CalibrationRecord& record) {
   if (!s) return cards;
   addStageCards(cards, "camera-IMU", s->summary, s->cameras);
   addEntropyCard(cards, "camera-IMU", s->summary, noiseAssumed(record.assumptions, true));
-  // The formal one; the table of parameters has the cluster-robust one, where it is known.
-  const double offset_std = 1e3 * s->imu.time_offset_std_s.value_or(0);
+  const double offset_std = 1e3 * shownOffsetStd(record).value_or(0);
   cards.push_back({"Time offset", withPrecisionOf(1e3 * s->imu.timeOffset(), offset_std), "ms",
                    offset_std > 0 ? "std " + twoDigits(offset_std) + " ms" : ""});
   const Eigen::Vector3d t = 1e3 * s->imu.T_SC0.t;

@@ -100,11 +100,7 @@ struct Rig {
 /// Of the last stage that ran, whose calibration is the final one.
 Rig rigOf(const CalibrationRecord& record) {
   if (!record.camera_imu) return {cameraView(record), record.camera->T_FC0};
-  std::vector<Transform> poses;
-  for (const ImuState& state : record.camera_imu->states) {
-    poses.push_back(state.T_FS * record.camera_imu->imu.T_SC0);
-  }
-  return {cameraImuView(record), std::move(poses)};
+  return {cameraImuView(record), cameraPoses(*record.camera_imu)};
 }
 
 SceneObject frusta(const Rig& rig, std::size_t camera, const Scene& scene, double depth,

@@ -85,6 +85,9 @@ TimeNs timeOrigin(const CalibrationRecord& record);
 StageView cameraView(const CalibrationRecord& record);
 StageView cameraImuView(const CalibrationRecord& record);
 
+/// T_FC0 at every frame.
+std::vector<Transform> cameraPoses(const CameraImuStageResult& stage);
+
 /// RMSE of the used corners per camera and frame [px], NaN where a camera has none.
 std::vector<std::vector<double>> frameRmse(const StageView& stage);
 

@@ -68,6 +68,8 @@ inline constexpr auto kNumber = Cell::Kind::kNumber;
 inline constexpr const char* kDash = "\u2013";  ///< in the cell of a value that there is not
 
 inline Cell number(std::string text) { return {std::move(text), Cell::Kind::kNumber, {}}; }
+/// A number of this format (fmt's), or a dash where there is none.
+Cell orDash(const std::optional<double>& value, double factor, const char* format);
 inline Cell tight(std::string text) { return {std::move(text), Cell::Kind::kTight, {}}; }
 inline Cell code(std::string text) { return {std::move(text), Cell::Kind::kCode, {}}; }
 

@@ -30,6 +30,12 @@ StageView cameraImuView(const CalibrationRecord& record) {
           s.residuals,  s.summary,          timeOrigin(record)};
 }
 
+std::vector<Transform> cameraPoses(const CameraImuStageResult& stage) {
+  std::vector<Transform> T_FC0;
+  for (const ImuState& state : stage.states) T_FC0.push_back(state.T_FS * stage.imu.T_SC0);
+  return T_FC0;
+}
+
 std::vector<std::vector<double>> frameRmse(const StageView& stage) {
   const std::size_t frames = stage.frames.size();
   std::vector<std::vector<double>> sums(stage.cameras.size(), std::vector<double>(frames, 0));

@@ -19,6 +19,11 @@ std::string withPrecisionOf(double value, double std) {
   return fmt::format("{:.{}f}", value, decimals);
 }
 
+Cell orDash(const std::optional<double>& value, double factor, const char* format) {
+  if (!value) return number(kDash);
+  return number(fmt::format(fmt::runtime(format), factor * *value));
+}
+
 std::string twoDigits(double value) {
   if (!(value > 0) || !std::isfinite(value)) return "\u2013";
   if (value < 1e-4 || value >= 1e4) return fmt::format("{:.1e}", value);

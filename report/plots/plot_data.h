@@ -45,7 +45,6 @@ struct PlotAxis {
 /// What all plots share.
 struct PlotFrame {
   std::string title;
-  std::string description;  ///< for readers who do not see it; the title where empty
   PlotAxis x, y;
   int width = 560;  ///< of the whole figure [CSS px]
   int height = 340;

@@ -12,21 +12,27 @@ namespace {
 constexpr const char* kModule = "plumbline_plots.so";
 
 /// Beside the program, where an installation has it, or in the build tree (the program's run path).
-/// dlopen() itself fills in $ORIGIN.
-void* open() {
+/// dlopen() itself fills in $ORIGIN. `why` not: of a file that is there, rather than of one that is
+/// not.
+void* open(std::string& why) {
   const std::string name = kModule;
+  const std::string missing = name + ": cannot open shared object file: No such file";
   for (const std::string& path : {"$ORIGIN/" + name, "$ORIGIN/../lib/plumbline/" + name, name}) {
     if (void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) return module;
+    const std::string error = ::dlerror();
+    if (why.empty() || why.find(missing) != std::string::npos) why = error;
   }
   return nullptr;
 }
 
 internal::PlotDrawers load() {
-  void* const module = open();
+  std::string why;
+  void* const module = open(why);
   void* const drawers = module == nullptr ? nullptr : ::dlsym(module, "plumbline_plot_drawers");
   if (drawers == nullptr) {
+    if (module != nullptr) why = ::dlerror();
     throw InputError(kModule, 0,
-                     std::string("plots cannot be drawn (") + ::dlerror() +
+                     "plots cannot be drawn (" + why +
                          "); put this file next to the program, or run without the report");
   }
   return *static_cast<const internal::PlotDrawers*>(drawers);

@@ -181,4 +181,11 @@ std::vector<ParameterEstimate> parameterEstimates(const CalibrationRecord& recor
   return estimates;
 }
 
+std::optional<double> shownOffsetStd(const CalibrationRecord& record) {
+  for (const ParameterEstimate& e : parameterEstimates(record, Stage::kCameraImu)) {
+    if (e.name == "time_offset") return e.shownStd();
+  }
+  return std::nullopt;
+}
+
 }  // namespace plumbline

@@ -290,4 +290,7 @@ enum class Stage { kCamera, kCameraImu };
 /// without a known value is left out; empty where the stage did not run.
 std::vector<ParameterEstimate> parameterEstimates(const CalibrationRecord& record, Stage stage);
 
+/// ParameterEstimate::shownStd() of the time offset [s]; empty where the covariance has none.
+std::optional<double> shownOffsetStd(const CalibrationRecord& record);
+
 }  // namespace plumbline

@@ -18,7 +18,8 @@ std::vector<std::string> cameraNames(const std::vector<CalibrationScore>& scores
 const ErrorStatistics* errorsOf(const CalibrationScore& score, const std::string& camera) {
   const auto name = std::find(score.cameras.begin(), score.cameras.end(), camera);
   const auto i = static_cast<std::size_t>(name - score.cameras.begin());
-  return i < score.per_camera.size() ? &score.per_camera[i] : nullptr;
+  const bool known = i < std::min(score.cameras.size(), score.per_camera.size());
+  return known ? &score.per_camera[i] : nullptr;
 }
 
 std::string partName(const CalibrationScore& score) {

@@ -95,6 +95,9 @@ void fields(V& v, OffsetSummary& o) {
   v.ifSet("per_camera_s", o.per_camera_s, "as written [s]");
 }
 
+/// Half the 95 % interval of a paired prediction, in its standard errors.
+inline constexpr double kPredictionSigmas = 1.959964;
+
 /// Which of two calibrations predicts a camera's corners better: the mean over views of (mean
 /// squared error under `label`) - (under the first calibration) [px^2]; negative: `label` is
 /// better.
@@ -105,6 +108,11 @@ struct PairedPrediction {
   double difference_px2 = 0;
   double std_px2 = 0;
   double first_px2 = 0;  ///< mean over the same views under the first calibration
+
+  /// The difference in its standard errors; 0 without one.
+  double sigmas() const { return std_px2 > 0 ? difference_px2 / std_px2 : 0; }
+  /// Whether one of the two predicts better: beyond the 95 % interval.
+  bool isClear() const { return std::abs(sigmas()) > kPredictionSigmas; }
 };
 
 inline std::string partName(const PairedPrediction& p) { return p.label + "/" + p.camera; }

@@ -39,6 +39,9 @@ TEST(CalibrationScores, OfACameraWithoutErrorsAreNone) {
   CalibrationScore score;
   score.cameras = {"left"};
   EXPECT_EQ(errorsOf(score, "left"), nullptr);
+  // Nor has a name that is not among them those of the first camera without one.
+  score.per_camera.resize(2);
+  EXPECT_EQ(errorsOf(score, "right"), nullptr);
 }
 
 }  // namespace

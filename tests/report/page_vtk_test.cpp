@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The calibration page: complete, self-contained, the same for the same record, and able to be made
 // again from the store.
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
@@ -69,6 +70,21 @@ TEST(CalibrationPage, SurvivesARecordWithoutAnyStage) {
   const std::string page = renderCalibrationPage(record);
   EXPECT_TRUE(hasSection(page, "provenance"));
   EXPECT_FALSE(hasSection(page, "correlations"));
+  EXPECT_THAT(page, Not(HasSubstr("rules are met"))) << "there are none";
+}
+
+// Card, table of tools and table of parameters state one deviation of the time offset.
+TEST(CalibrationPage, ShowsTheRobustDeviationOfTheOffsetEverywhere) {
+  CalibrationRecord record = syntheticRecord();
+  StageSummary& summary = record.camera_imu->summary;
+  const auto n = static_cast<Eigen::Index>(summary.covariance.names.size());
+  summary.robust_std = Eigen::VectorXd::Constant(n, 0.0123);
+  EXPECT_EQ(shownOffsetStd(record), 0.0123);
+  const auto cards = html_internal::keyFigures(record);
+  EXPECT_TRUE(std::any_of(cards.begin(), cards.end(), [](const html_internal::Card& card) {
+    return card.label == "Time offset" && card.note == "std 12 ms";
+  }));
+  EXPECT_THAT(renderCalibrationPage(record), HasSubstr("std 12 ms</td>"));
 }
 
 TEST(CalibrationPage, NamesTheGapsOfTheStreams) {

@@ -261,6 +261,56 @@ TEST(ReplayEvents, SayALastingProblemOnceAndEachFinishOnce) {
                              [](const auto& a, const auto& b) { return a.frame < b.frame; }));
 }
 
+// A stage that was ended says so once; a batch that failed there is told besides.
+TEST(ReplayEvents, TellABatchThatFailedWhereAStageWasEnded) {
+  ReplayRecord record;
+  record.stages.resize(1);
+  record.stages[0].ended = 7;
+  Decision& d = record.decisions.emplace_back();
+  d.mode = GuideMode::kFinished;
+  note(d, "the stage is ended here without having said stop");
+  EXPECT_EQ(html_internal::replayEvents(record).size(), 1U);
+  note(d, "the batch over the views kept failed");
+  const auto events = html_internal::replayEvents(record);
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].kind, std::string("problem"));
+  EXPECT_THAT(events[0].text, HasSubstr("the batch over the views kept failed"));
+}
+
+// A stage that is over because no trajectory lowers the error enough does not claim little gain.
+TEST(ReplayEvents, SayWhatAFinishByTheErrorWentBy) {
+  ReplayRecord record;
+  Decision& d = record.decisions.emplace_back();
+  d.stage = GuideStage::kCameraImu;
+  d.mode = GuideMode::kFinished;
+  d.threshold_nats = 0.1;
+  d.error_px = 0.3;
+  d.round.emplace();
+  d.round->mi_nats = {0.5};
+  d.round->error_px = {0.29};
+  d.round->best = 0;
+  const auto events = html_internal::replayEvents(record);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_THAT(events[0].text, HasSubstr("would lower the error from 0.300 to 0.290 px"));
+}
+
+TEST(ReplayPage, SaysThatValuesAreOffScaleWhereTheyAre) {
+  ReplayRecord record = replay();
+  ASSERT_TRUE(record.counterfactuals);
+  EXPECT_THAT(renderReplayPage(record), HasSubstr("off-scale"));
+  for (CounterfactualBand& band : record.counterfactuals->bands) {
+    for (auto* column : {&band.entropy_nats, &band.held_out_px}) {
+      for (auto& value : *column) value = Quartiles{1, 1, 1};
+    }
+  }
+  for (CounterfactualBand& band : record.counterfactuals->other_model_bands) {
+    for (auto& value : band.held_out_px) value = Quartiles{1, 1, 1};
+  }
+  record.counterfactuals->full_pool_entropy_nats = 1;
+  record.counterfactuals->full_pool_held_out_px = 1;
+  EXPECT_THAT(renderReplayPage(record), Not(HasSubstr("off-scale")));
+}
+
 TEST(BitsAndNats, ShowsBoth) {
   EXPECT_EQ(html_internal::bitsAndNats(0.2 * std::log(2.0)), "0.200 bits (0.139 nats)");
   EXPECT_EQ(html_internal::bitsAndNats(std::numeric_limits<double>::infinity()), "unbounded");

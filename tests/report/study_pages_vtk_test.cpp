@@ -2,11 +2,13 @@
 // The pages of studies: complete, self-contained, sound markup, data on their pixels, missing
 // values with their reason, the same again from the store. That they look right is for the browser
 // test.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
 #include <set>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -298,6 +300,32 @@ TEST(PerturbationPage, PutsErrorsOfTheBasinOnTheirPixels) {
 TEST(PerturbationPage, KeepsFailedCasesWithTheirProblem) {
   EXPECT_THAT(perturbationPage(), HasSubstr("failed: too few IMU samples &lt;here&gt;"));
   EXPECT_THAT(perturbationPage(), HasSubstr("26 solved, 1 failed"));
+}
+
+// The worst error, rather than the worst that is a number.
+TEST(PerturbationPage, ShowsAnErrorThatIsNoNumber) {
+  PerturbationRecord record = test::syntheticPerturbation();
+  const auto shift = std::find_if(record.cases.begin(), record.cases.end(), [](const auto& c) {
+    return c.kind == "imu-shift" && c.problem.empty();
+  });
+  ASSERT_NE(shift, record.cases.end());
+  shift->offset_error_s = std::nan("");
+  const std::string page = renderPerturbationPage(record);
+  const std::string card = page.substr(page.find("Largest offset error"), 200);
+  EXPECT_THAT(card, HasSubstr("nan"));
+  EXPECT_THAT(card, HasSubstr(fmt::format("at {:+g} ms injected", shift->amount)));
+}
+
+// As the verdict has it: beyond the 95 % interval.
+TEST(ComparisonPage, ReadsPairedPredictionsAsTheVerdict) {
+  ComparisonRecord record = test::syntheticComparison();
+  const auto readingAt = [&](double sigmas) {
+    record.paired = {{"kalibr", "cam0", 180, sigmas * 0.004, 0.004}};
+    const std::string page = renderComparisonPage(record);
+    return page.substr(page.find("Which predicts better, view by view"), 1500);
+  };
+  EXPECT_THAT(readingAt(2.5), HasSubstr("plumbline predicts better, by 2.5"));
+  EXPECT_THAT(readingAt(1.9), HasSubstr("no difference (1.9"));
 }
 
 TEST(TrajectoryPage, CountsFailedAndPartialRuns) {

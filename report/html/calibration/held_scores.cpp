@@ -42,8 +42,8 @@ std::vector<Column> columnsOf(const std::vector<std::string>& cameras, bool with
 
 void addImuCells(const CalibrationScore& s, std::vector<Cell>& row) {
   row.push_back(number(rmseText(s.camera_imu ? &*s.camera_imu : nullptr)));
-  row.push_back(number(s.gyro_rms_rad_s ? fmt::format("{:.2f}", 1e3 * *s.gyro_rms_rad_s) : kDash));
-  row.push_back(number(s.accel_rms_m_s2 ? fmt::format("{:.4f}", *s.accel_rms_m_s2) : kDash));
+  row.push_back(orDash(s.gyro_rms_rad_s, 1e3, "{:.2f}"));
+  row.push_back(orDash(s.accel_rms_m_s2, 1, "{:.4f}"));
 }
 
 std::vector<Cell> rowOf(const CalibrationScore& s, const std::vector<std::string>& cameras,

@@ -139,12 +139,6 @@ Section imuSection(const CameraImuStageResult& stage, TimeNs origin, const Verdi
           blocksOf(imuResidualFigures(stage, origin))};
 }
 
-std::vector<Transform> cameraPoses(const CameraImuStageResult& stage) {
-  std::vector<Transform> T_FC0;
-  for (const ImuState& state : stage.states) T_FC0.push_back(state.T_FS * stage.imu.T_SC0);
-  return T_FC0;
-}
-
 std::vector<Section> figureSections(const CalibrationRecord& record) {
   std::vector<Section> sections;
   if (record.held) sections.push_back(heldScoresSection(*record.held));
@@ -258,14 +252,15 @@ Section parametersSection(const CalibrationRecord& record) {
   return section;
 }
 
-Section offsetSection(const ImuCalibration& imu) {
+Section offsetSection(const CalibrationRecord& record) {
   Table table{{{"Tool"},
                {"Field", Cell::Kind::kCode},
                {"As written", kNumber},
                {"Value", kNumber},
                {"Note"}},
               {}};
-  for (const OffsetRow& r : offsetRows(imu.timeOffset(), imu.time_offset_std_s)) {
+  for (const OffsetRow& r :
+       offsetRows(record.camera_imu->imu.timeOffset(), shownOffsetStd(record))) {
     table.rows.push_back({{r.tool}, code(r.field), number(r.number), number(r.value), {r.note}});
   }
   return withTable({"time-offset",
@@ -333,7 +328,7 @@ std::vector<Block> timings(const CalibrationRecord& record) {
 
 std::vector<Section> sectionsOf(const CalibrationRecord& record) {
   std::vector<Section> sections = {sceneSection(record), parametersSection(record)};
-  if (record.camera_imu) sections.push_back(offsetSection(record.camera_imu->imu));
+  if (record.camera_imu) sections.push_back(offsetSection(record));
   for (Section& section : figureSections(record)) sections.push_back(std::move(section));
   return sections;
 }

@@ -295,18 +295,13 @@ FigureGroup coverageFigures(const StageView& stage) {
     const ImageGrid grid = binErrors(stage, camera, kMapColumns, Corners::kAll);
     HeatMap map = imageMap(stage, camera, grid, cameraName(stage, i) + ": corners by region");
     map.value_label = "corners";
-    std::size_t covered = 0;
     for (const std::size_t count : grid.count) {
       map.values.push_back(count > 0 ? static_cast<double>(count) : std::nan(""));
-      if (count > 0) ++covered;
     }
-    const double share = 100.0 * static_cast<double>(covered) /
-                         static_cast<double>(std::max<std::size_t>(1, grid.count.size()));
     group.figures.push_back(
         {toSvg(map, fmt::format("coverage-cam{}", i)),
-         fmt::format("Corners per cell, rejected ones included; {:.0f} % of the image has some. "
-                     "Where nothing was seen, the distortion is extrapolated.",
-                     share),
+         "Corners per cell, rejected ones included. Where nothing was seen, the "
+         "distortion is extrapolated.",
          false});
   }
   return group;

@@ -26,18 +26,10 @@ std::string perCamera(const CalibrationScore& s) {
   return text.empty() ? kDash : text;
 }
 
-template <class Format>
-Cell optionalCell(const std::optional<double>& value, const Format& text) {
-  return number(value ? text(*value) : kDash);
-}
-
 std::vector<Cell> scoreRow(const CalibrationScore& s) {
   const bool scored = s.reprojection.count > 0;
-  const auto decimals = [](double v) { return fmt::format("{:.4f}", v); };
   std::optional<double> with_imu;
   if (s.camera_imu) with_imu = s.camera_imu->rmse_px;
-  std::optional<double> gyro;
-  if (s.gyro_rms_rad_s) gyro = 1e3 * *s.gyro_rms_rad_s;
   return {
       {s.label},
       {s.session},
@@ -45,12 +37,12 @@ std::vector<Cell> scoreRow(const CalibrationScore& s) {
       {!scored      ? kDash
        : s.held_out ? "yes"
                     : "no"},
-      number(scored ? decimals(s.reprojection.rmse_px) : kDash),
+      orDash(scored ? std::optional(s.reprojection.rmse_px) : std::nullopt, 1, "{:.4f}"),
       {scored ? perCamera(s) : kDash},
       number(s.views_offered > 0 ? fmt::format("{} of {}", s.views_used, s.views_offered) : kDash),
-      optionalCell(with_imu, decimals),
-      optionalCell(gyro, [](double v) { return fmt::format("{:.2f}", v); }),
-      optionalCell(s.accel_rms_m_s2, decimals),
+      orDash(with_imu, 1, "{:.4f}"),
+      orDash(s.gyro_rms_rad_s, 1e3, "{:.2f}"),
+      orDash(s.accel_rms_m_s2, 1, "{:.4f}"),
       s.problem.empty() ? Cell{} : Cell{s.problem, Cell::Kind::kText, VerdictLevel::kCaution}};
 }
 
@@ -136,7 +128,7 @@ Table pairedTable(const ComparisonRecord& record) {
   const std::string first = record.calibrations.empty() ? "" : record.calibrations[0].label;
   for (const PairedPrediction& p : record.paired) {
     // Negative: the calibration that is compared with the first predicts better.
-    const double sigma = p.std_px2 > 0 ? p.difference_px2 / p.std_px2 : 0;
+    const double sigma = p.sigmas();
     const std::string better = sigma < 0 ? p.label : first;
     table.rows.push_back(
         {{p.label + " \u2212 " + first},
@@ -144,11 +136,11 @@ Table pairedTable(const ComparisonRecord& record) {
          number(std::to_string(p.views)),
          number(fmt::format("{:+.4g}", p.difference_px2)),
          number(twoDigits(p.std_px2)),
-         {!(p.std_px2 > 0)       ? "\u2013 (no standard error)"
-          : std::abs(sigma) >= 3 ? fmt::format("{} predicts better, by {:.1f} "
-                                               "\u03c3",
-                                               better, std::abs(sigma))
-                                 : fmt::format("no difference ({:.1f} \u03c3)", std::abs(sigma))}});
+         {!(p.std_px2 > 0) ? "\u2013 (no standard error)"
+          : p.isClear()    ? fmt::format("{} predicts better, by {:.1f} "
+                                            "\u03c3",
+                                         better, std::abs(sigma))
+                           : fmt::format("no difference ({:.1f} \u03c3)", std::abs(sigma))}});
   }
   return table;
 }

@@ -43,16 +43,6 @@ Cell lintCell(const ComparedCalibration& c) {
   return {rules.empty() ? "nothing found" : rules, Cell::Kind::kText, worst};
 }
 
-/// Heading of a parameter by its prefix; what is no camera's is the IMU's.
-std::string ownerOf(const std::string& parameter) {
-  const std::string prefix = parameter.substr(0, parameter.find('.'));
-  if (prefix.rfind("cam", 0) == 0) return "Intrinsics of " + prefix;
-  if (prefix.rfind("T_C0C", 0) == 0) {
-    return "Camera " + prefix.substr(5) + " in camera 0 (" + prefix + ")";
-  }
-  return "Camera 0 in the IMU (T_SC0) and time offset";
-}
-
 /// "458.654 ± 0.080", or the reason why there is nothing.
 std::string estimateText(const ComparedParameter& p, std::size_t k, double factor) {
   const auto value = at(p.values, k);
@@ -108,7 +98,7 @@ std::vector<Block> parameterBlocks(const std::vector<ComparedParameter>& paramet
                                    const std::vector<std::string>& labels, Shown shown) {
   std::vector<Block> blocks;
   for (const ComparedParameter& p : parameters) {
-    const std::string owner = ownerOf(p.name);
+    const std::string owner = groupOf(p.name);
     // What the first calibration lacks comes last, under the same heading.
     auto block = std::find_if(blocks.begin(), blocks.end(),
                               [&](const Block& b) { return b.heading == owner; });

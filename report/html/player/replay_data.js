@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the page carries of a replay, decoded; report/html/replay_data.cpp wrote it.
+// What the page carries of a replay, decoded; report/html/replay/data.cpp wrote it.
 window.plumblineReplay = {};
 (() => {
   const bytesOf = (text) => {

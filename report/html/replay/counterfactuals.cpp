@@ -13,9 +13,10 @@ namespace plumbline::html_internal {
 namespace {
 
 constexpr double kShownShare = 0.95;  // of the values; the first few views are far above
-constexpr const char* kAbove =
+constexpr const char* kSeeds =
     " Where an order was drawn with several seeds, dashed lines bound the band between the "
-    "quartiles. The highest 5 % of the values are off-scale.";
+    "quartiles.";
+constexpr const char* kAbove = " The highest 5 % of the values are off-scale.";
 
 using Bands = std::vector<CounterfactualBand>;
 using BandColumn = std::vector<std::optional<Quartiles>> CounterfactualBand::*;
@@ -126,8 +127,12 @@ Figure bandFigure(const Bands& bands, const BandFigure& what) {
                            1,
                            true});
   }
-  plot.frame.y.range = rangeShown(plot);
-  return {toSvg(plot, what.id), what.caption + kAbove, true};
+  const Range shown = rangeShown(plot);
+  plot.frame.y.range = shown;
+  const bool above = std::any_of(plot.series.begin(), plot.series.end(), [&](const Series& s) {
+    return std::any_of(s.y.begin(), s.y.end(), [&](double y) { return y > shown.max; });
+  });
+  return {toSvg(plot, what.id), what.caption + kSeeds + (above ? kAbove : ""), true};
 }
 
 /// "14 (12 to 17)": median and quartiles.

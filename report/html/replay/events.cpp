@@ -52,7 +52,13 @@ std::string finishedText(const Decision& d) {
                               100 * *d.excess);
   }
   if (d.round && d.round->best >= 0) {
-    const double best = d.round->mi_nats[static_cast<std::size_t>(d.round->best)];
+    const auto i = static_cast<std::size_t>(d.round->best);
+    const double best = d.round->mi_nats[i];
+    if (!(best < d.threshold_nats) && d.error_px && i < d.round->error_px.size()) {
+      return text +
+             fmt::format(": the best candidate would lower the error from {:.3f} to {:.3f} px",
+                         *d.error_px, d.round->error_px[i]);
+    }
     text += fmt::format(": the best candidate would gain {:.3f} bits, less than {:.3f}",
                         best / std::numbers::ln2, d.threshold_nats / std::numbers::ln2);
   }
@@ -75,9 +81,9 @@ class Events {
   }
 
   void add(const Decision& d) {
-    // That a stage was ended is said by its own event.
+    // That a stage was ended is said by its own event; what was noted beside it is not.
     const bool ends = d.mode == GuideMode::kFinished && ended_.contains(d.stage);
-    if (!ends || d.failure) addProblem(d);
+    if (!ends || d.detail.find("; ") != std::string::npos) addProblem(d);
     if (d.reason == GuideReason::kInitialised) push(d, "initialised", initialisedText(d));
     addSuggestion(d);
     if (d.mode == GuideMode::kFinished && finished_.insert(d.stage).second) {

@@ -24,10 +24,6 @@ std::string secondsText(const ReplayRecord& record, const std::optional<TimeNs>&
   return t ? secondsText(record, *t) : kDash;
 }
 
-std::string fixedOrDash(const std::optional<double>& value, int decimals, double factor = 1) {
-  return value ? fmt::format("{:.{}f}", factor * *value, decimals) : kDash;
-}
-
 std::string countText(int count) { return grouped(static_cast<std::size_t>(count)); }
 
 std::string titleOf(GuideStage stage) {
@@ -121,12 +117,12 @@ std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome
           number(secondsText(record, o.suggestion.t)),
           number(ended ? fmt::format("{:.1f}", secondsBetween(o.suggestion.t, o.ended)) : kDash),
           {endText(o), Cell::Kind::kTight, levelOf(o.end)},
-          number(fixedOrDash(o.suggestion.reach_s, 1)),
-          number(fixedOrDash(o.reached_s, 1)),
-          number(fixedOrDash(o.closest_px, 1)),
-          number(fixedOrDash(o.mean_px, 1)),
-          number(fixedOrDash(o.closest_m, 0, 1e3)),
-          number(fixedOrDash(o.closest_rad, 1, kDegrees))};
+          orDash(o.suggestion.reach_s, 1, "{:.1f}"),
+          orDash(o.reached_s, 1, "{:.1f}"),
+          orDash(o.closest_px, 1, "{:.1f}"),
+          orDash(o.mean_px, 1, "{:.1f}"),
+          orDash(o.closest_m, 1e3, "{:.0f}"),
+          orDash(o.closest_rad, kDegrees, "{:.1f}")};
 }
 
 Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutcome>& outcomes) {
@@ -173,10 +169,10 @@ std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
       number(secondsText(record, a.enough)),
       number(a.seconds != 0 ? fmt::format("{:.2f}", a.seconds) : kDash),
       number(a.finished ? fmt::format("{:.2f}", a.saved_s) : kDash),
-      number(fixedOrDash(a.predicted_excess, 1, 100)),
-      number(fixedOrDash(a.measured_excess, 1, 100)),
-      number(fixedOrDash(a.predicted_px, 3)),
-      number(fixedOrDash(a.measured_px, 3)),
+      orDash(a.predicted_excess, 100, "{:.1f}"),
+      orDash(a.measured_excess, 100, "{:.1f}"),
+      orDash(a.predicted_px, 1, "{:.3f}"),
+      orDash(a.measured_px, 1, "{:.3f}"),
       number(a.finished && a.entropy_at_finish_nats != 0
                  ? fmt::format("{:.3f}", a.entropy_at_finish_nats)
                  : kDash),

@@ -156,7 +156,7 @@ Table offsetTable(const StudyRecord& record) {
                {"Sessions", kNumber},
                {"Mean [ms]", kNumber},
                {"Std over sessions [ms]", kNumber},
-               {"Median stated std [ms]", kNumber}},
+               {"Median formal std [ms]", kNumber}},
               {}};
   for (const StudyMethod& m : record.statistics.methods) {
     std::vector<double> stated;
@@ -208,7 +208,7 @@ Figure offsetFigure(const StudyRecord& record) {
                   false};
   plot.frame.y = {"t_d [ms]", rangeOf({&ends}, 0.06), {}, false, false};
   return {toSvg(plot, "study-offsets"),
-          "Lines are plus and minus one stated standard deviation; t_imu = t_cam + t_d.", true};
+          "Lines are plus and minus one formal standard deviation; t_imu = t_cam + t_d.", true};
 }
 
 }  // namespace

@@ -56,8 +56,6 @@ Section nightsSection(const StudyRecord& record);
 Section failuresSection(const StudyRecord& record);
 Section sessionsSection(const StudyRecord& record);
 
-/// A number in a cell, or a dash.
-Cell orDash(const std::optional<double>& value, double factor, const char* format);
 /// A session's name, leading to its page.
 Cell linkTo(const StudySession& session);
 /// Of that name; null if there is none.

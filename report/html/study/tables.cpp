@@ -127,11 +127,6 @@ Table alarmsTable(const StudyRecord& record) {
 
 }  // namespace
 
-Cell orDash(const std::optional<double>& value, double factor, const char* format) {
-  if (!value) return number(kDash);
-  return number(fmt::format(fmt::runtime(format), factor * *value));
-}
-
 Cell linkTo(const StudySession& s) { return {s.name, Cell::Kind::kTight, {}, s.page}; }
 
 const StudySession* sessionOf(const StudyRecord& record, const std::string& name) {

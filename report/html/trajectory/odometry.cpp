@@ -12,14 +12,6 @@
 namespace plumbline::html_internal {
 namespace {
 
-Cell given(const std::optional<double>& value, const char* format) {
-  return number(value ? fmt::format(fmt::runtime(format), *value) : kDash);
-}
-
-std::optional<double> scaled(const std::optional<double>& seconds) {
-  return seconds ? std::optional(1e3 * *seconds) : std::nullopt;
-}
-
 Cell hintCell(const OdometryRunRecord& o) {
   if (!o.offset_hint_s || !o.offset_hint_std_s) return number(kDash);
   return number(fmt::format("{} \u00b1 {}",
@@ -159,16 +151,16 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
     if (!run.odometry) continue;
     const OdometryRunRecord& o = *run.odometry;
     table.rows.push_back({{runName(run)},
-                          given(o.stereo_px, "{:.3f}"),
-                          given(o.innovation_px, "{:.3f}"),
-                          given(o.closure_m, "{:.4f}"),
-                          given(o.closure_deg, "{:.3f}"),
-                          given(scaled(o.offset_calibrated_s), "{:+.2f}"),
+                          orDash(o.stereo_px, 1, "{:.3f}"),
+                          orDash(o.innovation_px, 1, "{:.3f}"),
+                          orDash(o.closure_m, 1, "{:.4f}"),
+                          orDash(o.closure_deg, 1, "{:.3f}"),
+                          orDash(o.offset_calibrated_s, 1e3, "{:+.2f}"),
                           hintCell(o),
-                          given(o.frame_p50_ms, "{:.1f}"),
-                          given(o.frame_p95_ms, "{:.1f}"),
-                          given(o.frame_p99_ms, "{:.1f}"),
-                          given(o.frame_max_ms, "{:.1f}")});
+                          orDash(o.frame_p50_ms, 1, "{:.1f}"),
+                          orDash(o.frame_p95_ms, 1, "{:.1f}"),
+                          orDash(o.frame_p99_ms, 1, "{:.1f}"),
+                          orDash(o.frame_max_ms, 1, "{:.1f}")});
   }
   section = withTable(std::move(section), withoutEmptyColumns(std::move(table)));
   Table extrinsics = extrinsicsTable(runs);

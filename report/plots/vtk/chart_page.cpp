@@ -399,12 +399,11 @@ std::string ChartPage::axisMapping() {
 }
 
 std::string ChartPage::root(const std::string& content) {
-  const std::string& spoken = frame_.description.empty() ? frame_.title : frame_.description;
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" id=\"{}\" viewBox=\"0 0 {} {}\" "
       "width=\"{}\" height=\"{}\" role=\"img\" aria-label=\"{}\" data-ax=\"{}\"{} "
       "font-family=\"Inter,'Helvetica Neue',Arial,'Liberation Sans',sans-serif\">{}</svg>",
-      id_, frame_.width, frame_.height, frame_.width, frame_.height, escapeXml(spoken),
+      id_, frame_.width, frame_.height, frame_.width, frame_.height, escapeXml(frame_.title),
       axisMapping(), cells_, content);
 }
 
