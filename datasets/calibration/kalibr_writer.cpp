@@ -42,6 +42,18 @@ std::string cameraText(const Calibration& calibration, std::size_t i) {
   return text;
 }
 
+std::string densitiesText(const ImuNoise& noise, const char* indent) {
+  std::string text;
+  const auto add = [&](const char* key, double value) {
+    text += fmt::format("{}{}: {}\n", indent, key, yamlNumber(value));
+  };
+  add("accelerometer_noise_density", noise.accel_density);
+  add("accelerometer_random_walk", noise.accel_random_walk);
+  add("gyroscope_noise_density", noise.gyro_density);
+  add("gyroscope_random_walk", noise.gyro_random_walk);
+  return text;
+}
+
 }  // namespace
 
 std::string kalibrOverlaps(std::size_t camera, std::size_t count) {
@@ -59,19 +71,15 @@ std::string kalibrCamchainText(const Calibration& calibration) {
 }
 
 std::string kalibrImuText(const ImuNoise& noise, const std::string& rostopic) {
-  std::string text = "imu0:\n" + matrixText("T_i_b", Transform());
-  const auto add = [&](const char* key, double value) {
-    text += fmt::format("  {}: {}\n", key, yamlNumber(value));
-  };
-  add("accelerometer_noise_density", noise.accel_density);
-  add("accelerometer_random_walk", noise.accel_random_walk);
-  add("gyroscope_noise_density", noise.gyro_density);
-  add("gyroscope_random_walk", noise.gyro_random_walk);
-  text += "  model: calibrated\n";
-  text += fmt::format("  rostopic: {}\n", yamlText(rostopic.empty() ? "/imu0" : rostopic));
-  add("time_offset", 0);
-  add("update_rate", noise.rate_hz);
-  return text;
+  return fmt::format(
+      "imu0:\n{}{}  model: calibrated\n  rostopic: {}\n  time_offset: {}\n  update_rate: {}\n",
+      matrixText("T_i_b", Transform()), densitiesText(noise, "  "),
+      yamlText(rostopic.empty() ? "/imu0" : rostopic), yamlNumber(0), yamlNumber(noise.rate_hz));
+}
+
+std::string kalibrImuInputText(const ImuNoise& noise, const std::string& rostopic) {
+  return fmt::format("{}rostopic: {}\nupdate_rate: {}\n", densitiesText(noise, ""),
+                     yamlText(rostopic.empty() ? "/imu0" : rostopic), yamlNumber(noise.rate_hz));
 }
 
 std::string kalibrTargetText(const AprilGrid& target) {

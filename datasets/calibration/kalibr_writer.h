@@ -22,6 +22,9 @@ std::string kalibrCamchainText(const Calibration& calibration);
 /// Kalibr's imu.yaml as it writes it, below imu0:, model calibrated.
 std::string kalibrImuText(const ImuNoise& noise, const std::string& rostopic);
 
+/// The same as Kalibr reads it (--imu): flat.
+std::string kalibrImuInputText(const ImuNoise& noise, const std::string& rostopic);
+
 /// cam_overlaps of a camera: "[0, 2]", the indices of all others.
 std::string kalibrOverlaps(std::size_t camera, std::size_t count);
 

@@ -127,7 +127,8 @@ std::string yamlText(const std::string& text) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
            c == '/' || c == '.' || c == '-';
   };
-  const bool begins = !text.empty() && (text[0] == '/' || std::isalpha(text[0]) != 0);
+  const bool begins =
+      !text.empty() && (text[0] == '/' || std::isalpha(static_cast<unsigned char>(text[0])) != 0);
   if (begins && std::all_of(text.begin(), text.end(), plain)) return text;
   std::string quoted = "\"";
   for (const char c : text) {

@@ -186,7 +186,12 @@ TargetShape readTargetShape(const std::string& path, const AprilGrid& grid) {
   TargetShape shape;
   shape.terms = readTerms(file.map("terms_mm", kFile));
   if (file.has("higher_mm")) shape.higher = readHigherTerms(file, "higher_mm");
-  if (shape.higher && file.has("higher_std_mm")) shape.higher_std = readHigherStd(file);
+  if (file.has("higher_std_mm")) shape.higher_std = readHigherStd(file);
+  if (shape.higher_std && !shape.higher) {
+    throw file.fault("higher_std_mm", {InputFault::kMissingKey, "there is no higher_mm beside it",
+                                       "both, or neither",
+                                       "use the file as the program wrote it, or delete the key"});
+  }
   if (file.has("corners_mm")) shape.corners = readCorners(file, grid);
   if (file.has("covariance_mm2")) shape.covariance = readCovariance(file);
   return shape;

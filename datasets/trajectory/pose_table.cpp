@@ -66,6 +66,15 @@ bool knownCount(const NumberRow& row, const Layout& layout) {
                                                    : row.columns == kOpenVinsColumns;
 }
 
+/// Whether a row of OpenVINS' length has variances where OpenVINS writes them, and not something
+/// else of another program.
+bool hasVariances(const NumberRow& row) {
+  constexpr std::array<std::size_t, 6> kDiagonals = {8, 11, 13, 14, 17, 19};
+  return row.columns == kOpenVinsColumns &&
+         std::all_of(kDiagonals.begin(), kDiagonals.end(),
+                     [&](std::size_t column) { return row.values[column] > 0; });
+}
+
 Layout layoutOf(const NumberRow& row, const std::optional<TableHeader>& header,
                 const std::optional<TrajectoryFormat>& asked) {
   Layout layout;
@@ -74,8 +83,7 @@ Layout layoutOf(const NumberRow& row, const std::optional<TableHeader>& header,
   if (layout.format == TrajectoryFormat::kEuroc) layout.q = kScalarFirst;
   if (header) takeHeader(layout, *header);
   layout.has_orientation = row.columns >= 8;
-  layout.has_covariance =
-      layout.format == TrajectoryFormat::kTum && row.columns == kOpenVinsColumns;
+  layout.has_covariance = layout.format == TrajectoryFormat::kTum && hasVariances(row);
   return layout;
 }
 

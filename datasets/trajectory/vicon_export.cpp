@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -89,12 +92,26 @@ std::vector<Object> objectsOf(const ViconHeader& header) {
   return objects;
 }
 
-double unitFactor(const TrajectorySource& source, int line, std::string_view unit) {
-  if (unit == "m" || unit == "rad") return 1;
-  if (unit == "mm") return 1e-3;
-  if (unit == "deg") return kDegree;
-  throw source.fault(line, {InputFault::kWrongUnit, fmt::format("the unit '{}' is unknown", unit),
-                            "mm or m for TX TY TZ, rad or deg for RX RY RZ", "export again"});
+struct Unit {
+  std::string_view word;
+  double factor;
+};
+constexpr std::array<Unit, 2> kLengths{{{"m", 1}, {"mm", 1e-3}}};
+constexpr std::array<Unit, 2> kAngles{{{"rad", 1}, {"deg", kDegree}}};
+
+/// Of an object's columns of one kind, which have one unit.
+double unitFactor(const TrajectorySource& source, int line, const Cells& units,
+                  std::span<const std::size_t> columns, const std::array<Unit, 2>& known) {
+  const std::string_view word = cellAt(units, columns.front());
+  const auto unit =
+      std::find_if(known.begin(), known.end(), [&](const Unit& u) { return u.word == word; });
+  const bool alike = std::all_of(columns.begin(), columns.end(),
+                                 [&](std::size_t c) { return cellAt(units, c) == word; });
+  if (unit != known.end() && alike) return unit->factor;
+  throw source.fault(
+      line, {InputFault::kWrongUnit,
+             alike ? fmt::format("the unit '{}' is unknown", word) : "the axes' units differ",
+             "mm or m for TX TY TZ, rad or deg for RX RY RZ", "export again"});
 }
 
 Object chooseObject(const TrajectorySource& source, const ViconHeader& header,
@@ -127,9 +144,10 @@ class ViconReader {
         object_(chooseObject(source, header_, wanted)),
         builder_(source, TrajectoryFormat::kVicon, true) {
     const int line = table_.line();
-    // One unit for all axes: that of the first.
-    length_ = unitFactor(source_, line, cellAt(header_.units, object_.translation[0]));
-    if (isVector()) angle_ = unitFactor(source_, line, cellAt(header_.units, object_.rotation[0]));
+    length_ = unitFactor(source_, line, header_.units, object_.translation, kLengths);
+    if (!isVector()) return;
+    angle_ =
+        unitFactor(source_, line, header_.units, std::span(object_.rotation).first(3), kAngles);
   }
 
   TrajectoryFile read() {

@@ -107,7 +107,7 @@ ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& 
   }
   out.files.push_back(
       {"imu.yaml", commentHeader(options, {"Continuous-time noise densities."}) +
-                       kalibrImuText(calibration.imu->noise, topicOf(*calibration.imu))});
+                       kalibrImuInputText(calibration.imu->noise, topicOf(*calibration.imu))});
   return out;
 }
 
@@ -125,8 +125,8 @@ Calibration selectCameras(const Calibration& calibration, const std::vector<std:
     indices.push_back(static_cast<std::size_t>(&camera - calibration.cameras.data()));
     chosen.cameras.push_back(camera);
   }
-  if (chosen.imu) chosen.imu->time_offsets = selected(chosen.imu->time_offsets, indices);
-  if (names.front() == calibration.cameras.front().name) return chosen;
+  if (chosen.imu) chosen.imu->time_offsets = selected(calibration.imu->time_offsets, indices);
+  if (indices.front() == 0) return chosen;
   const Transform T_C0Cn = chosen.cameras.front().T_C0Ci;
   for (CameraCalibration& camera : chosen.cameras) {
     // T_CnCi, with Cn the camera that becomes camera 0.
@@ -140,6 +140,10 @@ Calibration selectCameras(const Calibration& calibration, const std::vector<std:
     // It is that of another camera's place, and the covariance that would carry it over is not
     // here.
     chosen.imu->T_SC0_std.reset();
+    // Of the former camera 0's offset, which is the new one's where the two are synchronised.
+    if (hasOwnOffset(calibration.imu->time_offsets, indices.front())) {
+      chosen.imu->time_offset_std_s.reset();
+    }
   }
   return chosen;
 }

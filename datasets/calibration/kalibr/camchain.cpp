@@ -244,6 +244,15 @@ Calibration calibrationOf(const KalibrCamchain& chain) {
   return calibration;
 }
 
+bool KalibrImu::isDistorted() const {
+  const auto differs = [](const std::optional<Eigen::Matrix3d>& M, const Eigen::Matrix3d& none) {
+    return M && !(*M - none).isZero(1e-12);
+  };
+  const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
+  return differs(accel_M, identity) || differs(gyro_M, identity) || differs(C_gyro_i, identity) ||
+         differs(gyro_A, Eigen::Matrix3d::Zero());
+}
+
 KalibrImuFile readKalibrImus(const std::string& path) {
   const YamlMap file = YamlMap::load(path, kWhat);
   KalibrImuFile read;

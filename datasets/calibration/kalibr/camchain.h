@@ -74,6 +74,10 @@ struct KalibrImu {
   std::optional<Eigen::Matrix3d> gyro_M;
   std::optional<Eigen::Matrix3d> gyro_A;
   std::optional<Eigen::Matrix3d> C_gyro_i;
+
+  /// Whether the model has scale, misalignment, g-sensitivity or a turned gyroscope, which a
+  /// Calibration has no place for.
+  bool isDistorted() const;
 };
 
 struct KalibrImuFile {

@@ -69,13 +69,12 @@ Aim aimOf(const std::vector<StampedPose>& poses) {
     }
   }
   if (x.empty()) return {};
-  const Eigen::Vector2d centre(quantile(x, 0.5), quantile(y, 0.5));
+  const Eigen::Vector2d centre(median(x), median(y));
   std::vector<double> distances;
   for (std::size_t i = 0; i < x.size(); ++i) {
     distances.push_back((Eigen::Vector2d(x[i], y[i]) - centre).norm());
   }
-  return {static_cast<double>(x.size()) / static_cast<double>(poses.size()),
-          quantile(distances, 0.5)};
+  return {static_cast<double>(x.size()) / static_cast<double>(poses.size()), median(distances)};
 }
 
 // The four columns taken as the header names them: w, x, y, z.

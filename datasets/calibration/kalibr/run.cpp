@@ -90,13 +90,34 @@ Files filesIn(const fs::path& folder) {
   return files;
 }
 
+bool haveSameIntrinsics(const KalibrCamchain& a, const KalibrCamchain& b) {
+  return std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(),
+                    [](const KalibrCamera& c, const KalibrCamera& d) {
+                      return isNear(c.intrinsics.projection, d.intrinsics.projection);
+                    });
+}
+
+/// A file beside the camchain; nothing, and a remark, where it cannot be read: it may be another
+/// run's.
+template <class Read>
+auto readBeside(const std::string& path, Read read, KalibrRun& run)
+    -> std::optional<decltype(read(path))> {
+  try {
+    return read(path);
+  } catch (const InputError& error) {
+    run.remarks.emplace_back(error.what());
+    return std::nullopt;
+  }
+}
+
 // The first text of a kind that rounds the chain's values.
 std::optional<KalibrResults> textOf(const std::vector<std::string>& paths,
                                     const KalibrCamchain& chain, KalibrRun& run) {
   std::optional<KalibrResults> found;
   for (const std::string& path : paths) {
-    KalibrResults text = readKalibrResults(path);
-    if (!found && belongs(text, chain)) {
+    auto text = readBeside(path, readKalibrResults, run);
+    if (!text) continue;
+    if (!found && belongs(*text, chain)) {
       found = std::move(text);
     } else {
       run.remarks.push_back(path + " does not have the values of " + chain.path);
@@ -109,9 +130,9 @@ std::optional<KalibrResults> textOf(const std::vector<std::string>& paths,
 std::optional<KalibrImuFile> imuOf(const std::vector<std::string>& paths, KalibrRun& run) {
   std::vector<KalibrImuFile> candidates;
   for (const std::string& path : paths) {
-    KalibrImuFile file = readKalibrImus(path);
-    if (!run.results_imu || belongs(file, *run.results_imu->noise)) {
-      candidates.push_back(std::move(file));
+    auto file = readBeside(path, readKalibrImus, run);
+    if (file && (!run.results_imu || belongs(*file, *run.results_imu->noise))) {
+      candidates.push_back(std::move(*file));
     }
   }
   std::stable_sort(
@@ -151,6 +172,39 @@ std::optional<KalibrCamchain> chainOf(const std::vector<std::string>& paths,
       path, 0,
       {InputFault::kAmbiguous, "contains several runs of Kalibr (" + namesOf(paths) + ")",
        "one run", "name the camchain that is meant"});
+}
+
+/// The camchain of the other tool in the same run: it has the same intrinsics.
+std::optional<KalibrCamchain> partnerOf(const KalibrCamchain& chain,
+                                        const std::vector<std::string>& paths, KalibrRun& run) {
+  std::vector<KalibrCamchain> partners;
+  for (const std::string& path : paths) {
+    auto other = readBeside(path, readKalibrCamchain, run);
+    if (!other) continue;
+    if (haveSameIntrinsics(*other, chain)) {
+      partners.push_back(std::move(*other));
+    } else {
+      run.remarks.push_back(path + " does not have the intrinsics of " + chain.path);
+    }
+  }
+  if (partners.size() == 1) return partners.front();
+  if (partners.size() > 1) {
+    run.remarks.push_back("several camchains (" + namesOf(paths) + ") have the intrinsics of " +
+                          chain.path);
+  }
+  return std::nullopt;
+}
+
+/// The camchain that is named, or in a folder the camera-IMU tool's, decides which run it is.
+void readChains(Files& files, const std::string& path, KalibrRun& run) {
+  const auto kind = fs::is_directory(path) ? std::nullopt : kalibrFileKind(path);
+  const bool cameras_first = kind == Kind::kCamchain || kind == Kind::kResultsCameras;
+  const auto& first = files[cameras_first ? Kind::kCamchain : Kind::kCamchainImu];
+  const auto& second = files[cameras_first ? Kind::kCamchainImu : Kind::kCamchain];
+  auto chain = chainOf(first, path);
+  auto other = chain ? partnerOf(*chain, second, run) : chainOf(second, path);
+  run.cameras = cameras_first ? chain : other;
+  run.camera_imu = cameras_first ? other : chain;
 }
 
 void addStandardDeviations(Calibration& calibration, const KalibrResults& text) {
@@ -211,8 +265,7 @@ KalibrRun readKalibrRun(const std::string& path) {
   Files files = filesIn(folder ? fs::path(path) : fs::absolute(path).parent_path());
   const std::string named = folder ? path : fs::absolute(path).string();
   KalibrRun run;
-  run.camera_imu = chainOf(files[Kind::kCamchainImu], named);
-  run.cameras = chainOf(files[Kind::kCamchain], named);
+  readChains(files, named, run);
   if (!run.camera_imu && !run.cameras) {
     throw badInput(path, 0,
                    {InputFault::kUnknownFile, "there is no camchain of Kalibr", "camchain*.yaml",
@@ -226,7 +279,7 @@ KalibrRun readKalibrRun(const std::string& path) {
     run.imu = imuOf(files[Kind::kImu], run);
   }
   const auto& poses = files[Kind::kPoses];
-  if (poses.size() == 1) run.poses = readKalibrPoses(poses.front());
+  if (poses.size() == 1) run.poses = readBeside(poses.front(), readKalibrPoses, run);
   if (poses.size() > 1) run.remarks.push_back("several files of poses (" + namesOf(poses) + ")");
   return run;
 }

@@ -100,9 +100,11 @@ struct KalibrRun {
 };
 
 /// Reads a folder, or a file and what belongs to it in its folder (subfolders are not searched).
-/// Files belong together by content: a text to the camchain whose values it rounds, an imu.yaml to
-/// the text whose densities it has. Throws InputError where the folder holds no camchain, or
-/// camchains of several runs (then name one), and for the faults of the files that are read.
+/// Files belong together by content: the camchains of both tools by their intrinsics, a text to the
+/// camchain whose values it rounds, an imu.yaml to the text whose densities it has. A camchain that
+/// is named decides which run it is. Throws InputError where the folder holds no camchain, or
+/// camchains of several runs (then name one), and for the faults of that camchain; other files that
+/// cannot be read are left out, with a remark.
 KalibrRun readKalibrRun(const std::string& path);
 
 /// Reads <bag>-poses-cam0.csv, the poses T_FC0 of Kalibr's camera tool (p_F = q p_C0 + p).

@@ -96,6 +96,8 @@ TEST(KalibrImus, ScaleAndMisalignmentAreReadForComparingOnly) {
   EXPECT_TRUE(file.wrapped);
   EXPECT_EQ(file.imus[0].model, "scale-misalignment");
   EXPECT_EQ((*file.imus[0].gyro_M)(0, 0), 1.01);
+  EXPECT_TRUE(file.imus[0].isDistorted());
+  EXPECT_FALSE(readKalibrImus(folder.write("plain.yaml", kImuYaml)).imus[0].isDistorted());
   EXPECT_FALSE(file.imus[0].accel_M);
   EXPECT_EQ(faultOf([&] { (void)readImuDescription(path); }), InputFault::kUnsupported);
 }
@@ -144,6 +146,60 @@ TEST(KalibrRuns, SeveralRunsInAFolderMustBeNamed) {
                                 .replace(std::string(kCamchainImuYaml).find("400.0"), 5, "401.0"));
   EXPECT_EQ(faultOf([&] { (void)readKalibrRun(folder.path()); }), InputFault::kAmbiguous);
   EXPECT_EQ(readKalibrRun(first).calibration().cameras[0].intrinsics.projection(0), 400);
+}
+
+/// The camera tool's camchain of kCamchainImuYaml, with this focal length.
+std::string cameraChain(const std::string& fu) {
+  std::string text = kCamchainImuYaml;
+  text.erase(text.find("  T_cam_imu"), text.find("  camera_model") - text.find("  T_cam_imu"));
+  text.erase(text.find("  timeshift"));
+  return text.replace(text.find("400.0"), 5, fu);
+}
+
+TEST(KalibrRuns, TheNamedCamchainDecides) {
+  const TemporaryFolder folder;
+  const std::string other = folder.write("a-camchain.yaml", cameraChain("401.0"));
+  const std::string own = folder.write("b-camchain.yaml", cameraChain("400.0"));
+  const std::string imu = folder.write("b-camchain-imucam.yaml", kCamchainImuYaml);
+  const KalibrRun alone = readKalibrRun(other);
+  EXPECT_EQ(alone.calibration().cameras[0].intrinsics.projection(0), 401);
+  EXPECT_FALSE(alone.calibration().imu);
+  ASSERT_EQ(alone.remarks.size(), 1U);
+  EXPECT_THAT(alone.remarks[0], HasSubstr("b-camchain-imucam.yaml does not have the intrinsics"));
+  for (const std::string& path : {own, imu}) {
+    const KalibrRun run = readKalibrRun(path);
+    ASSERT_TRUE(run.cameras && run.camera_imu) << path;
+    EXPECT_EQ(run.cameras->path, own);
+    EXPECT_EQ(run.camera_imu->path, imu);
+  }
+}
+
+TEST(KalibrRuns, TwoFullRunsInAFolderAreToldApart) {
+  const TemporaryFolder folder;
+  for (const char* const run : {"400.0", "401.0"}) {
+    folder.write(std::string(run) + "-camchain.yaml", cameraChain(run));
+    std::string imu = kCamchainImuYaml;
+    folder.write(std::string(run) + "-imucam.yaml", imu.replace(imu.find("400.0"), 5, run));
+  }
+  EXPECT_EQ(faultOf([&] { (void)readKalibrRun(folder.path()); }), InputFault::kAmbiguous);
+  for (const char* const file : {"401.0-camchain.yaml", "401.0-imucam.yaml"}) {
+    const KalibrRun run = readKalibrRun(folder.path(file));
+    EXPECT_THAT(run.cameras->path, HasSubstr("401.0-camchain.yaml"));
+    EXPECT_THAT(run.camera_imu->path, HasSubstr("401.0-imucam.yaml"));
+  }
+}
+
+TEST(KalibrRuns, FilesOfOtherRunsThatDoNotParseAreLeftOut) {
+  const TemporaryFolder folder;
+  const std::string chain = folder.write("camchain.yaml", kCamchainImuYaml);
+  folder.write("results.txt", std::string(kImuText).substr(0, 300));
+  std::string imu = kImuYaml;
+  folder.write("imu.yaml", imu.replace(imu.find("0.002"), 5, "-1"));
+  folder.write("poses.csv", posesText(true));
+  const KalibrRun run = readKalibrRun(chain);
+  EXPECT_FALSE(run.imu || run.results_imu || run.poses);
+  EXPECT_EQ(run.remarks.size(), 4U);  // each file, and that no imu.yaml belongs to it
+  EXPECT_THAT(run.remarks[0], HasSubstr("results.txt"));
 }
 
 TEST(KalibrRuns, FoldersWithoutACamchainAreRefused) {

@@ -99,6 +99,9 @@ TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
               "  - [-1, 0, 0, 0, 0, 0, 0, 0, 0]\n  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"
               "  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n",
        InputFault::kOutOfRange},
+      {good + "higher_std_mm:\n  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"
+              "  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n  - [0, 0, 0, 0, 0, 0, 0, 0, 0]\n",
+       InputFault::kMissingKey},
       {"", InputFault::kUnknownFile},
   };
   for (const auto& c : cases) {

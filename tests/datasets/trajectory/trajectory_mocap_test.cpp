@@ -214,6 +214,11 @@ TEST(ViconExport, RefusesWhatItCannotKnow) {
   EXPECT_EQ(refusal(vicon("RX,RY,RZ", rad, "1,0,90,0,0,1,1,1\n")), InputFault::kNotRigid);
   EXPECT_EQ(refusal(vicon("RX,RY,RZ", "rad,rad,rad,ft,ft,ft", "1,0,0,0,0,1,1,1\n")),
             InputFault::kWrongUnit);
+  for (const char* units : {"rad,rad,rad,deg,deg,deg", "mm,mm,mm,mm,mm,mm", "rad,rad,rad,mm,mm,m",
+                            "rad,deg,rad,mm,mm,mm"}) {
+    EXPECT_EQ(refusal(vicon("RX,RY,RZ", units, "1,0,0,0,0,1,1,1\n")), InputFault::kWrongUnit)
+        << units;
+  }
   EXPECT_EQ(refusal(vicon("RX,RY", "rad,rad,mm,mm,mm", "1,0,0,0,1,1,1\n")),
             InputFault::kMissingKey);
   EXPECT_EQ(refusal(vicon("RX,RY,RZ", rad, "1,1,0,0,0,1,1,1\n")), InputFault::kOutOfRange);

@@ -123,6 +123,12 @@ TEST(OpenVinsTrajectory, CovariancesAreTurnedIntoOurTangent) {
   EXPECT_LT((file.trajectory.covariances[0] - expected).cwiseAbs().maxCoeff(), 1e-14);
 }
 
+TEST(OpenVinsTrajectory, OtherColumnsAreNoCovariances) {
+  const TrajectoryFile file = read("1 2 3 4 0 0 0 1 0.1 -2 0 -0.1 0 0 0.3 0 0 -1 0 0\n");
+  EXPECT_THAT(file.trajectory.covariances, IsEmpty());
+  EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(2, 3, 4));
+}
+
 TEST(OpenVinsTrajectory, HeaderOfTwentyMayStandOverRowsOfEight) {
   const TrajectoryFile file = read(
       "# timestamp(s) tx ty tz qx qy qz qw Pr11 Pr12 Pr13 Pr22 Pr23 "

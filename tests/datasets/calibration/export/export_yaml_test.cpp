@@ -60,7 +60,8 @@ TEST(ExportKalibr, AnIndependentReaderMeetsTheSamePixels) {
     }
     const Eigen::Matrix4d chained = matrix(chain["cam1"]["T_cn_cnm1"]) * T_C0S;
     EXPECT_LT((chained - matrix(chain["cam1"]["T_cam_imu"])).norm(), 1e-12);
-    const YAML::Node imu = YAML::Load(fileText(files, "imu.yaml"))["imu0"];
+    // Flat, as Kalibr reads it.
+    const YAML::Node imu = YAML::Load(fileText(files, "imu.yaml"));
     EXPECT_EQ(imu["gyroscope_random_walk"].as<double>(), truth.imu->noise.gyro_random_walk);
     EXPECT_EQ(imu["accelerometer_noise_density"].as<double>(), truth.imu->noise.accel_density);
     EXPECT_EQ(imu["update_rate"].as<double>(), truth.imu->noise.rate_hz);
