@@ -10,8 +10,7 @@
 namespace plumbline {
 
 void ViewGuideOptions::check() const {
-  requireOption(pixel_sigma > 0, "views.pixel_sigma", pixel_sigma, "a positive number of pixels");
-  requireOption(cauchy_px >= 0, "views.cauchy_px", cauchy_px, "0 (squared error) or more");
+  MeasurementModel::check();
   requireOption(start_frames >= 2, "views.start_frames", start_frames, "2 or more");
   requireOption(start_move_px >= 0, "views.start_move_px", start_move_px, "0 or more");
   requireOption(start_anew_after >= 1, "views.start_anew_after", start_anew_after, "1 or more");
@@ -20,23 +19,19 @@ void ViewGuideOptions::check() const {
   requireOption(threshold_nats >= 0, "views.threshold_nats", threshold_nats, "0 or more");
   requireOption(least_lowering > 0 && least_lowering < 1, "views.least_lowering", least_lowering,
                 "a share between 0 and 1");
-  requireOption(stop_excess > 0, "views.stop_excess", stop_excess, "a positive share");
+  requirePositive("views.stop_excess", stop_excess);
   requireOption(stop_views >= 2, "views.stop_views", stop_views, "2 or more");
   requireOption(stop_projection_px >= 0, "views.stop_projection_px", stop_projection_px,
                 "0 (not asked for) or more");
   requireOption(patience >= 1, "views.patience", patience, "1 or more");
-  requireOption(reached_px > 0, "views.reached_px", reached_px, "a positive distance");
+  requirePositive("views.reached_px", reached_px);
   requireOption(reached_s >= 0, "views.reached_s", reached_s, "0 or more");
-  requireOption(expires_s > 0, "views.expires_s", expires_s, "a positive time");
+  requirePositive("views.expires_s", expires_s);
   requireOption(min_views >= 0, "views.min_views", min_views, "0 or more");
 }
 
 void TrajectoryGuideOptions::check() const {
-  requireOption(pixel_sigma > 0, "trajectories.pixel_sigma", pixel_sigma,
-                "a positive number of pixels");
-  requireOption(cauchy_px >= 0, "trajectories.cauchy_px", cauchy_px, "0 (squared error) or more");
-  requireOption(gravity_m_s2 > 0, "trajectories.gravity_m_s2", gravity_m_s2,
-                "a positive acceleration");
+  MeasurementModel::check();
   requireOption(start_frames >= 3, "trajectories.start_frames", start_frames, "3 or more");
   requireOption(window >= 2, "trajectories.window", window, "2 or more");
   requireOption(min_corners >= 4, "trajectories.min_corners", min_corners, "4 or more");
@@ -45,18 +40,15 @@ void TrajectoryGuideOptions::check() const {
                 least_lowering, "a share between 0 and 1");
   requireOption(stop_reprojection_px >= 0, "trajectories.stop_reprojection_px",
                 stop_reprojection_px, "0 (not asked for) or more");
-  requireOption(evaluate_every_s > 0, "trajectories.evaluate_every_s", evaluate_every_s,
-                "a positive time");
-  requireOption(reached_px > 0, "trajectories.reached_px", reached_px, "a positive distance");
+  requirePositive("trajectories.evaluate_every_s", evaluate_every_s);
+  requirePositive("trajectories.reached_px", reached_px);
   requireOption(reached_s >= 0, "trajectories.reached_s", reached_s, "0 or more");
-  requireOption(expires_s > 0, "trajectories.expires_s", expires_s, "a positive time");
-  requireOption(amplitude > 0, "trajectories.amplitude", amplitude, "a positive factor");
-  requireOption(duration_s > 0, "trajectories.duration_s", duration_s, "a positive time");
-  requireOption(max_speed_m_s > 0, "trajectories.max_speed_m_s", max_speed_m_s, "a positive speed");
-  requireOption(max_rate_rad_s > 0, "trajectories.max_rate_rad_s", max_rate_rad_s,
-                "a positive rate");
-  requireOption(max_acceleration_m_s2 > 0, "trajectories.max_acceleration_m_s2",
-                max_acceleration_m_s2, "a positive acceleration");
+  requirePositive("trajectories.expires_s", expires_s);
+  requirePositive("trajectories.amplitude", amplitude);
+  requirePositive("trajectories.duration_s", duration_s);
+  requirePositive("trajectories.max_speed_m_s", max_speed_m_s);
+  requirePositive("trajectories.max_rate_rad_s", max_rate_rad_s);
+  requirePositive("trajectories.max_acceleration_m_s2", max_acceleration_m_s2);
 }
 
 TrajectoryGuideOptions TrajectoryGuideOptions::patient() {

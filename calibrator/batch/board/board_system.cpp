@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -93,7 +94,8 @@ std::optional<BoardSystem> boardSystem(const Session& session, const CameraStage
   estimate.target = stage.target_fit->shape.terms;
   const auto normals = boardNormals(problem, estimate);
   if (!normals) return std::nullopt;
-  const double noise_px = stage.summary.reprojection.rmse_px / std::sqrt(2);
+  const double noise_px =
+      std::max(stage.summary.reprojection.rmse_px / std::sqrt(2), kLeastNoisePx);
   const double ratio = std::pow(noise_px / options.pixel_sigma, 2);
   return whitened(*normals, ratio, stretchOf(stage, ratio));
 }

@@ -18,9 +18,7 @@ constexpr double kSettled = 0.1;    // last step over the terms' standard deviat
 constexpr double kStartStd = 1e-4;  // of a term [m]
 constexpr double kLeastStd = 1e-7;  // [m]; smaller ones change nothing
 constexpr int kEvidenceRounds = 50;
-// Of corners: without noise the prior would vanish, and with it what bounds remainders that no
-// view determines.
-constexpr double kLeastNoisePx = 1e-4;
+
 constexpr double kSameVariance = 1e-3;  // relative change that ends the search for the evidence
 
 /// Groups of one variance each: cubic, quartic and remainders, in the plane and in height.

@@ -10,6 +10,10 @@
 
 namespace plumbline {
 
+/// Of corners, at least: without noise the prior would vanish, and with it what bounds remainders
+/// that no view determines.
+inline constexpr double kLeastNoisePx = 1e-4;
+
 /// Displacements of a board's single corners, 3 n numbers, that are no similarity and none of its
 /// terms (TargetBasis, HigherBasis): the orthogonal complement of those over the corners, in the
 /// plane and in height. Its basis are the last columns of the Q of their QR decompositions; a

@@ -253,6 +253,13 @@ JointTarget joinTargets(const std::vector<BoardSystem>& sessions,
   return out;
 }
 
+TargetShape JointTarget::undispersed() const {
+  TargetShape out = shape;
+  *out.covariance /= dispersion;
+  if (out.higher_std) *out.higher_std /= std::sqrt(dispersion);
+  return out;
+}
+
 std::string targetTermName(int term) {
   if (term < kBoardTerms) return kTargetTermNames[static_cast<std::size_t>(term)];
   const int function = (term - kBoardTerms) % kHigherFunctions;

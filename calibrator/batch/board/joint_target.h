@@ -63,6 +63,9 @@ struct JointTarget {
   /// Of the terms of degrees 3 and 4 against all zero, over the dispersion; they are estimated
   /// where it exceeds the limit. NaN where they were not asked for.
   double higher_chi2, higher_limit;
+
+  /// The shape with the deviations that the sessions' equations alone give it.
+  TargetShape undispersed() const;
 };
 
 struct JointTargetOptions {

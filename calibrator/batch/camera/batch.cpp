@@ -370,7 +370,8 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
   if (!start) return start.failure();
   const double initialise_s = watch.lap();
   auto result = solveAndReport(session, corners, *start, options, kMaxIntrinsics);
-  if (!result.ok() && options.model_mode == ModelMode::kAuto) {
+  // A start has its models: nothing was chosen.
+  if (!result.ok() && options.model_mode == ModelMode::kAuto && options.start.empty()) {
     // A short recording may not determine the coefficients of a large model, however well it
     // predicts.
     result = solveAndReport(session, corners, *start, options, kUsualParameters);
@@ -405,7 +406,9 @@ Result<CameraStageResult> scoreCameras(const Session& session,
   }
   if (rejected > 0) {
     // Few corners are left where a filter took nearly all of them: no pose follows from those.
+    const int frames = problem.frameCount();
     dropBareFrames(problem, estimate);
+    if (problem.frames.empty()) return Failure{FailureCode::kNoFramePose, {{"frames", frames}}};
     poses = refinePoses(problem, estimate);
   }
   CameraStageResult result = resultFrom(session, problem, estimate);

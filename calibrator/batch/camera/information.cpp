@@ -41,7 +41,10 @@ Eigen::MatrixXd cameraRows(const ImpliedShift& shift, const CameraEstimate& esti
 Result<CameraInformation> cameraInformation(const Session& session, const CameraStageResult& at,
                                             const CameraInformationOptions& options) {
   options.check();
-  const std::vector<PackedCorners> corners = usedCorners(session, at.frames, at.residuals);
+  std::vector<PackedCorners> corners = usedCorners(session, at.frames, at.residuals);
+  AprilGrid board = session.target;
+  board.shape = at.target;
+  for (PackedCorners& camera : corners) camera.place(board);
   CameraProblem problem;
   problem.corners = corners;
   problem.frames = at.frames;

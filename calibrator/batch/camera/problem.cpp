@@ -266,15 +266,14 @@ CameraNormals emptyNormals(int frames, int size) {
 
 constexpr double kFreePose = 1e-12;  // share of a pose's information that is rounding
 
-/// Whether H is positive definite beyond rounding: pivots over the diagonal are those of H scaled
-/// to a unit diagonal.
+}  // namespace
+
 bool isDetermined(const Matrix6d& H, const Eigen::LLT<Matrix6d>& llt) {
   if (llt.info() != Eigen::Success) return false;
+  // Over the diagonal they are those of H scaled to a unit diagonal.
   const Vector6d pivots = llt.matrixLLT().diagonal().cwiseAbs2();
   return (pivots.array() >= kFreePose * H.diagonal().array()).all();
 }
-
-}  // namespace
 
 PoseElimination::PoseElimination(const Matrix6d& H) : llt_(H) {
   if (isDetermined(H, llt_)) return;

@@ -132,9 +132,13 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
 CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& estimate,
                         const GramOptions& gram);
 
+/// Whether a pose's H is positive definite beyond rounding: H scaled to a unit diagonal has no
+/// pivot below 1e-12.
+bool isDetermined(const Matrix6d& H, const Eigen::LLT<Matrix6d>& llt);
+
 /// R with R^T R = H^-1 of a frame's pose, or the pseudo-inverse where corners leave a part of the
-/// pose free (H scaled to a unit diagonal has a pivot or an eigenvalue below 1e-12): such a frame
-/// says what holds whatever that part is, and one or two corners of one camera say nothing.
+/// pose free (not isDetermined(), or an eigenvalue below 1e-12): such a frame says what holds
+/// whatever that part is, and one or two corners of one camera say nothing.
 class PoseElimination {
  public:
   explicit PoseElimination(const Matrix6d& H);

@@ -51,7 +51,7 @@ std::vector<int> fittingFrames(const std::vector<ViewTerms>& terms) {
   }
   std::vector<int> fitting;
   if (rmse.empty()) return fitting;
-  const double most = kWorstView * quantile(rmse, 0.5);
+  const double most = kWorstView * median(rmse);
   for (std::size_t i = 0; i < terms.size(); ++i) {
     if (terms[i].corners == 0) continue;
     const bool fits = std::sqrt(terms[i].squared_px / terms[i].corners) <= most;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/parallel.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/initialise/camera_poses.h"
@@ -119,7 +120,7 @@ MonoSolution firstSolution(const CameraStream& stream, const PackedCorners& corn
         plainCamera(model.projection, model.distortion, stream.resolution, focal);
     const MonoSolution mono = solveMono(plain, corners, some, options.threads);
     // The first in any case: a camera without a good start still gets one.
-    if (best.camera.projection.size() == 0 || mono.rms_px < best.rms_px) best = mono;
+    if (best.camera.projection.size() == 0 || isLarger(best.rms_px, mono.rms_px)) best = mono;
     if (best.rms_px < kGoodStart * stream.resolution.width) break;
   }
   return best;
@@ -146,7 +147,7 @@ Intrinsics firstOfAnyModel(const CameraStream& stream, const PackedCorners& corn
   const MonoSolution* best = nullptr;
   for (const MonoSolution& s : solutions) {
     if (s.views < kNearlyAll * most_views) continue;
-    if (!best || s.rms_px < kHardlyLess * best->rms_px) best = &s;
+    if (!best || isLarger(kHardlyLess * best->rms_px, s.rms_px)) best = &s;
   }
   return best ? best->camera : solutions.front().camera;
 }

@@ -85,8 +85,10 @@ class ViewTermsMaker::Sum {
   /// Without the pose; says nothing where that is free.
   ViewTerms finish() && {
     const Eigen::LLT<Matrix6d> llt(H_);
-    if (llt.info() != Eigen::Success || !(H_.diagonal().array() > 0).all()) {
-      out_.corners = 0;
+    if (!isDetermined(H_, llt)) {
+      for (Eigen::MatrixXd* sum : {&out_.I, &out_.C, &out_.D}) sum->setZero();
+      out_.s.setZero();
+      out_.squared_px = out_.corners = 0;
       return std::move(out_);
     }
     const Matrix6d L_inverse = llt.matrixL().solve(Matrix6d::Identity());

@@ -141,7 +141,7 @@ void ViewErrorTracker::refresh(const CameraEstimate& estimate,
   model_ = errorModel(frames, cameras_, options_.cauchy_px, options_.later_use, threads);
   // Later use that does not determine the cameras predicts nothing.
   if (!model_ || kept_.empty()) return model_.reset();
-  median_px_ = quantile(rmse, 0.5);
+  median_px_ = median(rmse);
   std::vector<ViewTerms> terms, fitting;
   for (std::size_t i = 0; i < kept_.size(); ++i) {
     terms.push_back(model_->maker.seen(kept_[i].view()));

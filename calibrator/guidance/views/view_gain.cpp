@@ -182,8 +182,7 @@ class ViewScorer::Sum {
 };
 
 void ViewGainOptions::check() const {
-  requireOption(pixel_sigma > 0, "pixel_sigma", pixel_sigma, "a positive number of pixels");
-  requireOption(cauchy_px >= 0, "cauchy_px", cauchy_px, "0 (squared error) or more");
+  MeasurementModel::check();
   requireOption(min_corners >= 1, "min_corners", min_corners, "1 or more");
   requireOption(border_px >= 0, "border_px", border_px, "0 or more");
   requireOption(min_tag_px >= 0, "min_tag_px", min_tag_px, "0 or more");

@@ -90,6 +90,16 @@ TEST(CameraFailures, AViewFromOnePlaceLeavesTheFocalLengthFreeWhateverTheNoiseAs
   }
 }
 
+TEST(CameraFailures, AScoreOfWhichAFilterLeavesNoFrameIsNone) {
+  const SimulatedSession s = recording();
+  CameraStageOptions options;
+  options.filter = CornerFilter::kSigma;
+  options.filter_sigmas = 1e-6;
+  const auto result = scoreCameras(s.session, s.truth.cameras, options);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.failure().code, FailureCode::kNoFramePose);
+}
+
 TEST(CameraFailures, ATargetOfAnotherLayoutDoesNotPassAsCalibrated) {
   SimulatedSession s = recording();
   s.session.target.spacing = 0.6;

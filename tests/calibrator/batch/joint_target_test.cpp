@@ -46,6 +46,15 @@ TEST(JointTarget, IsTheMeanWeightedByInformation) {
   EXPECT_NEAR(joint.members[0].limit, 24.725, 1e-3);
 }
 
+TEST(JointTarget, WithoutTheDispersionAllDeviationsAreThoseOfTheEquations) {
+  JointTarget joint;
+  joint.dispersion = 4;
+  joint.shape.covariance = TargetCovariance::Identity();
+  joint.shape.higher_std = HigherTerms::Constant(1);
+  EXPECT_EQ((*joint.undispersed().covariance)(3, 3), 0.25);
+  EXPECT_EQ((*joint.undispersed().higher_std)(3), 0.5);
+}
+
 TEST(JointTarget, TagEdgeIsOfEachSession) {
   TargetTerms one = TargetTerms::Zero();
   TargetTerms other = one;
@@ -107,7 +116,8 @@ TEST(JointTarget, NamesOfTermsAreThoseOfTheirPolynomials) {
 }
 
 /// A recording of a board of this shape, and what its camera stage says of it.
-BoardSystem recorded(const TargetShape& shape, std::uint64_t seed, double pixel_sigma = 1) {
+BoardSystem recorded(const TargetShape& shape, std::uint64_t seed, double pixel_sigma = 1,
+                     bool perfect = false) {
   SimulationOptions options;
   options.target.shape = shape;
   options.seed = options.trajectory.seed = seed;
@@ -119,9 +129,11 @@ BoardSystem recorded(const TargetShape& shape, std::uint64_t seed, double pixel_
   stage.target = TargetMode::kEstimate;
   stage.cauchy_px = 0;
   stage.pixel_sigma = pixel_sigma;
-  const auto result = calibrateCameras(s.session, stage);
-  EXPECT_TRUE(result.ok());
-  return *boardSystem(s.session, *result, stage);
+  const auto calibrated = calibrateCameras(s.session, stage);
+  EXPECT_TRUE(calibrated.ok());
+  CameraStageResult result = *calibrated;
+  if (perfect) result.summary.reprojection.rmse_px = 0;
+  return *boardSystem(s.session, result, stage);
 }
 
 TargetShape bent() {
@@ -135,6 +147,10 @@ TEST(BoardSystem, DoesNotDependOnTheNoiseStated) {
   const BoardSystem one = recorded(bent(), 1, 1), other = recorded(bent(), 1, 0.2);
   const Eigen::MatrixXd I = one.A.transpose() * one.A;
   EXPECT_LT((I - other.A.transpose() * other.A).norm(), 1e-2 * I.norm());
+}
+
+TEST(BoardSystem, OfCornersWithoutErrorIsFinite) {
+  EXPECT_TRUE(recorded(bent(), 1, 1, true).A.allFinite());
 }
 
 TEST(JointTarget, RecordingsOfOneBoardAgreeAndSharpenIt) {

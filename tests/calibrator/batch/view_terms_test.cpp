@@ -145,6 +145,14 @@ TEST(ViewTerms, AFrameWithoutAPoseSaysNothing) {
   const ViewTermsMaker maker(s.estimate, {seenBoxes(s.views, s.estimate), {}}, 0);
   const RigView nothing{{PackedView{}, PackedView{}}, Transform()};
   EXPECT_EQ(maker.seen(nothing).corners, 0);
+  // Two corners of one camera: some pose always explains them.
+  const CameraStream& stream = s.simulated.session.cameras[0];
+  ImageView two = stream.views[static_cast<std::size_t>(s.result.frames[0].view[0])];
+  two.corners.resize(2);
+  const PackedCorners packed(s.simulated.session.target, std::vector<ImageView>{two});
+  const ViewTerms terms = maker.seen({{packed.view(0), PackedView{}}, s.views[0].T_C0F});
+  EXPECT_EQ(terms.corners, 0);
+  EXPECT_EQ(terms.I.norm() + terms.C.norm() + terms.D.norm() + terms.s.norm(), 0);
 }
 
 TEST(CellWeights, RaiseWhatIsRarelySeen) {

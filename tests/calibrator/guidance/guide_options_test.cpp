@@ -41,6 +41,11 @@ TEST(GuideOptions, NameTheFieldAndTheRule) {
 }
 
 TEST(GuideOptions, RefuseWhatIsNoNumber) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refusalOf([&](GuideOptions& o) { o.views.reached_px = infinity; }),
+              HasSubstr("views.reached_px is inf"));
+  // As every stage does: a loss far below any detector's noise leaves no corner a weight.
+  EXPECT_THAT(refusalOf([](GuideOptions& o) { o.views.cauchy_px = 1e-4; }), HasSubstr("cauchy_px"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(refusalOf([&](GuideOptions& o) { o.views.pixel_sigma = nan; }), "");
   EXPECT_NE(refusalOf([&](GuideOptions& o) { o.trajectories.duration_s = nan; }), "");
