@@ -32,10 +32,19 @@ void addErrors(Text& text, const char* name, const StageSummary& s) {
       s.corners_used, s.corners_offered, s.views_used, s.views_offered);
 }
 
+/// Whether a covariance is of the cameras' parameters too; cameras' own time offsets are none.
+bool hasCameras(const ParameterCovariance& covariance,
+                const std::vector<CameraCalibration>& cameras) {
+  return std::any_of(covariance.names.begin(), covariance.names.end(), [&](const auto& name) {
+    return name.starts_with(cameras.front().name + ".");
+  });
+}
+
 // Deviations robust where they are known, the formal ones beside them. Of a joint stage, which has
 // estimated the cameras again, they are not known.
 void addCameras(Text& text, const CalibrationRecord& record) {
-  const bool joint = record.camera_imu && record.camera_imu->summary.covariance.matrix.rows() > 7;
+  const bool joint = record.camera_imu &&
+                     hasCameras(record.camera_imu->summary.covariance, record.camera_imu->cameras);
   const bool known = !joint && record.camera && record.camera->summary.robust_std;
   const Eigen::VectorXd* robust = known ? &*record.camera->summary.robust_std : nullptr;
   Eigen::Index first = 0;  // of the camera in the stage's parameters, which begin with the lenses

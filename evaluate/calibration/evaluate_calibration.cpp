@@ -14,6 +14,7 @@
 #include "evaluate/calibration/calibrate_session.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/coverage.h"
+#include "evaluate/results/provenance.h"
 #include "evaluate/session/load_session.h"
 
 namespace plumbline {
@@ -86,9 +87,12 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   record.held = HeldCalibration{label, std::move(on_session.scores)};
   for (const std::string& folder : asked.held_out) {
     const LoadedSession other = loadSession(loadOf(folder, asked.load), progress);
+    const ScoredCalibration scored_on_other = scoredOn(other.session);
+    checkTargetLayout(other, {});
+    std::string& hash = record.provenance.input_hash;
+    hash = inputFilesHash(hash + other.input_hash, {});
     progress("scoring " + other.session.name, -1);
-    record.held->scores.push_back(
-        scoreHeldOut(scoredOn(other.session), other.session, asked.score));
+    record.held->scores.push_back(scoreHeldOut(scored_on_other, other.session, asked.score));
   }
   record.verdict = scoreVerdict(record, unusedShapeOf(asked));
   return record;

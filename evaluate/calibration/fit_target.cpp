@@ -151,10 +151,9 @@ Result<std::vector<BoardAgreement>> agreementOf(SessionStages& stages, const Joi
     if (!joint.members[i].agrees()) differing.push_back(i);
   }
   const auto onJointBoard = [&](LoadedSession& loaded) {
-    loaded.session.target.shape = joint.shape;
     // The dispersion says that sessions differ. Here the joint board is tried as one that is true
-    // of all, with the deviations that their equations alone give it.
-    *loaded.session.target.shape.covariance /= joint.dispersion;
+    // of all.
+    loaded.session.target.shape = joint.undispersed();
   };
   const auto compare = [&](std::size_t i, const LoadedSession& /*loaded*/,
                            const CameraStageResult& stage) {

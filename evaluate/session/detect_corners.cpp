@@ -89,7 +89,7 @@ std::optional<double> medianSpacing(const std::vector<std::unique_ptr<Worker>>& 
     spacings.insert(spacings.end(), worker->spacings().begin(), worker->spacings().end());
   }
   if (spacings.size() < kFewSpacings) return std::nullopt;
-  return quantile(std::move(spacings), 0.5);
+  return median(std::move(spacings));
 }
 
 // Frames a second of camera 0; 0 where it has fewer than two.
@@ -101,7 +101,7 @@ double frameRate(const Session& session) {
     intervals.push_back(secondsBetween(views[i - 1].t, views[i].t));
   }
   // The median, so that lost frames do not lower the rate.
-  return intervals.empty() ? 0 : 1 / quantile(intervals, 0.5);
+  return intervals.empty() ? 0 : 1 / median(intervals);
 }
 
 }  // namespace

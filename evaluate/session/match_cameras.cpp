@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
+#include "datasets/calibration/export/calibration_export.h"
 #include "datasets/files/bad_input.h"
 #include "evaluate/session/load_session.h"
 
@@ -26,8 +27,7 @@ void checkTopic(const CameraCalibration& given, const CameraStream& stream,
                                stream.name, said, stream.name, expected));
 }
 
-const CameraCalibration& cameraOf(const Calibration& given, const std::string& path,
-                                  const CameraStream& stream) {
+void checkCamera(const Calibration& given, const std::string& path, const CameraStream& stream) {
   const auto found =
       std::find_if(given.cameras.begin(), given.cameras.end(),
                    [&](const CameraCalibration& camera) { return camera.name == stream.name; });
@@ -42,43 +42,24 @@ const CameraCalibration& cameraOf(const Calibration& given, const std::string& p
                     size.width, size.height, stream.resolution.width, stream.resolution.height));
   }
   checkTopic(*found, stream, path);
-  return *found;
 }
 
 }  // namespace
 
 std::vector<CameraCalibration> matchCameras(const Calibration& given, const std::string& path,
                                             const Session& session) {
-  std::vector<CameraCalibration> cameras;
-  for (const CameraStream& stream : session.cameras) {
-    cameras.push_back(cameraOf(given, path, stream));
-  }
-  if (cameras.empty()) return cameras;
-  // Camera 0 of the session is the reference, also where --only left the file's first camera out.
-  const Transform T_0 = cameras.front().T_C0Ci.inverse();
-  for (CameraCalibration& camera : cameras) camera.T_C0Ci = T_0 * camera.T_C0Ci;
-  return cameras;
+  return matchCalibration(given, path, session).cameras;
 }
 
 Calibration matchCalibration(const Calibration& given, const std::string& path,
                              const Session& session) {
-  Calibration matched{matchCameras(given, path, session), given.imu};
-  if (!matched.imu || matched.cameras.empty()) return matched;
-  ImuCalibration& imu = *matched.imu;
-  std::vector<std::size_t> cameras;
+  std::vector<std::string> names;
   for (const CameraStream& stream : session.cameras) {
-    const auto index =
-        static_cast<std::size_t>(&cameraOf(given, path, stream) - given.cameras.data());
-    cameras.push_back(index);
-    // Only the session's first camera moves the reference, and only where it is not the file's
-    // first.
-    if (cameras.size() > 1 || index == 0) continue;
-    // T_SC0' = T_SC0 T_C0Ci, with the session's first camera Ci as the new camera 0.
-    imu.T_SC0 = given.imu->T_SC0 * given.cameras[index].T_C0Ci;
-    imu.T_SC0_std.reset();  // was of another camera
+    checkCamera(given, path, stream);
+    names.push_back(stream.name);
   }
-  imu.time_offsets = selected(given.imu->time_offsets, cameras);
-  return matched;
+  // Camera 0 of the session is the reference, also where --only left the file's first camera out.
+  return names.empty() ? Calibration{{}, given.imu} : selectCameras(given, names, path);
 }
 
 void refuseUnsupportedModels(const std::vector<CameraCalibration>& cameras,

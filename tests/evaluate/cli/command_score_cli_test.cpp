@@ -68,6 +68,18 @@ TEST_F(EvaluateCalibration, FoldsAndHeldOutSessionsAreScoredBesideIt) {
   EXPECT_GT(scores.at(7).at("per_camera").at("cam1").at("corners").get<int>(), 1000);
   EXPECT_FALSE(scores.at(0).contains("camera_imu"));
   EXPECT_THAT(outcome.text, HasSubstr("other, held out"));
+  // The held-out recording is an input like the first, and refused like it.
+  const auto hash = document().at("provenance").at("input_hash");
+  std::string target = read(other / "target.yaml");
+  write(other / "target.yaml", target + "# another content\n");
+  ASSERT_EQ(score(ours(), session(), "--no-imu --held-out " + other.string()).exit_code, 0);
+  EXPECT_NE(document().at("provenance").at("input_hash"), hash);
+  const auto at = target.find("tagSpacing: ") + 12;
+  target.replace(at, target.find('\n', at) - at, "0.6");
+  write(other / "target.yaml", target);
+  const Outcome refused = score(ours(), session(), "--no-imu --held-out " + other.string());
+  EXPECT_EQ(refused.exit_code, 2) << refused.text;
+  EXPECT_THAT(refused.text, HasSubstr("tagSpacing"));
 }
 
 TEST_F(EvaluateCalibration, ThePageAndTheFiguresAreMadeAgainFromTheRecord) {
