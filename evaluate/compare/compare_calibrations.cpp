@@ -73,12 +73,26 @@ void addOwnFigures(const KalibrResults& results, ComparedFile& file) {
   file.remarks.push_back(std::move(f));
 }
 
+/// Its place and offset hold for samples that are corrected by the model.
+void addImuModel(const KalibrImuFile& imu, ComparedFile& file) {
+  if (!imu.imus.front().isDistorted()) return;
+  Finding f;
+  f.rule = "Kalibr's IMU model";
+  f.level = VerdictLevel::kCaution;
+  f.evidence = imu.path + " states scale and misalignment of the IMU (" + imu.imus.front().model +
+               "), which are not compared and not applied to samples";
+  f.advice = "compare with a calibration of the model `calibrated`";
+  f.subject = FindingSubject::kExtrinsics;
+  file.remarks.push_back(std::move(f));
+}
+
 /// A camchain alone has no noise and no deviations: they come with the files of its run.
 void readKalibr(ComparedFile& file) {
   const KalibrRun run = readKalibrRun(file.path);
   file.compared.calibration = run.calibration();
   file.states_noise = run.imu.has_value() || (run.results_imu && run.results_imu->noise);
   if (const auto results = run.results()) addOwnFigures(*results, file);
+  if (run.imu) addImuModel(*run.imu, file);
   for (const std::string& remark : run.remarks) {
     Finding f;
     f.rule = "Files beside it";
@@ -148,9 +162,11 @@ OnSession scoreOn(const LoadedSession& loaded, const ComparedFile& file,
   SessionScores scored_on = scoreSession(scored, loaded.session, options, progress);
   OnSession out;
   out.scores = std::move(scored_on.scores);
-  const bool seen = !file.extras.input_hash.empty() && file.extras.input_hash == loaded.input_hash;
-  // Known only of files that state what they were estimated from: another hash is another input.
-  out.scores.front().held_out = !file.extras.input_hash.empty() && !seen;
+  // Known only of files that state what they were estimated from. The hash covers options and files
+  // beside the recording too: under the same name another one is no other recording.
+  const CalibrationExtras& from = file.extras;
+  out.scores.front().held_out = !from.input_hash.empty() && from.input_hash != loaded.input_hash &&
+                                from.input != loaded.session.name;
   out.stage = std::move(scored_on.camera);
   if (out.stage) addUncertainty(loaded.session, request, out);
   return out;
@@ -196,10 +212,6 @@ std::vector<Finding> lintOnSession(const std::vector<ComparedFile>& files, const
   return lintAgainstSession(all, session);
 }
 
-void append(const std::vector<Finding>& more, std::vector<Finding>& findings) {
-  findings.insert(findings.end(), more.begin(), more.end());
-}
-
 std::vector<Calibration> calibrationsOf(const std::vector<ComparedFile>& files) {
   std::vector<Calibration> calibrations;
   for (const ComparedFile& file : files) calibrations.push_back(file.compared.calibration);
@@ -219,7 +231,7 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<Compa
     all.push_back(scoreOn(loaded, file, request, progress));
   }
   // Once for all: what the samples themselves show is one finding, whatever number of files.
-  append(lintOnSession(files, loaded.session), record.verdict.findings);
+  append(record.verdict.findings, lintOnSession(files, loaded.session));
   if (request.session_estimate) {
     progress("calibrating the session itself", -1);
     // A shape that was given is used for the session's own estimate as for every score.
@@ -306,7 +318,7 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
   }
   // Lint between the files and against the recording comes last, after what the comparison itself
   // says.
-  append(record.verdict.findings, findings);
+  append(findings, std::move(record.verdict.findings));
   record.verdict = makeVerdict(std::move(findings));
   record.verdict.headline = comparisonHeadline(record, request.thresholds);
   return record;

@@ -9,18 +9,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
+#include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
 namespace {
 
 constexpr std::size_t kMostNamed = 6;
-
-const ComparedParameter* find(const ComparisonRecord& record, const std::string& name) {
-  const auto found = std::find_if(record.parameters.begin(), record.parameters.end(),
-                                  [&](const ComparedParameter& p) { return p.name == name; });
-  return found == record.parameters.end() ? nullptr : &*found;
-}
 
 std::string pairName(const ComparisonRecord& record, std::size_t i) {
   return fmt::format("{} against {}", record.calibrations[i].label, record.calibrations[0].label);
@@ -83,9 +79,11 @@ bool isExplained(const ComparisonRecord& record, std::size_t i, const std::strin
                  double significance) {
   std::size_t known = 0;
   for (const ComparedParameter& p : record.parameters) {
-    // Norms have no sign and no deviation; their components have.
-    const bool norm = p.name.ends_with(".angle") || p.name.ends_with(".lever");
-    if (norm || (p.name != name && !p.name.starts_with(name + ".")) || !p.difference[i]) continue;
+    // Norms have no sign and no deviation; their components have. Of the cameras' own offsets only
+    // their mean has one.
+    const bool bare = p.name.ends_with(".angle") || p.name.ends_with(".lever") ||
+                      p.name.starts_with("time_offset.");
+    if (bare || (p.name != name && !p.name.starts_with(name + ".")) || !p.difference[i]) continue;
     // A single component without a deviation leaves open whether chance explains the whole.
     if (!p.significance[i] || *p.significance[i] > significance) return false;
     ++known;
@@ -101,12 +99,13 @@ std::vector<Geometry> geometryOf(const ComparisonRecord& record, std::size_t i,
     if (!p.name.ends_with(".angle") || !p.difference[i]) continue;
     // Without ".angle".
     const std::string name = p.name.substr(0, p.name.size() - 6);
-    const ComparedParameter* lever = find(record, name + ".lever");
+    const ComparedParameter* lever = comparedParameter(record, name + ".lever");
     const bool explained = isExplained(record, i, name, bounds.significance);
     all.push_back({name, *p.difference[i] / kDegree, bounds.angle_deg, "deg", explained});
     all.push_back({name, 1e3 * lever->difference[i].value_or(0), bounds.lever_mm, "mm", explained});
   }
-  if (const auto* offset = find(record, "time_offset"); offset && offset->difference[i]) {
+  const ComparedParameter* offset = comparedParameter(record, "time_offset");
+  if (offset && offset->difference[i]) {
     all.push_back({"time offset", 1e3 * std::abs(*offset->difference[i]), bounds.offset_ms, "ms",
                    isExplained(record, i, "time_offset", bounds.significance)});
   }
@@ -138,39 +137,30 @@ void addGeometry(const ComparisonRecord& record, std::size_t i, const Comparison
   const Geometry& worst =
       *std::max_element(all.begin(), all.end(),
                         [rank](const Geometry& a, const Geometry& b) { return rank(a) < rank(b); });
-  Finding f;
-  f.rule = "Transforms and offset of " + pairName(record, i);
-  f.level = worst.explained ? VerdictLevel::kGood : levelAbove(worst.value, worst.bound);
-  f.evidence = geometryWords(all);
-  if (f.level != VerdictLevel::kGood) {
-    f.advice =
-        "evaluate both on a session that neither was calibrated on (compare --session): its "
-        "corners and its IMU show which of the two is wrong";
-  }
-  f.value = worst.value;
-  f.threshold = worst.bound.caution;
-  f.unit = worst.unit;
-  findings.push_back(std::move(f));
+  const VerdictLevel level =
+      worst.explained ? VerdictLevel::kGood : levelAbove(worst.value, worst.bound);
+  findings.push_back(
+      finding({"Transforms and offset of " + pairName(record, i), worst.unit, worst.bound,
+               "evaluate both on a session that neither was calibrated on (compare --session): its "
+               "corners and its IMU show which of the two is wrong"},
+              level, worst.value, geometryWords(all)));
 }
 
-/// A difference map: its largest value, and that at the centre [px].
-struct MapDifference {
-  std::string place;
-  double worst = 0, centre = 0;
-};
-
-MapDifference mapDifference(const ImageMap& map) {
-  MapDifference d;
-  for (const double v : map.values) {
-    // NaN where one of the two has no ray or no pixel there.
-    if (std::isfinite(v)) d.worst = std::max(d.worst, v);
-  }
-  // The middle grid point: the image's centre where columns and rows are odd.
-  d.centre = map.values[static_cast<std::size_t>((map.rows / 2) * map.columns + map.columns / 2)];
-  d.place = fmt::format(
-      "{} at {}", map.camera,
+/// "cam0 at 1 m 6 px at most, 0.1 px at the centre"
+std::string mapWords(const ImageMap& map, const MapExtremes& extremes) {
+  std::string text = fmt::format(
+      "{} at {} ", map.camera,
       std::isfinite(map.range_m) ? fmt::format("{:g} m", map.range_m) : std::string("infinity"));
-  return d;
+  if (extremes.undefined < 1) {
+    text +=
+        fmt::format("{:.3g} px at most, {:.2g} px at the centre", extremes.worst, extremes.centre);
+  }
+  // There one of the two has no ray, or no pixel for the other's.
+  if (extremes.undefined > 0) {
+    text += fmt::format("{}undefined on {:.0f} % of the image", extremes.undefined < 1 ? ", " : "",
+                        100 * extremes.undefined);
+  }
+  return text;
 }
 
 /// Which of a pair predicts the corners of every camera better; "" where one camera leaves it open
@@ -203,22 +193,17 @@ void addProjection(const ComparisonRecord& record, std::size_t i,
   const std::string& label = record.calibrations[i].label;
   const std::string pair = label + " - " + record.calibrations[0].label;
   std::vector<std::string> places;
-  Finding f;
+  double worst = 0;
   for (const ImageMap& map : record.differences) {
     if (map.label != pair) continue;
-    const MapDifference d = mapDifference(map);
-    f.value = std::max(f.value, d.worst);
-    places.push_back(
-        fmt::format("{} {:.3g} px at most, {:.2g} px at the centre", d.place, d.worst, d.centre));
+    const MapExtremes extremes = extremesOf(map);
+    if (isLarger(extremes.worst, worst)) worst = extremes.worst;
+    places.push_back(mapWords(map, extremes));
   }
   if (places.empty()) return;
-  f.rule = "Projection of " + pairName(record, i);
-  f.level = levelAbove(f.value, bounds.difference_px);
-  f.evidence = fmt::format("{}", fmt::join(places, "; "));
-  if (f.level != VerdictLevel::kGood) f.advice = projectionAdvice(record, label);
-  f.threshold = bounds.difference_px.caution;
-  f.unit = "px";
-  findings.push_back(std::move(f));
+  findings.push_back(above({"Projection of " + pairName(record, i), "px", bounds.difference_px,
+                            projectionAdvice(record, label)},
+                           worst, fmt::format("{}", fmt::join(places, "; "))));
 }
 
 /// Good in any case: which one predicts better is an answer and no fault.
@@ -244,7 +229,8 @@ void addUnscored(const ComparisonRecord& record, std::vector<Finding>& findings)
     Finding f;
     f.rule = fmt::format("{} on {}", score.label, score.session);
     f.level = VerdictLevel::kCaution;
-    f.evidence = "not scored: " + score.problem;
+    // With corners scored only a part is missing.
+    f.evidence = (score.reprojection.count > 0 ? "" : "not scored: ") + score.problem;
     findings.push_back(std::move(f));
   }
 }
@@ -283,6 +269,29 @@ void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Findin
 
 }  // namespace
 
+MapExtremes extremesOf(const ImageMap& map) {
+  MapExtremes extremes;
+  std::size_t undefined = 0;
+  for (std::size_t i = 0; i < map.values.size(); ++i) {
+    const double v = map.values[i];
+    if (!std::isfinite(v)) ++undefined;
+    if (!std::isfinite(v) || v <= extremes.worst) continue;
+    extremes.worst = v;
+    extremes.at = i;
+  }
+  extremes.centre =
+      map.values[static_cast<std::size_t>((map.rows / 2) * map.columns + map.columns / 2)];
+  extremes.undefined = static_cast<double>(undefined) / static_cast<double>(map.values.size());
+  return extremes;
+}
+
+const ComparedParameter* comparedParameter(const ComparisonRecord& record,
+                                           const std::string& name) {
+  const auto found = std::find_if(record.parameters.begin(), record.parameters.end(),
+                                  [&](const ComparedParameter& p) { return p.name == name; });
+  return found == record.parameters.end() ? nullptr : &*found;
+}
+
 std::vector<Finding> comparisonFindings(const ComparisonRecord& record,
                                         const ComparisonThresholds& thresholds) {
   std::vector<Finding> findings;
@@ -292,7 +301,7 @@ std::vector<Finding> comparisonFindings(const ComparisonRecord& record,
     addGeometry(record, i, thresholds, findings);
   }
   // Parameters of each pair first, then who stands alone in them, then what they do to pixels.
-  for (Finding& f : loneFindings(record, thresholds)) findings.push_back(std::move(f));
+  append(findings, loneFindings(record, thresholds));
   for (std::size_t i = 1; i < record.calibrations.size(); ++i) {
     addProjection(record, i, thresholds, findings);
   }

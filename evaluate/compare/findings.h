@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,18 @@
 #include "report/records/comparison_record.h"
 
 namespace plumbline {
+
+/// A map in brief.
+struct MapExtremes {
+  double worst = std::numeric_limits<double>::quiet_NaN();  ///< of its numbers; NaN without one
+  std::size_t at = 0;                                       ///< its place among them
+  double centre = 0;     ///< the middle grid point: the image's where columns and rows are odd
+  double undefined = 0;  ///< share of the grid without a number
+};
+MapExtremes extremesOf(const ImageMap& map);
+
+/// A row of the compared parameters by its name; none where there is no such row.
+const ComparedParameter* comparedParameter(const ComparisonRecord& record, const std::string& name);
 
 /// What a comparison says, in the order in which it is read: parameters that differ beyond their
 /// deviations, transforms and offsets, the worst projection difference of each pair and camera with

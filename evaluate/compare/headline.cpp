@@ -92,20 +92,18 @@ std::string projectionWords(const ComparisonRecord& record, const std::string& l
   const std::string pair = label + " - " + record.calibrations.front().label;
   for (const ImageMap& map : record.differences) {
     if (map.label != pair) continue;
-    for (std::size_t i = 0; i < map.values.size(); ++i) {
-      if (!std::isfinite(map.values[i]) || map.values[i] <= worst) continue;
-      worst = map.values[i];
-      place = placeOf(map, i);
-    }
+    const MapExtremes extremes = extremesOf(map);
+    if (!(extremes.worst > worst)) continue;
+    worst = extremes.worst;
+    place = placeOf(map, extremes.at);
   }
   return place.empty() ? "" : fmt::format("by up to {:.2g} px at the {}", worst, place);
 }
 
 std::optional<double> differenceOf(const ComparisonRecord& record, const std::string& name,
                                    std::size_t i) {
-  const auto found = std::find_if(record.parameters.begin(), record.parameters.end(),
-                                  [&](const ComparedParameter& p) { return p.name == name; });
-  return found == record.parameters.end() ? std::nullopt : found->difference[i];
+  const ComparedParameter* found = comparedParameter(record, name);
+  return found == nullptr ? std::nullopt : found->difference[i];
 }
 
 std::string transformWords(const ComparisonRecord& record, std::size_t i) {

@@ -14,11 +14,9 @@ std::vector<Finding> lintCalibrations(std::span<const LintedCalibration> calibra
   for (const LintedCalibration& linted : calibrations) {
     std::vector<Finding> own = lint::alone(linted, options);
     suspects.push_back(!own.empty());
-    for (Finding& finding : own) found.push_back(std::move(finding));
+    append(found, std::move(own));
   }
-  for (Finding& finding : lint::together(calibrations, suspects, options)) {
-    found.push_back(std::move(finding));
-  }
+  append(found, lint::together(calibrations, suspects, options));
   return found;
 }
 

@@ -50,8 +50,9 @@ struct LintOptions {
 std::vector<Finding> lintCalibrations(std::span<const LintedCalibration> calibrations,
                                       const LintOptions& options = {});
 
-/// Holds calibrations against a recording of their rig: resolutions, order of cameras, and, where
-/// it has an IMU, its columns and units, direction of T_SC0, sign of the time offset and noise.
+/// Holds calibrations, their cameras as matchCalibration() gives them, against a recording of their
+/// rig: order of cameras, and, where it has an IMU, its columns and units, direction of T_SC0, sign
+/// of the time offset and noise.
 /// Poses come from the corners and each calibration's cameras; nothing is calibrated.
 std::vector<Finding> lintAgainstSession(std::span<const LintedCalibration> calibrations,
                                         const Session& session, const LintOptions& options = {});

@@ -146,6 +146,28 @@ void addCameraOffsets(const Calibrations& calibrations, std::vector<ComparedPara
   }
 }
 
+/// Names of the camera at a place where all calibrations call it the same, as covariances and maps
+/// do: with --only it may not be that of its place.
+void nameCameras(const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
+  std::map<std::string, std::string> names;  // by "camI"
+  const auto& first = calibrations.front().cameras;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const bool agreed =
+        std::all_of(calibrations.begin(), calibrations.end(), [&](const Calibration& c) {
+          return c.cameras.size() == first.size() && c.cameras[i].name == first[i].name;
+        });
+    if (!agreed) return;
+    names[fmt::format("cam{}", i)] = first[i].name;
+  }
+  for (ComparedParameter& row : rows) {
+    const std::size_t dot = row.name.find('.');
+    if (dot == std::string::npos) continue;
+    const std::string owner = row.name.substr(0, dot), part = row.name.substr(dot + 1);
+    if (names.contains(owner)) row.name = names[owner] + "." + part;
+    if (owner == "time_offset" && names.contains(part)) row.name = owner + "." + names[part];
+  }
+}
+
 constexpr std::size_t kBlock = 10;  // views
 constexpr std::size_t kFewestBlocks = 5;
 
@@ -224,6 +246,7 @@ std::vector<ComparedParameter> comparedParameters(const Calibrations& calibratio
   if (imu) addNorms("T_SC0", imu_of, calibrations, rows);
   addCameraOffsets(calibrations, rows);
   for (ComparedParameter& row : rows) addSignificance(thresholds, row);
+  nameCameras(calibrations, rows);
   return rows;
 }
 

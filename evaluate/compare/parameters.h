@@ -32,6 +32,7 @@ struct ComparisonThresholds {
 /// - "T_C0Ci.angle", "T_C0Ci.lever" and the same of T_SC0: value |Log(R)| [rad] and |t| [m];
 ///   difference the angle of R_i R_0^T and |t_i - t_0|, which have no sign;
 /// - "time_offset.camI" where a calibration has one for each camera.
+/// Cameras have the names that all calibrations give them; where these differ, "camI" by place.
 /// Differences are to the first calibration (calibrationChange(): tangents for transforms), with
 /// significance where both deviations are known, as if the two estimates were independent. Where a
 /// camera's model differs from the first's, its parameters have values but no difference.

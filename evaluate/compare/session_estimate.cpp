@@ -5,6 +5,7 @@
 #include "calibrator/batch/camera_imu/batch.h"
 #include "evaluate/compare/parameters.h"
 #include "evaluate/metrics/failure_text.h"
+#include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
 SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>& calibrations,
@@ -31,10 +32,10 @@ SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>&
                                [](const Calibration& c) { return c.imu.has_value(); });
   if (imu && options.use_imu && session.imu) {
     const auto stage = calibrateCameraImu(session, cameras->cameras, options.camera_imu);
-    if (stage) {
+    if (stage && stage->summary.converged) {
       own.calibration.imu = stage->imu;
     } else {
-      own.problem = "camera-IMU: " + problemOf(stage.failure());
+      own.problem = "camera-IMU: " + problemOf(stage ? notConverged(*stage) : stage.failure());
     }
   }
   std::vector<Calibration> all = {own.calibration};

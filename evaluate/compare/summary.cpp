@@ -20,18 +20,6 @@ namespace {
 constexpr int kName = 18;
 constexpr int kColumn = 26;
 
-/// A unit as a person reads it, and what one of the record's is in it.
-struct Shown {
-  const char* unit;
-  double scale;
-};
-Shown shownAs(const std::string& unit) {
-  if (unit == "rad") return {"deg", kDegrees};
-  if (unit == "m") return {"mm", 1e3};
-  if (unit == "s") return {"ms", 1e3};
-  return {unit == "px" ? "px" : "", 1};
-}
-
 /// A label that fits a column; its end says most.
 std::string fitted(const std::string& label) {
   constexpr std::size_t most = kColumn - 2;
@@ -40,7 +28,7 @@ std::string fitted(const std::string& label) {
 
 std::string valueText(const ComparedParameter& p, std::size_t i) {
   if (!p.values[i]) return "-";
-  const double scale = shownAs(p.unit).scale;
+  const double scale = shownUnit(p.unit).factor;
   std::string text = fmt::format("{:.6g}", scale * *p.values[i]);
   if (p.std[i]) text += fmt::format(" +- {:.2g}", scale * *p.std[i]);
   return text;
@@ -49,7 +37,7 @@ std::string valueText(const ComparedParameter& p, std::size_t i) {
 std::string differenceText(const ComparedParameter& p, std::size_t i) {
   if (!p.difference[i]) return "-";
   const bool norm = p.name.ends_with(".angle") || p.name.ends_with(".lever");
-  const double difference = shownAs(p.unit).scale * *p.difference[i];
+  const double difference = shownUnit(p.unit).factor * *p.difference[i];
   std::string text = norm ? fmt::format("{:.4g}", difference) : fmt::format("{:+.4g}", difference);
   if (p.significance[i]) text += fmt::format(" ({:.1f} sigma)", *p.significance[i]);
   return text;
@@ -68,7 +56,7 @@ void addParameters(Text& text, const ComparisonRecord& record) {
   }
   add(text, "\n");
   for (const ComparedParameter& p : record.parameters) {
-    const std::string unit = shownAs(p.unit).unit;
+    const std::string unit = shownUnit(p.unit).unit;
     add(text, "{:<{}}", p.name + (unit.empty() ? "" : " [" + unit + "]"), kName);
     for (std::size_t i = 0; i < p.values.size(); ++i) add(text, "{:>{}}", valueText(p, i), kColumn);
     for (std::size_t i = 1; i < p.values.size(); ++i) {
@@ -97,6 +85,8 @@ void addScores(Text& text, const ComparisonRecord& record) {
     if (s.camera_imu_entropy_nats) {
       add(text, ", of camera-IMU {:.3f} nats", *s.camera_imu_entropy_nats);
     }
+    // Corners were scored, and a part was not.
+    if (!s.problem.empty()) add(text, "; {}", s.problem);
     add(text, "\n");
   }
   const auto scored = std::find_if(record.scores.begin(), record.scores.end(),
@@ -115,15 +105,11 @@ void addScores(Text& text, const ComparisonRecord& record) {
 
 /// Centre and worst value of a map.
 void addMap(Text& text, const ImageMap& map) {
-  double worst = 0;
-  for (const double v : map.values) {
-    if (std::isfinite(v)) worst = std::max(worst, v);
-  }
-  const auto centre = static_cast<std::size_t>((map.rows / 2) * map.columns + map.columns / 2);
+  const MapExtremes extremes = extremesOf(map);
   const std::string range =
       std::isfinite(map.range_m) ? fmt::format("{:g} m", map.range_m) : "infinity";
   add(text, "  {:<24} {:<6} {:>9} {:>10.4f} {:>10.4f}  {}\n", fitted(map.label), map.camera, range,
-      map.values[centre], worst, map.method);
+      extremes.centre, extremes.worst, map.method);
 }
 
 void addMaps(Text& text, const char* title, const std::vector<ImageMap>& maps) {

@@ -50,7 +50,7 @@ RegionalErrors regionalErrors(const std::vector<CornerResidual>& residuals, int 
     regions.typical_error_px(row, column) =
         // By component: the median of norms would keep the noise, which components of opposite
         // signs take out.
-        std::hypot(quantile(std::move(u), 0.5), quantile(std::move(v), 0.5));
+        std::hypot(median(std::move(u)), median(std::move(v)));
   }
   return regions;
 }

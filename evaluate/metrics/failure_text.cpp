@@ -215,8 +215,11 @@ void addOfTrajectory(const Failure& f, Words& words) {
       words.push_back(fmt::arg("found", partnersFound(f)));
       return;
     case Code::kQuaternionsWFirst: {
-      words.push_back(fmt::arg(
-          "option", wordOf(f, "which") == "truth" ? "--truth-w-first" : "--estimate-w-first"));
+      const std::string which = wordOf(f, "which");
+      words.push_back(fmt::arg("option", which == "truth"      ? "--truth-w-first"
+                                         : which == "estimate" ? "--estimate-w-first"
+                                                               : "--truth-w-first or "
+                                                                 "--estimate-w-first"));
       return;
     }
     default:

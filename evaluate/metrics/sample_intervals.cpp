@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/coverage.h"
@@ -96,8 +97,10 @@ SampleIntervals sampleIntervals(const std::string& sensor, const std::vector<Tim
   result.histogram = histogramOf(intervals, result.median_s);
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     if (!(intervals[i] > kGap * result.median_s)) continue;
-    const int missing =
-        std::max(1, static_cast<int>(std::lround(intervals[i] / result.median_s)) - 1);
+    // From a first stamp of 0 to the epoch's there would be more than an int holds.
+    constexpr double kMost = std::numeric_limits<int>::max();
+    const auto missing =
+        static_cast<int>(std::clamp(std::round(intervals[i] / result.median_s) - 1, 1.0, kMost));
     result.gaps.push_back({stamps[i], intervals[i], missing});
     result.missing += static_cast<std::size_t>(missing);
   }

@@ -10,14 +10,6 @@ namespace {
 
 using Subject = FindingSubject;
 
-/// Adds findings under the subject that they are about, of which pages show one level each.
-void append(Findings& findings, Findings more, Subject subject) {
-  for (Finding& finding : more) {
-    finding.subject = subject;
-    findings.push_back(std::move(finding));
-  }
-}
-
 Findings cameraFindings(const CalibrationRecord& record, const VerdictThresholds& t) {
   const CameraStageResult& stage = *record.camera;
   Findings findings;
@@ -63,14 +55,19 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
 
 }  // namespace
 
+void append(std::vector<Finding>& to, std::vector<Finding> more,
+            std::optional<FindingSubject> subject) {
+  for (Finding& finding : more) {
+    if (subject) finding.subject = *subject;
+    to.push_back(std::move(finding));
+  }
+}
+
 Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t,
               const std::vector<ImuSample>& samples) {
   Findings findings;
-  const auto add = [&](Findings more) {
-    for (Finding& finding : more) findings.push_back(std::move(finding));
-  };
-  if (record.camera) add(cameraFindings(record, t));
-  if (record.camera_imu) add(cameraImuFindings(record, t));
+  if (record.camera) append(findings, cameraFindings(record, t));
+  if (record.camera_imu) append(findings, cameraImuFindings(record, t));
   // Samples are not stored with a record: a verdict made from a record alone is without their rule.
   if (record.camera_imu && !samples.empty()) {
     append(findings, judgeSamples(samples, t), Subject::kRecording);

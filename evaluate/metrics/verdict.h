@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "report/records/calibration_record.h"
 
 namespace plumbline {
@@ -13,6 +16,10 @@ struct Bound {
 
 /// Where a value stands that should be small; NaN is bad.
 VerdictLevel levelAbove(double value, const Bound& bound);
+
+/// Adds findings to others; under one subject, where that is given (pages show a level for each).
+void append(std::vector<Finding>& to, std::vector<Finding> more,
+            std::optional<FindingSubject> subject = {});
 
 /// Thresholds of the verdict. The defaults are rules of thumb for rigs whose calibration feeds
 /// visual-inertial odometry; every one is an option of the command line.

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/transform.h"
+
 namespace plumbline {
 
 /// What a summary or a table is written into; fmt::to_string() gives the text.
@@ -24,6 +26,19 @@ void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
 inline std::vector<std::string> wordsOf(const std::string& text) {
   std::istringstream stream(text);
   return {std::istream_iterator<std::string>(stream), {}};
+}
+
+/// A unit as a person reads it, and what one of the record's is in it: lengths in millimetres,
+/// angles in degrees, times in milliseconds; no word for numbers without a unit.
+struct ShownUnit {
+  const char* unit = "";
+  double factor = 1;
+};
+inline ShownUnit shownUnit(const std::string& unit) {
+  if (unit == "rad") return {"deg", kDegrees};
+  if (unit == "m") return {"mm", 1e3};
+  if (unit == "s") return {"ms", 1e3};
+  return {unit == "px" ? "px" : "", 1};
 }
 
 /// A cell of a CSV file: quoted where a comma, a quote or a line end would break the row.

@@ -108,10 +108,11 @@ void addNoise(std::vector<Pair>& rows, const ImuNoise& n) {
 
 std::string groupOf(const std::string& parameter) {
   const std::string prefix = parameter.substr(0, parameter.find('.'));
-  if (prefix.rfind("cam", 0) == 0) return "Intrinsics of " + prefix;
   if (prefix.rfind("T_C0C", 0) == 0)
     return "Camera " + prefix.substr(5) + " in camera 0 (" + prefix + ")";
-  return "Camera 0 in the IMU (T_SC0) and time offset";
+  if (prefix == "T_SC0" || prefix == "time_offset")
+    return "Camera 0 in the IMU (T_SC0) and time offset";
+  return "Intrinsics of " + prefix;  // whatever the camera is called
 }
 
 std::string parameterList(const ParameterCovariance& covariance) {

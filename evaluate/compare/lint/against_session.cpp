@@ -19,22 +19,6 @@ using lint::bad;
 
 // ---- cameras
 
-std::vector<Finding> resolutionFault(const LintedCalibration& linted, const Session& session) {
-  const auto& cameras = linted.calibration.cameras;
-  for (std::size_t i = 0; i < std::min(cameras.size(), session.cameras.size()); ++i) {
-    const Resolution here = cameras[i].intrinsics.resolution;
-    const Resolution there = session.cameras[i].resolution;
-    if (here == there || there.width == 0) continue;
-    return {bad("Resolution and principal point",
-                fmt::format("{}: {} is {}x{}, the recording's images are {}x{}", linted.name,
-                            cameras[i].name, here.width, here.height, there.width, there.height),
-                fmt::format("take intrinsics of {}x{} images, or scale those of {} in {}",
-                            there.width, there.height, cameras[i].name, linted.name),
-                {static_cast<double>(here.width), static_cast<double>(there.width), "px"})};
-  }
-  return {};
-}
-
 // The first two cameras' intrinsics on the first two streams, straight or in turn.
 struct Assignment {
   std::optional<Transform> T_C0C1;  // of the calibration's cameras, by the corners
@@ -202,11 +186,14 @@ std::vector<Finding> noiseFault(const LintedCalibration& linted, const ImuStream
   if (!linted.noise_known) return {};
   const ImuNoise& noise = linted.calibration.imu->noise;
   // A density n has samples of deviation n sqrt(rate). Their scatter holds motion and vibration
-  // besides noise, so it bounds the noise from above.
+  // besides noise, so it bounds the noise from above; without any scatter it says nothing.
   const double root = 1 / std::sqrt(medianSampleInterval(imu.samples));
-  const double gyro = noise.gyro_density * root / lint::sampleNoise(imu.samples, &ImuSample::gyro);
-  const double accel =
-      noise.accel_density * root / lint::sampleNoise(imu.samples, &ImuSample::accel);
+  const auto ratio = [&](double density, Eigen::Vector3d ImuSample::*column) {
+    const double scatter = lint::sampleNoise(imu.samples, column);
+    return scatter > 0 ? density * root / scatter : 0;
+  };
+  const double gyro = ratio(noise.gyro_density, &ImuSample::gyro);
+  const double accel = ratio(noise.accel_density, &ImuSample::accel);
   const double worst = std::max(gyro, accel);
   if (!(worst > options.noise_factor)) return {};
   return {bad("Noise densities",
@@ -219,10 +206,6 @@ std::vector<Finding> noiseFault(const LintedCalibration& linted, const ImuStream
               {worst, options.noise_factor, "-"})};
 }
 
-void append(std::vector<Finding>& to, std::vector<Finding> from) {
-  for (Finding& finding : from) to.push_back(std::move(finding));
-}
-
 /// A translation in other units is a finding of the file alone; what follows would restate it.
 bool hasOddTranslation(const LintedCalibration& linted, const LintOptions& options) {
   return linted.calibration.imu->T_SC0.t.norm() > options.max_baseline_m;
@@ -233,24 +216,24 @@ std::vector<Finding> imuFaults(const LintedCalibration& linted, const ImuStream&
   std::vector<Finding> found = noiseFault(linted, imu, options);
   const auto alignment = alignmentOf(poses, imu.samples);
   if (!alignment || hasOddTranslation(linted, options)) return found;
-  append(found, gyroFault(linted.name, alignment->rates.alignment));
+  const std::vector<Finding> rates = gyroFault(linted.name, alignment->rates.alignment);
+  append(found, rates);
   // With rates that contradict each other, or hardly vary, neither rotation nor offset can be
   // judged.
-  if (!found.empty() || checkExcitation(alignment->rates.alignment)) return found;
+  if (!rates.empty() || checkExcitation(alignment->rates.alignment)) return found;
   append(found, transformFault(linted, *alignment, options));
   append(found, offsetFault(linted, alignment->rates.offset_s, options));
   return found;
 }
 
-/// From what poses stand on to what stands on poses: a wrong resolution makes all poses wrong,
-/// exchanged cameras the rates; each is reported alone.
+/// From what poses stand on to what stands on poses: exchanged cameras make the rates wrong; each
+/// is reported alone.
 std::vector<Finding> faultsOf(const LintedCalibration& linted, const Session& session,
                               bool samples_are_sane, const LintOptions& options) {
-  std::vector<Finding> found = resolutionFault(linted, session);
   const auto& cameras = linted.calibration.cameras;
-  if (!found.empty() || cameras.empty() || session.cameras.empty()) return found;
+  if (cameras.empty() || session.cameras.empty()) return {};
   const auto poses = lint::posesOf(session, 0, cameras[0].intrinsics);
-  found = orderFault(linted, session, options);
+  std::vector<Finding> found = orderFault(linted, session, options);
   const bool imu = linted.calibration.imu && session.imu && samples_are_sane;
   if (found.empty() && imu) found = imuFaults(linted, *session.imu, poses, options);
   return found;

@@ -10,10 +10,6 @@
 namespace plumbline::lint {
 namespace {
 
-void append(std::vector<Finding>& to, std::vector<Finding> from) {
-  for (Finding& finding : from) to.push_back(std::move(finding));
-}
-
 double longestBaseline(const Calibration& calibration) {
   double longest = 0;
   for (const CameraCalibration& camera : calibration.cameras) {
@@ -87,8 +83,8 @@ std::vector<Finding> leverArm(const LintedCalibration& linted, const LintOptions
 double impliedScale(const Intrinsics& k) {
   const Eigen::Index n = k.projection.size();
   // The principal point lies in the middle of an image 2 c / size times as large as the one stated.
-  const double x = 2 * k.projection(n - 2) / k.resolution.width;
-  const double y = 2 * k.projection(n - 1) / k.resolution.height;
+  const double x = 2 * k.projection(n - 2) / (k.resolution.width - 1);
+  const double y = 2 * k.projection(n - 1) / (k.resolution.height - 1);
   const double mean = 0.5 * (x + y);
   return std::abs(x - y) < 0.25 * mean ? mean : 1;
 }
@@ -98,8 +94,8 @@ std::vector<Finding> principalPoint(const LintedCalibration& linted,
                                     const CameraCalibration& camera, const LintOptions& options) {
   const Intrinsics& k = camera.intrinsics;
   const Eigen::Index n = k.projection.size();
-  const double x = k.projection(n - 2) / k.resolution.width - 0.5;
-  const double y = k.projection(n - 1) / k.resolution.height - 0.5;
+  const double x = k.projection(n - 2) / (k.resolution.width - 1) - 0.5;
+  const double y = k.projection(n - 1) / (k.resolution.height - 1) - 0.5;
   const double shift = std::max(std::abs(x), std::abs(y));
   if (shift <= options.max_principal_shift) return {};
   const double scale = impliedScale(k);

@@ -10,6 +10,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "evaluate/compare/lint.h"
+#include "evaluate/metrics/verdict.h"
 
 namespace plumbline::lint {
 

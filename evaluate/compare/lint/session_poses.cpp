@@ -21,7 +21,7 @@ constexpr std::size_t kViewsForRms = 50;
 double medianOf(const std::vector<Transform>& all, double (*value)(const Transform&, int), int i) {
   std::vector<double> values;
   for (const Transform& T : all) values.push_back(value(T, i));
-  return quantile(std::move(values), 0.5);
+  return median(std::move(values));
 }
 
 /// Poses have the stamps of the views that they were computed from, so that stamps are equal.
@@ -51,7 +51,7 @@ double longestGap(const std::vector<CameraPose>& poses) {
   for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
     intervals.push_back(secondsBetween(poses[i].t, poses[i + 1].t));
   }
-  return intervals.empty() ? 0 : 2.5 * quantile(std::move(intervals), 0.5);
+  return intervals.empty() ? 0 : 2.5 * median(std::move(intervals));
 }
 
 /// T_C0Ck = T_FC0^-1 T_FCk of views at one time; medians of the components of t and Log(R), so that
@@ -109,7 +109,7 @@ double sampleNoise(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample
     for (const double component : d) differences.push_back(std::abs(component));
   }
   if (differences.empty()) return 0;
-  return quantile(std::move(differences), 0.5) / kGaussianQuartile / std::sqrt(6.0);
+  return median(std::move(differences)) / kGaussianQuartile / std::sqrt(6.0);
 }
 
 }  // namespace plumbline::lint

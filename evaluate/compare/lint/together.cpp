@@ -165,25 +165,36 @@ bool resolutionContradicts(const Intrinsics& a, const Intrinsics& b, double tole
 std::vector<Finding> resolutions(Calibrations all, const std::vector<bool>& suspects,
                                  const LintOptions& options) {
   std::vector<Finding> found;
-  const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
+  // The first camera of `a` that contradicts b's.
+  const auto cameraOf = [&](const LintedCalibration& a,
+                            const LintedCalibration& b) -> const CameraCalibration* {
     const std::size_t n = std::min(a.calibration.cameras.size(), b.calibration.cameras.size());
     for (std::size_t i = 0; i < n; ++i) {
-      if (resolutionContradicts(a.calibration.cameras[i].intrinsics,
-                                b.calibration.cameras[i].intrinsics, options.ratio_tolerance)) {
-        return true;
+      const CameraCalibration& camera = a.calibration.cameras[i];
+      if (resolutionContradicts(camera.intrinsics, b.calibration.cameras[i].intrinsics,
+                                options.ratio_tolerance)) {
+        return &camera;
       }
     }
-    return false;
+    return nullptr;
+  };
+  const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
+    return cameraOf(a, b) != nullptr;
   };
   for (const auto& group : accused(all, suspects, rule)) {
-    const Resolution size = all[group[0]].calibration.cameras[0].intrinsics.resolution;
-    found.push_back(
-        bad("Resolution and principal point",
-            fmt::format("{}: intrinsics and resolution ({}x{} in {}) are not scaled by the same "
-                        "factor as the others'",
-                        namesOf(all, group), size.width, size.height, all[group[0]].name),
-            fmt::format("check resolution and intrinsics in {}", namesOf(all, group)),
-            {static_cast<double>(size.width), 0, "px"}));
+    const CameraCalibration* camera = nullptr;
+    for (std::size_t j = 0; j < all.size() && camera == nullptr; ++j) {
+      if (!suspects[j]) camera = cameraOf(all[group[0]], all[j]);
+    }
+    const Resolution size = camera->intrinsics.resolution;
+    found.push_back(bad(
+        "Resolution and principal point",
+        fmt::format("{}: intrinsics and resolution of {} ({}x{} in {}) are not scaled by the same "
+                    "factor as the others'",
+                    namesOf(all, group), camera->name, size.width, size.height, all[group[0]].name),
+        fmt::format("check resolution and intrinsics of {} in {}", camera->name,
+                    namesOf(all, group)),
+        {static_cast<double>(size.width), 0, "px"}));
   }
   return found;
 }
@@ -258,16 +269,15 @@ std::vector<Finding> oddLeverArms(Calibrations all, const std::vector<bool>& sus
     arms.push_back(all[i].calibration.imu->T_SC0.inverse().t);
   }
   if (arms.size() < 3) return {};
-  Eigen::Vector3d median;
+  Eigen::Vector3d middle;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const auto& arm : arms) values.push_back(arm(axis));
-    median(axis) = quantile(std::move(values), 0.5);
+    middle(axis) = median(std::move(values));
   }
   std::vector<double> distances;
-  for (const auto& arm : arms) distances.push_back((arm - median).norm());
-  const double bound =
-      std::max(options.odd_lever_arm_m, options.odd_factor * quantile(distances, 0.5));
+  for (const auto& arm : arms) distances.push_back((arm - middle).norm());
+  const double bound = std::max(options.odd_lever_arm_m, options.odd_factor * median(distances));
   std::vector<Finding> found;
   for (std::size_t k = 0; k < used.size(); ++k) {
     if (distances[k] <= bound) continue;
@@ -307,17 +317,15 @@ bool isInverse(const Transform& given, const Transform& reference, const LintOpt
 std::vector<Finding> together(Calibrations all, const std::vector<bool>& suspects,
                               const LintOptions& options) {
   std::vector<Finding> found;
-  const auto add = [&](std::vector<Finding> more) {
-    for (Finding& finding : more) found.push_back(std::move(finding));
-    return !more.empty();
-  };
-  const bool inverted = add(invertedImu(all, suspects, options));
-  add(flippedOffset(all, suspects, options));
-  const bool cameras = add(camerasAndBaselines(all, suspects, options));
-  add(resolutions(all, suspects, options));
-  add(noiseUnits(all, suspects, options));
+  const auto inverted = invertedImu(all, suspects, options);
+  const auto cameras = camerasAndBaselines(all, suspects, options);
+  append(found, inverted);
+  append(found, flippedOffset(all, suspects, options));
+  append(found, cameras);
+  append(found, resolutions(all, suspects, options));
+  append(found, noiseUnits(all, suspects, options));
   // An inverse transform has another lever arm; it is named by its cause.
-  if (!inverted && !cameras) add(oddLeverArms(all, suspects, options));
+  if (inverted.empty() && cameras.empty()) append(found, oddLeverArms(all, suspects, options));
   return found;
 }
 

@@ -74,6 +74,11 @@ void addHeldImu(const Session& session, const Calibration& calibration, const Sc
     out.score.problem = "camera-IMU: " + problemOf(imu.failure());
     return;
   }
+  // Its figures would be those of where it stopped.
+  if (!imu->summary.converged) {
+    out.score.problem = "camera-IMU: " + problemOf(notConverged(*imu));
+    return;
+  }
   addImuStage(*imu, out);
   if (!imu->summary.covariance.names.empty()) {
     out.score.camera_imu_entropy_nats = imu->summary.entropy_nats;
@@ -119,6 +124,7 @@ Scored scoreMatched(const ScoredCalibration& scored, const Session& session,
     out.score.problem = problemOf(cameras.failure());
     return out;
   }
+  if (!cameras->summary.converged) out.score.problem = "the poses of some frames did not converge";
   addCameraStage(*cameras, out);
   out.camera_stage = std::move(cameras).value();
   addEntropy(session, options, out);

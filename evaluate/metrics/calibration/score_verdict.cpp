@@ -12,13 +12,6 @@
 namespace plumbline {
 namespace {
 
-void append(Findings more, FindingSubject subject, Findings& findings) {
-  for (Finding& f : more) {
-    f.subject = subject;
-    findings.push_back(std::move(f));
-  }
-}
-
 void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings) {
   for (const CalibrationScore& s : scores) {
     if (s.problem.empty()) continue;
@@ -29,6 +22,22 @@ void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings
     f.evidence = s.problem;
     findings.push_back(std::move(f));
   }
+}
+
+/// RMSE of recordings and folds that the calibration has not seen; single folds are in their pool.
+Findings judgeHeldOut(const std::vector<CalibrationScore>& scores, const VerdictThresholds& t) {
+  Findings findings;
+  for (const CalibrationScore& s : scores) {
+    if (!s.held_out || !s.part.starts_with("all") || s.reprojection.count == 0) continue;
+    findings.push_back(above(
+        {fmt::format("Held-out reprojection error on {}, {}", s.session, s.part), "px", t.rmse_px,
+         "Compare with the error in sample: where that is small, the calibration does not "
+         "hold for other views of the rig; record more of the image and calibrate again."},
+        s.reprojection.rmse_px,
+        fmt::format("RMSE {:.3f} px over {} corners", s.reprojection.rmse_px,
+                    s.reprojection.count)));
+  }
+  return findings;
 }
 
 /// A board of another shape than the one assumed shows as errors of the calibration: it must be
@@ -69,15 +78,18 @@ Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_
   Findings findings;
   if (record.camera) {
     const CameraStageResult& stage = *record.camera;
-    append(judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "cameras", thresholds),
-           FindingSubject::kCameras, findings);
+    append(findings,
+           judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "cameras", thresholds),
+           FindingSubject::kCameras);
   }
   if (record.camera_imu) {
     const CameraImuStageResult& stage = *record.camera_imu;
     append(
+        findings,
         judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "camera-IMU", thresholds),
-        FindingSubject::kExtrinsics, findings);
+        FindingSubject::kExtrinsics);
   }
+  append(findings, judgeHeldOut(record.held->scores, thresholds));
   addUnscored(record.held->scores, findings);
   if (!unused_shape.empty()) findings.push_back(unusedShape(unused_shape));
   Verdict verdict = makeVerdict(std::move(findings));

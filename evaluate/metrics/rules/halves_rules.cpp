@@ -5,29 +5,19 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/rules/rules.h"
+#include "evaluate/results/text.h"
 
 namespace plumbline {
 namespace {
 
-/// A figure as a person reads it: lengths in millimetres, angles in degrees, time in milliseconds.
-struct Shown {
-  double factor = 1;
-  const char* unit = "";
-};
-Shown shownIn(const std::string& unit) {
-  if (unit == "m") return {1e3, " mm"};
-  if (unit == "rad") return {kDegrees, " deg"};
-  if (unit == "s") return {1e3, " ms"};
-  return {1, unit == "px" ? " px" : ""};
-}
-
 std::string evidenceOf(const HalvesBlock& b) {
-  const Shown shown = shownIn(b.unit);
+  const auto [unit, factor] = shownUnit(b.unit);
+  const std::string word = *unit == '\0' ? "" : std::string(" ") + unit;
   return fmt::format(
       "{} of the second half minus that of the first is {:+.4g}{}, with a standard deviation of "
       "{:.2g}{} (chi-square of {}: {:.1f} for {} parameters, 99 % bound {:.1f})",
-      b.worst, shown.factor * b.difference, shown.unit, shown.factor * b.std, shown.unit, b.name,
-      b.chi2, b.parameters, b.limit);
+      b.worst, factor * b.difference, word, factor * b.std, word, b.name, b.chi2, b.parameters,
+      b.limit);
 }
 
 }  // namespace

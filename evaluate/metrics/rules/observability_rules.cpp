@@ -34,6 +34,8 @@ Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t
   Findings findings;
   const auto estimates = parameterEstimates(record, Stage::kCameraImu);
   const LargestStd arm = largestStd(estimates, {"tx", "ty", "tz"}, "T_SC0", false);
+  // T_SC0 and the offset are listed together, or nothing is.
+  if (arm.name.empty()) return findings;
   findings.push_back(above(
       {"Lever arm", "m", t.lever_arm_std_m, "Record faster rotations about all three axes."},
       arm.value, fmt::format("{} of {} is {:.2f} mm", kindOf(arm), arm.name, 1e3 * arm.value)));

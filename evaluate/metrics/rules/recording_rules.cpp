@@ -222,10 +222,21 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
                       fmt::format("assumed as target.yaml states it: this recording determines the "
                                   "board's shape to {:.2f} mm only",
                                   1e3 * fit.std.maxCoeff()))};
-    case TargetFinding::kNotTested:
-      return {
-          finding(rule, VerdictLevel::kGood, 0,
-                  "assumed as target.yaml states it: the recording is too short to estimate it")};
+    case TargetFinding::kNotTested: {
+      // The shape has a covariance where the solution with its terms has converged.
+      if (fit.shape.covariance) {
+        return {
+            finding(rule, VerdictLevel::kGood, 0,
+                    "assumed as target.yaml states it: the recording is too short to estimate it")};
+      }
+      Rule unsolved = rule;
+      unsolved.advice =
+          "Record more views of the whole board, at different tilts: whether it is flat is not "
+          "known.";
+      return {finding(unsolved, VerdictLevel::kCaution, 0,
+                      "assumed as target.yaml states it: the solution with the board's shape did "
+                      "not converge, or is not determined")};
+    }
   }
   return {};
 }

@@ -30,6 +30,8 @@ Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
         rmse, fmt::format("RMSE {:.3f} px over {} corners", rmse, summary.per_camera[i].count)));
     const RegionalErrors regions =
         regionalErrors(residuals, static_cast<int>(i), cameras[i].intrinsics.resolution);
+    // Where no region has enough corners nothing is known of a systematic error.
+    if (!(regions.coverage(kLeastCornersOfRegion) > 0)) continue;
     const RegionalErrors::Worst worst = regions.worst(kLeastCornersOfRegion);
     const Resolution& size = cameras[i].intrinsics.resolution;
     findings.push_back(above(

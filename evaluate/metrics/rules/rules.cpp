@@ -62,7 +62,7 @@ LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
     double std = estimate.std;
     StdKind kind = StdKind::kFormal;
     const auto consider = [&](const std::optional<double>& other, StdKind of) {
-      if (!other || !(*other > std)) return;
+      if (!other || !isLarger(*other, std)) return;
       std = *other;
       kind = of;
     };

@@ -130,20 +130,22 @@ Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresho
 
 Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t) {
   if (stage.imu_residuals.empty()) return {};
-  double worst = 0;
+  double worst = -1;
   std::string evidence;
   for (const RowGroup& group : kRowGroups) {
     std::vector<double> sizes;
     for (const ImuIntervalResidual& r : stage.imu_residuals) {
       sizes.push_back(r.normalised.segment(group.first, group.count).norm());
     }
-    const auto largest = std::max_element(sizes.begin(), sizes.end());
+    const auto largest = std::max_element(sizes.begin(), sizes.end(),
+                                          [](double a, double b) { return isLarger(b, a); });
     const ImuIntervalResidual& at =
         stage.imu_residuals[static_cast<std::size_t>(largest - sizes.begin())];
     // Norms against their median, which a single spike does not move; the least divisor is for a
     // group without any residual, such as simulated samples without noise.
-    const double ratio = *largest / std::max(quantile(sizes, 0.5), 1e-12);
-    if (!(ratio > worst)) continue;
+    const double ratio =
+        std::isnan(*largest) ? *largest : *largest / std::max(median(sizes), 1e-12);
+    if (!isLarger(ratio, worst)) continue;
     worst = ratio;
     evidence = fmt::format(
         "the largest residual of {} is {:.1f} times their median, {:.2f} s after "

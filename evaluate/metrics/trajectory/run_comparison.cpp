@@ -68,7 +68,7 @@ void summarise(const std::vector<double>& d, PairedDifference& result) {
   result.pairs = d.size();
   if (d.empty()) return;
   result.mean_m = meanOf(d);
-  result.median_m = quantile(d, 0.5);
+  result.median_m = median(d);
   double squares = 0;
   for (const double value : d) squares += (value - result.mean_m) * (value - result.mean_m);
   result.std_m = std::sqrt(squares / static_cast<double>(d.size()));
@@ -153,7 +153,7 @@ RunsSummary summaryOf(const std::vector<TrajectoryRun>& runs, const std::string*
   if (s.expected > 0) {
     s.completion = static_cast<double>(s.complete) / static_cast<double>(s.expected);
   }
-  if (!ate.empty()) s.ate_complete_median_m = quantile(ate, 0.5);
+  if (!ate.empty()) s.ate_complete_median_m = median(ate);
   if (s.partial > 0) s.level = VerdictLevel::kCaution;
   if (s.failed > 0) s.level = VerdictLevel::kBad;
   // Complete runs without truth have no error and are not asked for one; failed and partial ones

@@ -31,8 +31,10 @@ std::string reasonText(const ModelChoice& choice) {
     case ModelReason::kNotTested:
       break;
   }
-  return fmt::format("{}: {}; the recording is too short to compare models.", choice.camera,
-                     nameOf(choice));
+  return fmt::format(
+      "{}: {}; models were not compared: the recording is too short, or no other model has a "
+      "solution.",
+      choice.camera, nameOf(choice));
 }
 
 Table candidateTable(const ModelChoice& choice) {

@@ -90,8 +90,11 @@ std::string foundText(const TargetFit& fit, bool kept) {
     case TargetFinding::kNotTested:
       break;
   }
-  return "The recording is too short to estimate the board's shape: it is assumed as target.yaml "
-         "states.";
+  return fit.shape.covariance
+             ? "The recording is too short to estimate the board's shape: it is assumed as "
+               "target.yaml states."
+             : "The solution with the board's shape did not converge, or is not determined: the "
+               "board is assumed as target.yaml states.";
 }
 
 Table termTable(const TargetFit& fit) {

@@ -182,6 +182,25 @@ TEST_F(CommandCompare, TheSessionItselfCanBeLeftOut) {
                !document()["session_estimate"].is_null());
 }
 
+// Under other options the input hash is another one, and the recording the same.
+TEST_F(CommandCompare, OnlyAnotherRecordingIsHeldOut) {
+  json other = json::parse(read(ours()));
+  other["provenance"]["input_hash"] = "xxh64:0123456789abcdef";
+  fs::create_directories(scratch());
+  write(scratch() / "options.json", other.dump());
+  other["provenance"]["input"] = "another";
+  write(scratch() / "recording.json", other.dump());
+  const Outcome outcome =
+      compare(ours() + " " + (scratch() / "options.json").string() + " " +
+              (scratch() / "recording.json").string() +
+              " --range inf --grid 5x3 --no-session-estimate --session " + session().string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const json scores = document()["scores"];
+  EXPECT_EQ(scores[0]["held_out"], false);
+  EXPECT_EQ(scores[1]["held_out"], false);
+  EXPECT_EQ(scores[2]["held_out"], true);
+}
+
 TEST_F(CommandCompare, RefusesWhatItCannotCompare) {
   const auto refused = [this](const std::string& arguments, const std::string& words) {
     expectRefusal(compare(arguments), 2, HasSubstr(words));

@@ -55,12 +55,7 @@ std::vector<LintCase> sessionCases() {
       {"baseline inverted",
        [](Calibration& c) { c.cameras[1].T_C0Ci = c.cameras[1].T_C0Ci.inverse(); },
        "Inverted baseline", "T_cn_cnm1"},
-      {"images of half the size",
-       [](Calibration& c) {
-         c.cameras[0].intrinsics.projection *= 0.5;
-         c.cameras[0].intrinsics.resolution = {376, 240};
-       },
-       "Resolution and principal point", "cam0"},
+
       {"discrete densities",
        [](Calibration& c) {
          c.imu->noise.gyro_density *= std::sqrt(c.imu->noise.rate_hz);
@@ -85,6 +80,25 @@ TEST(LintSession, EachMistakeIsNamedAlone) {
     EXPECT_THAT(found[0].evidence, HasSubstr("rig.yaml")) << fault.what;
     EXPECT_THAT(found[0].advice, HasSubstr(fault.field)) << fault.what;
   }
+}
+
+TEST(LintSession, WrongDensitiesHideNoInversion) {
+  const auto found = lintWith("euroc", truthOf("euroc"), [](Calibration& c) {
+    c.imu->noise.gyro_density *= 100;
+    c.imu->T_SC0 = c.imu->T_SC0.inverse();
+    c.imu->time_offsets[0].s *= -1;
+  });
+  ASSERT_EQ(found.size(), 3U) << rulesOf(found);
+  EXPECT_EQ(found[0].rule, "Noise densities");
+  EXPECT_EQ(found[1].rule, "Inverted transform");
+  EXPECT_EQ(found[2].rule, "Flipped time offset");
+}
+
+TEST(LintSession, SamplesWithoutScatterSayNothingOfTheNoise) {
+  Session session = recording("euroc").session;
+  for (ImuSample& sample : session.imu->samples) sample.accel = {0, 0, 9.81};
+  const LintedCalibration linted = truthOf("euroc");
+  EXPECT_EQ(rulesOf(lintAgainstSession({&linted, 1}, session)), "");
 }
 
 TEST(LintSession, AnInversionShowsWithoutRotation) {

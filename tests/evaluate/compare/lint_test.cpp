@@ -135,6 +135,15 @@ TEST(Lint, OfThreeFilesTheMinorityIsNamed) {
   }
 }
 
+TEST(Lint, TheCameraOfAnotherResolutionIsNamed) {
+  auto files = goodFiles();
+  files[1].calibration.cameras[1].intrinsics.resolution = {960, 600};
+  const auto found = lintCalibrations(files);
+  ASSERT_EQ(found.size(), 1U) << rulesOf(found);
+  EXPECT_EQ(found[0].rule, "Resolution and principal point");
+  EXPECT_THAT(found[0].evidence, HasSubstr("of cam1 (960x600 in second.yaml)"));
+}
+
 TEST(Lint, OfTwoFilesEitherMayBeWrong) {
   for (const LintCase& fault : togetherCases()) {
     if (std::string(fault.rule) == "Impossible lever arm") continue;  // two cannot tell

@@ -7,7 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
+#include "calibrator/simulate/simulate_session.h"
+#include "evaluate/compare/compare_calibrations.h"
 #include "evaluate/compare/findings.h"
+#include "tests/datasets/calibration/kalibr_texts.h"
+#include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {
 namespace {
@@ -75,6 +79,15 @@ TEST(ComparedParameters, TheOrderOnlyFlipsSigns) {
     EXPECT_NEAR(*forth[i].difference[1], (norm ? 1 : -1) * *back[i].difference[1], 1e-15)
         << forth[i].name;
   }
+}
+
+TEST(ComparedParameters, CamerasHaveTheNamesThatAllCalibrationsGiveThem) {
+  Calibration one = stereo(), other = moved();
+  one.cameras = {one.cameras[1]};
+  other.cameras = {other.cameras[1]};
+  EXPECT_EQ(comparedParameters({one, other})[0].name, "cam1.fu");
+  other.cameras[0].name = "right";  // of another file: only the place is common
+  EXPECT_EQ(comparedParameters({one, other})[0].name, "cam0.fu");
 }
 
 TEST(ComparedParameters, SignificanceNeedsBothDeviations) {
@@ -217,6 +230,88 @@ TEST(ComparisonFindings, TransformsAndOffsetAreJudgedInTheUnitOfTheirBound) {
   EXPECT_EQ(find(explained, "Transforms")->level, VerdictLevel::kGood);
   EXPECT_NE(find(explained, "Transforms")->evidence.find("within the standard deviations"),
             std::string::npos);
+}
+
+TEST(ComparisonFindings, TheThresholdIsTheOneThatWasCrossed) {
+  Calibration b = stereo();
+  b.imu->T_SC0.t.x() += 22e-3;
+  ComparisonRecord record;
+  record.calibrations = {{"a", "", "", stereo(), {}}, {"b", "", "", b, {}}};
+  record.parameters = comparedParameters({stereo(), b});
+  record.differences = {
+      {"cam0", "b - a", "", 1, 3, 3, 752, 480, {4, 1, 1, 1, 0.1, 1, 1, 1, 6}, {}, {}}};
+  const auto findings = comparisonFindings(record);
+  EXPECT_EQ(find(findings, "Transforms")->threshold, 20);
+  EXPECT_EQ(find(findings, "Projection of b")->threshold, 5);
+}
+
+// Each camera's own offset has no deviation; the mean over cameras has.
+TEST(ComparisonFindings, OffsetsOfEachCameraCanBeExplained) {
+  Calibration a = stereo(), b = stereo();
+  b.imu->time_offsets = {{a.imu->timeOffset() + 4e-3}, {a.imu->timeOffset() + 4.1e-3, true}};
+  a.imu->time_offset_std_s = b.imu->time_offset_std_s = 2e-3;
+  ComparisonRecord record;
+  record.calibrations = {{"a", "", "", a, {}}, {"b", "", "", b, {}}};
+  record.parameters = comparedParameters({a, b});
+  ASSERT_NE(comparedParameter(record, "time_offset.cam1"), nullptr);
+  EXPECT_EQ(find(comparisonFindings(record), "Transforms")->level, VerdictLevel::kGood);
+}
+
+TEST(ComparisonFindings, WhereNoDifferenceIsDefinedTheProjectionIsNotGood) {
+  const double nan = std::nan("");
+  ComparisonRecord record;
+  record.calibrations = {{"a", "", "", stereo(), {}}, {"b", "", "", stereo(), {}}};
+  ImageMap map{"cam0", "b - a", "", 1, 3, 3, 752, 480, {nan, 0, 0, 0, 0, 0, 0, 0, nan}, {}, {}};
+  record.differences = {map};
+  const auto some = comparisonFindings(record);
+  EXPECT_EQ(find(some, "Projection of b")->level, VerdictLevel::kGood);
+  EXPECT_NE(find(some, "Projection of b")->evidence.find("undefined on 22 % of the image"),
+            std::string::npos);
+  record.differences[0].values.assign(9, nan);
+  EXPECT_EQ(find(comparisonFindings(record), "Projection of b")->level, VerdictLevel::kBad);
+}
+
+TEST(ComparisonFindings, AScoreWithoutTheImuIsNotCalledMissing) {
+  ComparisonRecord record;
+  record.calibrations = {{"a", "", "", stereo(), {}}, {"b", "", "", stereo(), {}}};
+  record.name = "euroc";
+  CalibrationScore& score = record.scores.emplace_back();
+  score.label = "b";
+  score.session = "euroc";
+  score.per_camera.resize(1);
+  score.reprojection.count = 100;
+  score.problem = "camera-IMU: no solution";
+  EXPECT_EQ(find(comparisonFindings(record), "b on euroc")->evidence, "camera-IMU: no solution");
+  EXPECT_NE(comparisonSummary(record).find("camera-IMU: no solution"), std::string::npos);
+}
+
+TEST(OwnEstimateOfTheSession, AStageThatDidNotConvergeIsNoWitness) {
+  SimulationOptions simulation;
+  simulation.duration_s = 6;
+  simulation.camera_rate_hz = 5;
+  const SimulatedSession simulated = simulateSession(simulatedRig("euroc"), simulation);
+  ScoreOptions options;
+  options.camera_imu.max_iterations = 1;
+  const SessionEstimate own =
+      sessionEstimate(simulated.session, std::vector<Calibration>{simulated.truth}, options,
+                      TargetMode::kGiven, {});
+  EXPECT_NE(own.problem.find("did not converge"), std::string::npos) << own.problem;
+  EXPECT_EQ(own.calibration.cameras.size(), 2U);
+  EXPECT_FALSE(own.calibration.imu);
+}
+
+TEST(ReadCompared, ScaleAndMisalignmentOfKalibrsImuAreToldOf) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> paths = {folder.write("camchain.yaml", kCamchainImuYaml)};
+  const std::string gyro =
+      "  gyroscopes:\n    M:\n    - [1.01, 0.0, 0.0]\n    - [0.0, 1.0, 0.0]\n"
+      "    - [0.0, 0.0, 0.99]\n";
+  folder.write("imu.yaml", kImuYaml + gyro);
+  const auto distorted = readCompared(paths, {});
+  ASSERT_EQ(distorted[0].remarks.size(), 1U);
+  EXPECT_EQ(distorted[0].remarks[0].level, VerdictLevel::kCaution);
+  folder.write("imu.yaml", kImuYaml);
+  EXPECT_TRUE(readCompared(paths, {})[0].remarks.empty());
 }
 
 // 4 ms are eight times the offset's bound of caution, and not bad; 22 mm are 4.4 times the lever's,

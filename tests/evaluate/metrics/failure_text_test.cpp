@@ -90,6 +90,15 @@ TEST(FailureText, ListsWhatTheMotionLeavesLoose) {
             "(standard deviation 0.25 m), the time offset (standard deviation 0.5 s)");
 }
 
+TEST(FailureText, NamesBothOptionsWhereEitherFileMayBeWFirst) {
+  Failure order{
+      FailureCode::kQuaternionsWFirst,
+      {{"which", "truth or of the estimate"}, {"as_read_deg", 90.0}, {"reordered_deg", 1.0}}};
+  EXPECT_THAT(textOf(order).cure, HasSubstr("use --truth-w-first or --estimate-w-first"));
+  order.values.at("which") = "truth";
+  EXPECT_THAT(textOf(order).cure, HasSubstr("use --truth-w-first,"));
+}
+
 TEST(FailureText, NamesTheWideAngleModelWhereTheLensIsSuspected) {
   const Failure tried{FailureCode::kNoPlausiblePose,
                       {{"camera", "cam0"}, {"views", 9}, {"radtan_suspect", 2}}};

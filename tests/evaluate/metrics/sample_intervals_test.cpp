@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How evenly samples follow each other: gaps and what is missing in them, and what a plot shows.
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -44,6 +45,15 @@ TEST(SampleIntervals, GapsCountTheSamplesThatWereTakenOut) {
   EXPECT_EQ(s.missing, 5U);
   EXPECT_EQ(s.gap_count, 2U);
   EXPECT_DOUBLE_EQ(s.max_s, 0.025);
+}
+
+TEST(SampleIntervals, AFirstStampOfZeroIsAVeryLongGap) {
+  std::vector<TimeNs> t = {0};
+  for (const TimeNs stamp : stamps(101)) t.push_back(1'700'000'000'000'000'000 + stamp);
+  const SampleIntervals s = sampleIntervals("imu", t);
+  ASSERT_EQ(s.gap_count, 1U);
+  EXPECT_EQ(s.gaps[0].missing, std::numeric_limits<int>::max());
+  EXPECT_EQ(s.missing, static_cast<std::size_t>(std::numeric_limits<int>::max()));
 }
 
 TEST(SampleIntervals, LateStampsAreNoGaps) {

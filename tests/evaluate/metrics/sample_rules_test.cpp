@@ -74,6 +74,14 @@ TEST(SampleRules, AnIsolatedResidualIsFoundWithItsInstant) {
   EXPECT_TRUE(judgeIsolatedResiduals({}, {}).empty());
 }
 
+TEST(SampleRules, AResidualThatIsNotANumberIsBad) {
+  CameraImuStageResult stage = stageWithResiduals(1);
+  stage.imu_residuals[70].normalised(0) = std::nan("");
+  const Findings findings = judgeIsolatedResiduals(stage, {});
+  EXPECT_EQ(findings.front().level, VerdictLevel::kBad);
+  EXPECT_THAT(findings.front().evidence, HasSubstr("rotation (gyroscope)"));
+}
+
 TEST(SampleRules, PartsThatDoNotFitTogetherAreFound) {
   CameraImuStageResult stage;
   stage.imu_summary.gyro_normalised_rms = 0.2;

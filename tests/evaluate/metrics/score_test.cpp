@@ -130,6 +130,8 @@ TEST(ScoreCalibration, ReversedCamerasAreTheSameCalibration) {
   turned.cameras[1].T_C0Ci = T_C1C0;
   turned.imu->T_SC0 = truth.imu->T_SC0 * truth.cameras[1].T_C0Ci;
   turned.imu->time_offsets = {{truth.imu->timeOffset()}, {truth.imu->timeOffset(), true}};
+  turned.cameras[1].T_C0Ci_std = turned.imu->T_SC0_std = Vector6d::Constant(1e-3);
+  turned.imu->time_offset_std_s = 1e-4;
   const auto score = c.run().front();
   EXPECT_NEAR(score.reprojection.rmse_px, expected.reprojection.rmse_px, 1e-9);
   ASSERT_TRUE(score.camera_imu);
@@ -138,6 +140,10 @@ TEST(ScoreCalibration, ReversedCamerasAreTheSameCalibration) {
   const Calibration matched = matchCalibration(turned, "file", c.simulated.session);
   EXPECT_LT(boxminus(matched.imu->T_SC0, truth.imu->T_SC0).norm(), 1e-12);
   EXPECT_EQ(matched.imu->timeOffset(1), truth.imu->timeOffset());
+  // Deviations are of what the file's camera 0 was the reference of.
+  EXPECT_FALSE(matched.cameras[1].T_C0Ci_std);
+  EXPECT_FALSE(matched.imu->T_SC0_std);
+  EXPECT_FALSE(matched.imu->time_offset_std_s);
 }
 
 TEST(ScoreCalibration, ASecondCameraAloneIsScoredThroughItsOwnPlace) {
@@ -179,6 +185,15 @@ TEST(ScoreCalibration, SaysWhyThereIsNoScore) {
   ASSERT_EQ(scores.size(), 1u);
   EXPECT_THAT(scores[0].problem, HasSubstr("no corner of the target"));
   EXPECT_EQ(scores[0].reprojection.count, 0u);
+}
+
+TEST(ScoreCalibration, ASolutionThatDidNotConvergeHasNoFigures) {
+  Case c;
+  c.options.camera_imu.max_iterations = 1;
+  const CalibrationScore s = c.run().front();
+  EXPECT_THAT(s.problem, HasSubstr("camera-IMU calibration did not converge"));
+  EXPECT_GT(s.reprojection.count, 0u);
+  EXPECT_FALSE(s.camera_imu);
 }
 
 TEST(ScoreCalibration, AHeldOutSessionIsMarkedAsSuch) {

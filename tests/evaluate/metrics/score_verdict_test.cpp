@@ -52,6 +52,21 @@ TEST(ScoreVerdict, WhatCouldNotBeScoredIsSaid) {
   EXPECT_THAT(v.headline, HasSubstr("Score on other, all: no frame's pose is determined"));
 }
 
+TEST(ScoreVerdict, HeldOutErrorsAreJudged) {
+  CalibrationScore other = score("other", "all", 1.5);
+  other.held_out = true;
+  EXPECT_EQ(scoreVerdict(record({score("euroc", "all", 0.36), other})).level,
+            VerdictLevel::kCaution);
+  CalibrationScore fold = score("euroc", "fold 1 of 2", 5);
+  fold.held_out = true;  // of the pool of all folds
+  CalibrationScore folds = score("euroc", "all 2 folds", 5);
+  folds.held_out = true;
+  const Verdict v = scoreVerdict(record({score("euroc", "all", 0.36), fold, folds}));
+  EXPECT_EQ(v.level, VerdictLevel::kBad);
+  ASSERT_EQ(v.findings.size(), 1u);
+  EXPECT_EQ(v.findings[0].rule, "Held-out reprojection error on euroc, all 2 folds");
+}
+
 TEST(ScoreVerdict, ACalibrationThatDoesNotFitTheRecordingIsBad) {
   CalibrationRecord r = record({score("euroc", "all", 3)});
   CameraStageResult stage;

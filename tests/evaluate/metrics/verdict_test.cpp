@@ -287,6 +287,38 @@ TEST(Verdict, ResolutionLargerThanTheImageIsSeenByTheEmptyStrip) {
   EXPECT_EQ(findingOf(judge(record), rule).level, VerdictLevel::kGood);
 }
 
+TEST(Verdict, ABoardWithoutASolutionIsNotCalledATooShortRecording) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  record.camera->target_fit = TargetFit{};
+  EXPECT_EQ(findingOf(judge(record), "Shape of the target").level, VerdictLevel::kCaution);
+  record.camera->target_fit->shape.covariance = TargetCovariance::Identity();
+  EXPECT_EQ(findingOf(judge(record), "Shape of the target").level, VerdictLevel::kGood);
+}
+
+TEST(Verdict, RegionsWithFewCornersSayNothingOfASystematicError) {
+  for (const Finding& finding : judge(cameraRecord(0.3, 0.8)).findings) {
+    EXPECT_EQ(finding.rule.find("Systematic"), std::string::npos);  // 40 corners each
+  }
+}
+
+TEST(Verdict, ADeviationThatIsNotANumberIsBad) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  auto& summary = record.camera->summary;
+  summary.covariance.names = {"cam0.fu"};
+  summary.covariance.units = {"px"};
+  summary.covariance.matrix = Eigen::MatrixXd::Constant(1, 1, 0.01);
+  summary.robust_std = Eigen::VectorXd::Constant(1, std::nan(""));
+  EXPECT_EQ(levelOf(judge(record), "Focal length"), VerdictLevel::kBad);
+}
+
+TEST(Verdict, WithoutACovarianceTheExtrinsicsAreNotJudged) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  record.camera_imu = CameraImuStageResult();
+  for (const Finding& finding : judge(record).findings) {
+    EXPECT_EQ(finding.rule.find("Lever arm"), std::string::npos);
+  }
+}
+
 TEST(Verdict, ThresholdsAreOptions) {
   VerdictThresholds thresholds;
   thresholds.rmse_px = {0.1, 0.2};
