@@ -72,7 +72,8 @@ bool hasVariances(const NumberRow& row) {
   constexpr std::array<std::size_t, 6> kDiagonals = {8, 11, 13, 14, 17, 19};
   return row.columns == kOpenVinsColumns &&
          std::all_of(kDiagonals.begin(), kDiagonals.end(),
-                     [&](std::size_t column) { return row.values[column] > 0; });
+                     // NaN: of an estimator that diverged, which is refused later.
+                     [&](std::size_t column) { return !(row.values[column] <= 0); });
 }
 
 Layout layoutOf(const NumberRow& row, const std::optional<TableHeader>& header,
