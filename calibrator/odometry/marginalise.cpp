@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "calibrator/linear/dense.h"
@@ -76,10 +77,13 @@ void marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::i
     prior.frames.push_back(kept.serial);
     prior.points.push_back(*kept.first_estimate);
   }
-  QuadraticCost cost{all.H(used, used), all.b(used), 0};
-  // What the states alone cannot tell (a velocity without a link) must not stop the elimination.
-  cost.H.diagonal().array() += 1e-6;
-  const auto remaining = marginalised(cost, keep);
+  std::optional<QuadraticCost> remaining;
+  if (all.H.size() > 0) {
+    QuadraticCost cost{all.H(used, used), all.b(used), 0};
+    // What the states alone cannot tell (a velocity without a link) must not stop the elimination.
+    cost.H.diagonal().array() += 1e-6;
+    remaining = marginalised(cost, keep);
+  }
   for (const std::int64_t id : landmarks) window.landmarks.erase(id);
   dropFrame(window, leaving);
   if (!remaining) {

@@ -46,6 +46,12 @@ void OdometryOptions::check() const {
   requirePositive("still_span_s", still_span_s);
   requirePositive("max_imu_gap_s", max_imu_gap_s);
   requirePositive("max_blind_s", max_blind_s);
+  requireAtLeast(0, "model.cauchy", model.cauchy);
+  requirePositive("model.still_sigma_m_s", model.still_sigma_m_s);
+  requirePositive("triangulation.min_angle_rad", triangulation.min_angle_rad);
+  requirePositive("triangulation.min_depth_m", triangulation.min_depth_m);
+  requirePositive("triangulation.max_depth_m", triangulation.max_depth_m);
+  requirePositive("triangulation.max_error", triangulation.max_error);
   start.check();
 }
 
@@ -61,6 +67,8 @@ Eigen::Matrix3d Odometry::expectedRotation(TimeNs from, TimeNs to) const {
 
 void Odometry::step(const FrameTracks& frame) {
   ++result_.frames;
+  // The recording of the IMU has ended: not a gap, for nothing continues after it.
+  if (samples_.empty() || samples_.back().t < frame.t + toNanoseconds(rig_.time_offset_s)) return;
   latest_.push_back(frame);
   const auto isOld = [&](const FrameTracks& f) {
     return secondsBetween(f.t, frame.t) > options_.still_span_s;
@@ -121,7 +129,6 @@ void Odometry::addSightings(const FrameTracks& tracks, std::int64_t serial) {
     keyframe_rays_.clear();
     last_keyframe_ = serial;
   }
-  track_sum_ += static_cast<double>(tracks.points.size());
   for (const TrackPoint& p : tracks.points) {
     const auto seen = rig_.sighting(p.camera, p.uv, options_.pixel_sigma);
     if (!seen) continue;
@@ -197,7 +204,8 @@ void Odometry::optimise(int iterations) {
   minimise(problem, minimiser);
 }
 
-/// Drops the sightings that do not fit, and the landmarks that are left with one.
+/// Drops the sightings that do not fit. Landmarks that are left with one lose their place, those
+/// that are left with none go.
 void Odometry::gate() {
   for (auto& entry : window_.landmarks) {
     Landmark& landmark = entry.second;
@@ -276,11 +284,13 @@ void Odometry::remember() {
     if (i + recent < n && window_.prior.frames.size() > 1) pose_of_.erase(pose);
   }
   last_bias_ = biasOf(window_.frames.back().state);
+  ++remembered_;
   for (const auto& [id, landmark] : window_.landmarks) landmark_sum_ += landmark.p_W ? 1 : 0;
 }
 
 void Odometry::rememberCovariances() {
   const QuadraticCost cost = WindowProblem(window_, rig_, options_.model).reduced();
+  if (cost.H.size() == 0) return;
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(cost.H);
   for (std::size_t i = 0; i < window_.frames.size(); ++i) {
     const auto pose = pose_of_.find(window_.frames[i].serial);
@@ -350,9 +360,7 @@ void Odometry::marginaliseOldest() {
 
 OdometryResult Odometry::result() const {
   OdometryResult out = result_;
-  const double n = std::max<std::size_t>(1, out.poses.size());
-  out.mean_landmarks = landmark_sum_ / n;
-  out.mean_tracks = track_sum_ / n;
+  out.mean_landmarks = landmark_sum_ / static_cast<double>(std::max<std::size_t>(1, remembered_));
   out.stereo_px = medianOf(epipolar_px_);
   out.innovation_px = medianOf(innovations_px_);
   return out;

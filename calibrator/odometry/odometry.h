@@ -78,7 +78,6 @@ struct OdometryResult {
   std::vector<OdometryLossEvent> losses;  ///< after each the poses continue elsewhere: a jump
   int frames = 0;                         ///< offered
   double mean_landmarks = 0;              ///< placed, a frame
-  double mean_tracks = 0;                 ///< sightings, a frame
   /// Medians that tell of the calibration without any truth, 0 without a sighting: the distance of
   /// sightings by other cameras from the epipolar lines of camera 0's, and the error of sightings
   /// at the pose that the IMU predicts, landmarks as they were known before [px].
@@ -97,11 +96,13 @@ class Odometry {
   /// `samples` (IMU clock, strictly ascending) outlive it.
   Odometry(RigModel rig, std::span<const ImuSample> samples, OdometryOptions options = {});
 
-  /// Takes the next frame; stamps ascend strictly.
+  /// Takes the next frame; stamps ascend strictly. One after the last sample has no pose, and is no
+  /// loss.
   void step(const FrameTracks& frame);
 
   /// R_SaSb of the gyro between two stamps of the camera's clock, with the bias known by now:
-  /// what a tracker can expect. Identity where samples are missing.
+  /// what a tracker can expect. Over a pause of the samples their readings count as linear;
+  /// identity where they do not reach from one stamp to the other.
   Eigen::Matrix3d expectedRotation(TimeNs from, TimeNs to) const;
 
   bool isRunning() const { return !window_.frames.empty(); }
@@ -122,6 +123,7 @@ class Odometry {
   void gate();
   bool isKeyframe(const FrameTracks& frame) const;
   bool stands() const;
+  bool stoodWhileWaiting() const;
   void shrink();
   void dropFrame(int index);
   void marginaliseOldest();
@@ -145,7 +147,8 @@ class Odometry {
   TimeNs last_fit_ = 0;                          // last frame whose tracks fitted
   std::map<std::int64_t, std::size_t> pose_of_;  // by serial, of the frames in the window
   OdometryResult result_;
-  double landmark_sum_ = 0, track_sum_ = 0;
+  double landmark_sum_ = 0;
+  std::size_t remembered_ = 0;  // frames that landmark_sum_ is of
   std::vector<float> epipolar_px_, innovations_px_;
 };
 

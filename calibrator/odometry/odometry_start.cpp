@@ -15,6 +15,20 @@ constexpr double kGaugeSigma = 1e-4;       // [m], [rad] of the first frame's po
 constexpr double kMostWaitingSpans = 2;    // frames kept for a start, in its spans
 constexpr std::size_t kFewestTracks = 12;  // to tell that the rig stands
 
+/// Whether the tracks that camera 0 has in both frames are where they were.
+bool isUnmoved(const FrameTracks& then, const FrameTracks& now, double still_px) {
+  std::map<std::int64_t, Eigen::Vector2d> places;
+  for (const TrackPoint& p : then.points) {
+    if (p.camera == 0) places[p.id] = p.uv;
+  }
+  std::vector<double> moved;
+  for (const TrackPoint& p : now.points) {
+    const auto place = places.find(p.id);
+    if (p.camera == 0 && place != places.end()) moved.push_back((p.uv - place->second).norm());
+  }
+  return moved.size() >= kFewestTracks && median(std::move(moved)) < still_px;
+}
+
 /// The yaw and the position of a pose, upright.
 Transform levelled(const Transform& T) {
   const Eigen::AngleAxisd yaw(std::atan2(T.R(1, 0), T.R(0, 0)), Eigen::Vector3d::UnitZ());
@@ -68,7 +82,7 @@ void Odometry::begin(const FrameTracks& frame) {
     frames.push_back(std::move(s));
   }
   StartOptions options = options_.start;
-  if (stands()) options.velocity_sigma = options_.model.still_sigma_m_s;
+  if (stoodWhileWaiting()) options.velocity_sigma = options_.model.still_sigma_m_s;
   const auto start = startEstimate(frames, samples_, rig_, options);
   if (start) fillFrom(*start);
   if (isRunning()) return;
@@ -136,16 +150,15 @@ bool Odometry::stands() const {
   const FrameTracks& now = latest_.back();
   // Frames do not fall on the ends of the span.
   if (secondsBetween(then.t, now.t) < 0.7 * options_.still_span_s) return false;
-  std::map<std::int64_t, Eigen::Vector2d> places;
-  for (const TrackPoint& p : then.points) {
-    if (p.camera == 0) places[p.id] = p.uv;
-  }
-  std::vector<double> moved;
-  for (const TrackPoint& p : now.points) {
-    const auto place = places.find(p.id);
-    if (p.camera == 0 && place != places.end()) moved.push_back((p.uv - place->second).norm());
-  }
-  return moved.size() >= kFewestTracks && median(std::move(moved)) < options_.still_px;
+  return isUnmoved(then, now, options_.still_px);
+}
+
+/// Whether the rig stands and stood at every frame that waits: what the start is told of is the
+/// velocity of the first.
+bool Odometry::stoodWhileWaiting() const {
+  return stands() && std::all_of(waiting_.begin(), waiting_.end(), [&](const FrameTracks& then) {
+           return isUnmoved(then, waiting_.back(), options_.still_px);
+         });
 }
 
 double Odometry::startSpan() const {

@@ -43,7 +43,7 @@ struct RigModel {
   std::vector<Intrinsics> cameras;
   std::vector<Transform> T_SC;  ///< one per camera
   ImuNoise noise;
-  double time_offset_s = 0;  ///< of camera 0: t_imu = t_cam + t_d
+  double time_offset_s = 0;  ///< of camera 0, taken for all: t_imu = t_cam + t_d
   double gravity_m_s2 = 9.80655;
 
   /// Of the first `cameras` cameras (0: all). Throws InputError for a calibration without IMU or

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 
 namespace plumbline {
@@ -16,6 +18,7 @@ void StartOptions::check() const {
   requirePositive("accel_bias_sigma", accel_bias_sigma);
   requirePositive("gravity_sigma", gravity_sigma);
   requireOption(min_landmarks >= 4, "min_landmarks", min_landmarks, "4 or more");
+  requirePositive("velocity_sigma", velocity_sigma.value_or(1));
   requirePositive("max_rms", max_rms);
   requirePositive("max_velocity_std", max_velocity_std);
   requirePositive("max_tilt_std", max_tilt_std);
@@ -118,8 +121,7 @@ class StartProblem {
       Eigen::Matrix<double, kGlobals, 3> W;
     };
     std::vector<Term> terms;
-    double sum = 0;
-    int count = 0;
+    std::vector<double> squares;
     for (auto& [id, point] : points_) {
       Term term{&point, Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero(), {}};
       term.W.setZero();
@@ -129,8 +131,7 @@ class StartProblem {
         const double s = r.e.squaredNorm();
         // Cauchy (c = 2 sigma) once the points have their places: before, all errors are large.
         const double w = iteration < 3 ? 1 : 1 / (1 + s / 4);
-        sum += w * s;
-        count += 2;
+        squares.push_back(s);
         H_ += w * r.J.transpose() * r.J;
         b += w * r.J.transpose() * r.e;
         V += w * r.J_point.transpose() * r.J_point;
@@ -143,7 +144,8 @@ class StartProblem {
       b -= term.W * term.V_inverse * term.b;
       terms.push_back(term);
     }
-    rms_ = std::sqrt(sum / std::max(1, count));
+    // Chi-square of two degrees of freedom: its median is 2 ln 2.
+    rms_ = std::sqrt(median(std::move(squares)) / (2 * std::numbers::ln2));
     const Eigen::LDLT<GlobalMatrix> ldlt(H_);
     const GlobalVector d = -ldlt.solve(b);
     if (!d.allFinite()) return false;

@@ -14,10 +14,12 @@ struct StartOptions {
   double gyro_bias_sigma = 0.05;  ///< of the bias before anything is known [rad/s]
   double accel_bias_sigma = 0.1;  ///< likewise [m/s^2]
   double gravity_sigma = 0.05;    ///< of gravity's magnitude [m/s^2]
-  int min_landmarks = 15;         ///< seen from two frames or cameras at least
+  int min_landmarks = 15;         ///< seen three times at least, by any camera
   /// Of v_0, where the rig is known to stand; empty: it may move [m/s].
   std::optional<double> velocity_sigma;
-  double max_rms = 3;              ///< of the whitened sightings at the solution [sigma]
+  /// StartEstimate::rms [sigma]. Far above noise: where one camera begins to move, some points are
+  /// still on their way to their places, and a start at 6 is good.
+  double max_rms = 20;
   double max_velocity_std = 0.25;  ///< of the solved velocity [m/s]
   double max_tilt_std = 0.12;      ///< of gravity's direction [rad]
 
@@ -33,9 +35,11 @@ struct StartFrame {
 
 struct StartEstimate {
   std::vector<ImuState> states;  ///< one per frame, in W: the first at the origin, gravity along -z
-  double rms = 0;                ///< of the whitened sightings
-  double velocity_std = 0;       ///< [m/s], the largest axis
-  double tilt_std = 0;           ///< [rad]
+  /// Of a coordinate of the whitened sightings, from the median of their squares: outliers do not
+  /// count.
+  double rms = 0;
+  double velocity_std = 0;  ///< [m/s], the largest axis
+  double tilt_std = 0;      ///< [rad]
 };
 
 /// States from a standstill or in motion, without a first guess. Over a second the IMU knows the
@@ -48,8 +52,9 @@ struct StartEstimate {
 /// camera-IMU calibration", IROS 2012; Kaiser et al., "Simultaneous state initialization and
 /// gyroscope bias calibration in visual inertial aided navigation", RA-L 2017.
 ///
-/// Empty where the samples do not cover the frames, too few landmarks are seen, or the motion does
-/// not determine velocity and tilt (one camera without parallax): more frames may.
+/// Empty where the samples do not cover the frames, too few landmarks are seen, the motion does not
+/// determine velocity and tilt (one camera without parallax: more frames may), or the sightings do
+/// not fit.
 std::optional<StartEstimate> startEstimate(std::span<const StartFrame> frames,
                                            std::span<const ImuSample> samples, const RigModel& rig,
                                            const StartOptions& options);

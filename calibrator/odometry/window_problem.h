@@ -29,7 +29,8 @@ class WindowProblem {
   bool refuse() { return false; }
 
   /// The normal equations of the frames' states, landmarks eliminated; after the last solve() or
-  /// accept(). Information of the states: its inverse is their covariance.
+  /// accept(). Information of the states: its inverse is their covariance. Empty where a landmark
+  /// cannot be eliminated.
   QuadraticCost reduced();
 
  private:

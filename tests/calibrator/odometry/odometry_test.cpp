@@ -2,11 +2,13 @@
 #include "calibrator/odometry/odometry.h"
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "tests/calibrator/odometry/room_flight.h"
 
@@ -92,6 +94,93 @@ TEST(Odometry, AGapOfTheImuIsALossThatIsTold) {
   EXPECT_GT(result.poses.back().t, to);  // and it began anew
 }
 
+TEST(Odometry, FramesAfterTheLastSampleAreNoLoss) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  RoomFlight flight(rig, shortFlight(0.3));
+  const TimeNs end = flight.frames[100].t + toNanoseconds(rig.calibration.imu->timeOffset());
+  std::erase_if(flight.samples, [&](const ImuSample& s) { return s.t > end + 1'000'000; });
+  const OdometryResult result = run(flight, rig.calibration);
+  EXPECT_TRUE(result.losses.empty());
+  EXPECT_EQ(result.frames, static_cast<int>(flight.frames.size()));
+  ASSERT_FALSE(result.poses.empty());
+  EXPECT_GE(result.poses.back().t, flight.frames[99].t);
+}
+
+// Ten frames become poses at once, as their landmarks are counted once.
+TEST(Odometry, MeanLandmarksAreThoseOfTheWindow) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  const RoomFlight flight(rig, shortFlight(0.3));
+  Odometry odometry(RigModel::of(rig.calibration), flight.samples);
+  for (const FrameTracks& frame : flight.frames) {
+    odometry.step(frame);
+    if (odometry.isRunning()) break;
+  }
+  int placed = 0;
+  for (const auto& [id, landmark] : odometry.window().landmarks) placed += landmark.p_W ? 1 : 0;
+  EXPECT_GT(placed, 50);
+  EXPECT_EQ(odometry.result().mean_landmarks, placed);
+}
+
+// It comes to a stand while frames wait for the start: the first of them is in motion.
+TEST(Odometry, AStandAtTheEndOfTheStartIsNoStandAtItsBeginning) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  const RoomFlight flight(rig, shortFlight(0));
+  const auto stands = [&](std::size_t k) {
+    return (flight.truth[k + 1].t - flight.truth[k].t).norm() < 1e-9;
+  };
+  std::size_t rest = 30;  // and not the one before the flight
+  while (stands(rest)) ++rest;
+  while (!stands(rest)) ++rest;
+  OdometryOptions options;
+  options.model.still_sigma_m_s = 1e-4;  // so that it would decide
+  Odometry odometry(RigModel::of(rig.calibration, 1), flight.samples, options);
+  std::size_t k = rest - 34;  // of 40 that one camera waits for
+  for (; !odometry.isRunning() && k < rest + 20; ++k) {
+    FrameTracks frame = flight.frames[k];
+    std::erase_if(frame.points, [](const TrackPoint& p) { return p.camera > 0; });
+    odometry.step(frame);
+  }
+  ASSERT_TRUE(odometry.isRunning());
+  const OdometryFrame& first = odometry.window().frames.front();
+  std::size_t j = 0;
+  while (flight.frames[j].t < first.t) ++j;
+  const double dt = secondsBetween(flight.frames[j - 1].t, flight.frames[j + 1].t);
+  const double speed = (flight.truth[j + 1].t - flight.truth[j - 1].t).norm() / dt;
+  EXPECT_GT(speed, 0.1);
+  EXPECT_NEAR(first.state.v_F.norm(), speed, 0.05 * speed);
+}
+
+/// What the first frames saw, as the start takes it.
+std::vector<StartFrame> startFrames(const RoomFlight& flight, const RigModel& rig) {
+  std::vector<StartFrame> frames;
+  for (std::size_t k = 0; k < 16; ++k) {
+    frames.push_back({flight.frames[k].t, {}});
+    for (const TrackPoint& p : flight.frames[k].points) {
+      if (const auto seen = rig.sighting(p.camera, p.uv, 0.5)) {
+        frames.back().seen.emplace_back(p.id, *seen);
+      }
+    }
+  }
+  return frames;
+}
+
+TEST(OdometryStart, SightingsThatDoNotFitAreRefused) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  const RoomFlight flight(rig, shortFlight(0.5));
+  RigModel model = RigModel::of(rig.calibration);
+  const std::vector<StartFrame> frames = startFrames(flight, model);
+  const auto start = startEstimate(frames, flight.samples, model, {});
+  ASSERT_TRUE(start);
+  EXPECT_NEAR(start->rms, 1, 0.3);
+  for (Transform& T_SC : model.T_SC) T_SC.R = expSO3({0, 0, 1.2}) * T_SC.R;
+  StartOptions all;
+  all.max_rms = 1e6;
+  const auto wrong = startEstimate(frames, flight.samples, model, all);
+  ASSERT_TRUE(wrong);  // by its deviations alone
+  EXPECT_GT(wrong->rms, StartOptions().max_rms);
+  EXPECT_FALSE(startEstimate(frames, flight.samples, model, {}));
+}
+
 TEST(Odometry, BlindFramesAreBridgedAndThenALoss) {
   const SimulatedRig rig = simulatedRig("euroc");
   RoomFlight flight(rig, shortFlight(0.3));
@@ -107,6 +196,20 @@ TEST(Odometry, OptionsOutOfRangeAreNamed) {
   OdometryOptions options;
   options.gate = -1;
   EXPECT_THROW(options.check(), InputError);
+  const auto refuses = [](auto change, const std::string& field) {
+    OdometryOptions changed;
+    change(changed);
+    try {
+      changed.check();
+    } catch (const InputError& error) {
+      return std::string(error.what()).find(field) != std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refuses([](auto& o) { o.model.cauchy = NAN; }, "model.cauchy"));
+  EXPECT_TRUE(refuses([](auto& o) { o.model.still_sigma_m_s = 0; }, "still_sigma_m_s"));
+  EXPECT_TRUE(refuses([](auto& o) { o.triangulation.min_depth_m = -1; }, "min_depth_m"));
+  EXPECT_TRUE(refuses([](auto& o) { o.start.velocity_sigma = 0; }, "velocity_sigma"));
   Calibration without_imu = simulatedRig("euroc").calibration;
   without_imu.imu.reset();
   EXPECT_THROW(RigModel::of(without_imu), InputError);
