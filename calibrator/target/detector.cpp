@@ -85,12 +85,16 @@ struct AprilGridDetector::Parts {
 
 Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
                                                const GrayImageView& image) {
+  std::erase_if(squares, [&](const TagImage& square) {
+    return shortestEdge(square.uv) < options.min_edge_px;
+  });
   GridSearch search(grid, options, image, refiner);
   // First, so that sets are judged by corners to a fraction of a pixel.
   for (TagImage& square : squares) search.refineCorners(square);
   std::vector<std::vector<TagImage>> sets = consistentSets(grid, squares);
   if (sets.size() > kSetsTried) sets.resize(kSetsTried);
   Detection detection;
+  detection.rejected_tags = static_cast<int>(squares.size());  // where none agree with the grid
   // From the squares as they are: with a wrong spacing the grid's own checks drop most corners.
   const auto spacing = sets.empty() ? std::nullopt : apparentSpacing(grid, sets.front());
   for (const std::vector<TagImage>& set : sets) {

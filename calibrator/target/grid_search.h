@@ -32,7 +32,8 @@ struct DivisionDistortion {
 
 /// The lambda for which the located corners of each of the grid's lines (tag edges along rows and
 /// columns) lie in line best: least sum of squared distances to the fitted lines, over the sum of
-/// squared lengths so that shrinking the image gains nothing. 0 with fewer than `min_tags` tags.
+/// squared lengths so that shrinking the image gains nothing. 0 with fewer than `min_tags` tags,
+/// and where no line has four corners.
 DivisionDistortion estimateDistortion(const AprilGrid& grid, const std::vector<TagImage>& tags,
                                       const Resolution& resolution, std::size_t min_tags = 5);
 

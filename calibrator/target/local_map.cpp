@@ -63,7 +63,8 @@ std::vector<LinePoint> linePoints(const AprilGrid& grid, const std::vector<TagIm
   return points;
 }
 
-/// See estimateDistortion(): the share of the squared lengths that lies across the lines.
+/// See estimateDistortion(): the share of the squared lengths that lies across the lines; infinite
+/// where no line counts.
 double bending(const AprilGrid& grid, const std::vector<LinePoint>& points, double lambda) {
   std::vector<LineMoments> rows(2 * static_cast<std::size_t>(grid.rows));
   std::vector<LineMoments> columns(2 * static_cast<std::size_t>(grid.cols));
@@ -75,7 +76,7 @@ double bending(const AprilGrid& grid, const std::vector<LinePoint>& points, doub
   Straightness sum;
   for (const LineMoments& line : rows) sum.add(line);
   for (const LineMoments& line : columns) sum.add(line);
-  return sum.along > 0 ? sum.across / sum.along : 0;
+  return sum.along > 0 ? sum.across / sum.along : HUGE_VAL;
 }
 
 }  // namespace
@@ -118,8 +119,9 @@ DivisionDistortion estimateDistortion(const AprilGrid& grid, const std::vector<T
         best = i;
       }
     }
+    if (!(least < HUGE_VAL)) return distortion;
     const double middle = low + best * step;
-    low = middle - step;
+    low = std::max(-0.99 / furthest, middle - step);  // nearer to the pole, but not beyond it
     high = middle + step;
   }
   distortion.lambda = 0.5 * (low + high);

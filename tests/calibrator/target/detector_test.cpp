@@ -164,6 +164,13 @@ TEST(Detector, DropsCornersNearTheEdgeOfTheImageAndKeepsTheRestOfTheTag) {
   EXPECT_TRUE(some_tag_is_cut);
 }
 
+TEST(Detector, DropsTagsWithShorterEdgesThanAskedFor) {
+  const AprilGrid grid;
+  const GrayImage image = renderGrid(grid, lookAt({0.32, 0.32}, 1.0, 0.3, 0.2, 0.1));
+  EXPECT_EQ(AprilGridDetector(grid, {.min_edge_px = 20}).detect(image.view()).tags.size(), 36u);
+  EXPECT_TRUE(AprilGridDetector(grid, {.min_edge_px = 80}).detect(image.view()).tags.empty());
+}
+
 TEST(Detector, ReportsNothingWhereThereIsNoGrid) {
   const AprilGridDetector detector(AprilGrid{});
   for (std::uint32_t seed = 1; seed <= 6; ++seed) {

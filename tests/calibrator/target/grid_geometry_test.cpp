@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The parts of the detector that know the grid but no pixels.
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "calibrator/target/grid_search.h"
@@ -103,6 +106,36 @@ TEST(DivisionDistortion, IsRecoveredFromTheGridsLines) {
     EXPECT_NEAR(estimateDistortion(grid, tags, {752, 480}).lambda, lambda, 2e-3);
   }
   EXPECT_EQ(estimateDistortion(grid, {tagSeenBy(grid, camera, 0)}, {752, 480}).lambda, 0);
+}
+
+// Tags in a diagonal: no two of them share a line.
+TEST(DivisionDistortion, IsNoneWithoutALineOfFourCorners) {
+  const AprilGrid grid;
+  std::vector<TagImage> tags;
+  for (const int id : {0, 7, 14, 21, 28}) tags.push_back(tagSeenBy(grid, straightCamera(), id));
+  EXPECT_EQ(estimateDistortion(grid, tags, {752, 480}).lambda, 0);
+}
+
+// A stereographic fisheye that sees the grid up to 87 degrees off its axis.
+TEST(DivisionDistortion, KeepsItsDomainWithWideFisheyes) {
+  const AprilGrid grid;
+  const Eigen::Vector2d centre(255.5, 255.5);
+  std::vector<TagImage> tags;
+  double furthest = 0;
+  for (int id = 0; id < grid.tagCount(); ++id) {
+    TagImage tag{.id = id};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector2d p =
+          grid.corner(4 * id + static_cast<int>(k)).head<2>() - Eigen::Vector2d(0.2, 0.2);
+      tag.uv[k] = centre + 330 * std::tan(std::atan2(p.norm(), 0.03) / 2) * p.normalized();
+      tag.located[k] = true;
+      furthest = std::max(furthest, (tag.uv[k] - centre).norm());
+    }
+    tags.push_back(tag);
+  }
+  const DivisionDistortion found = estimateDistortion(grid, tags, {512, 512});
+  EXPECT_LT(found.lambda, -1);
+  EXPECT_GT(1 + found.lambda * std::pow(furthest / found.radius, 2), 0);
 }
 
 TEST(LocalMap, IsExactForPerspectiveAlone) {
