@@ -188,7 +188,10 @@ Result<ClockOffset> correlate(const std::vector<CameraRate>& estimate,
   ClockOffset clock;
   clock.offset_s = model.offset_s;
   clock.std_s = offsetStd(rates, model);
-  clock.correlation = alignRates(pairRates(estimate, integral, model.offset_s)).correlation;
+  const RateAlignment at = alignRates(pairRates(estimate, integral, model.offset_s));
+  // Magnitudes lie along x, and a rotation that turns x round means that one falls as the other
+  // grows.
+  clock.correlation = model.turns ? at.correlation : at.R_SC0(0, 0) * at.correlation;
   clock.feature = feature;
   clock.R_MS = model.R;
   clock.rates = rates.size();

@@ -90,6 +90,33 @@ TEST(ClockOffset, InvertedQuaternionsLeaveTheMagnitudes) {
   EXPECT_NEAR(clock->offset_s, 0.25, 2e-3);
 }
 
+/// Turns about x whose rate has the magnitude 1 + slow(t), its sign drawn anew every second.
+Trajectory turning(double swing, double rate_hz, std::uint64_t seed) {
+  Trajectory trajectory;
+  RandomStream random(seed, RandomPurpose::kTrajectory, {});
+  double angle = 0, sign = 1;
+  const int per_second = static_cast<int>(rate_hz);
+  for (int i = 0; i < 60 * per_second; ++i) {
+    if (i % per_second == 0) sign = random.uniform() < 0.5 ? -1 : 1;
+    const double t = i / rate_hz, slow = 0.5 * std::sin(0.9 * t) + 0.3 * std::sin(1.31 * t + 1);
+    const Eigen::Quaterniond q(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()));
+    trajectory.poses.push_back(
+        {1'400'000'000'000'000'000 + toNanoseconds(t), Eigen::Vector3d::Zero(), q});
+    angle += sign * (1 + swing * slow) / rate_hz;
+  }
+  return trajectory;
+}
+
+// Two motions, one fast where the other is slow.
+TEST(ClockOffset, MagnitudesThatFallAsTheOthersGrowAreNoMatch) {
+  const auto clock = found(turning(1, 20, 1), turning(-1, 200, 2));
+  ASSERT_FALSE(clock.ok());
+  EXPECT_EQ(clock.failure().code, FailureCode::kClockRatesDoNotCorrelate);
+  const auto same = found(turning(1, 20, 1), turning(1, 200, 2));
+  ASSERT_TRUE(same.ok());
+  EXPECT_EQ(same->feature, RateFeature::kMagnitudes);
+}
+
 TEST(ClockOffset, OfOneAxisIsFoundToo) {
   const AnalyticTrajectory turn = motion(MotionKind::kSingleAxisRotation);
   const auto clock = found(sampled(turn, ours(3, 1e-3)), sampled(turn, theirs(3, -0.4, 1e-3)));
