@@ -135,12 +135,12 @@ RoomTexture::RoomTexture(const Eigen::Vector3d& room_m, std::uint64_t seed)
 float RoomTexture::at(int side, const Eigen::Vector3f& p) const {
   const GrayImage& image = sides_[static_cast<std::size_t>(side)];
   const auto [a, b] = kAcross[static_cast<std::size_t>(side / 2)];
-  // Just inside the last texel: the ones to its right and below it are read as well.
-  const float u =
-      std::clamp((p[a] + half_[a]) / kTexel, 0.0F, static_cast<float>(image.width() - 1) - 1e-3F);
-  const float v =
-      std::clamp((p[b] + half_[b]) / kTexel, 0.0F, static_cast<float>(image.height() - 1) - 1e-3F);
-  const auto x = static_cast<int>(u), y = static_cast<int>(v);
+  const int last_x = image.width() - 1, last_y = image.height() - 1;
+  const float u = std::clamp((p[a] + half_[a]) / kTexel, 0.0F, static_cast<float>(last_x));
+  const float v = std::clamp((p[b] + half_[b]) / kTexel, 0.0F, static_cast<float>(last_y));
+  // Before the last texel: the ones to its right and below it are read as well.
+  const int x = std::min(static_cast<int>(u), last_x - 1);
+  const int y = std::min(static_cast<int>(v), last_y - 1);
   const float s = u - static_cast<float>(x), t = v - static_cast<float>(y);
   const std::uint8_t* k = image.data() + index(x, y, image.width());
   const std::uint8_t* below = k + image.width();

@@ -33,6 +33,13 @@ struct Scene {
   explicit Scene(const std::string& rig) : flight(flown(rig)) {}
 };
 
+// Beyond 131 m a float has no thousandth of a texel.
+TEST(RoomTexture, OfALongRoomEndsWithItsLastTexel) {
+  const RoomTexture texture({140, 0.1, 0.1}, 1);
+  const Eigen::Vector3f end = texture.half(), past = 2 * end;
+  for (int side = 0; side < 6; ++side) EXPECT_EQ(texture.at(side, end), texture.at(side, past));
+}
+
 float interpolated(const GrayImage& image, const Eigen::Vector2d& uv) {
   const int x = static_cast<int>(uv.x()), y = static_cast<int>(uv.y());
   const double a = uv.x() - x, b = uv.y() - y;
