@@ -138,8 +138,23 @@ void addHint(const Plan& plan, const OdometryRequest& request, OdometryRunRecord
   r.T_SC0_hint_std = Vector6d(hint->std.tail<6>());
 }
 
+/// Of the first `cameras` cameras (0: all), those that the odometry does not use as calibrated.
+void addOwnOffsets(const Calibration& calibration, int cameras, std::vector<std::string>& remarks) {
+  const ImuCalibration& imu = *calibration.imu;
+  for (std::size_t c = 1; c < calibration.cameras.size(); ++c) {
+    if (cameras > 0 && c >= static_cast<std::size_t>(cameras)) break;
+    if (!hasOwnOffset(imu.time_offsets, c)) continue;
+    remarks.push_back(fmt::format(
+        "the calibration's time offset of {} is {:.6f} s more than that of {}; this odometry takes "
+        "all cameras as exposed together",
+        calibration.cameras[c].name, imu.timeOffset(c) - imu.timeOffset(),
+        calibration.cameras[0].name));
+  }
+}
+
 Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const fs::path& out) {
-  const BuiltinRun run = runBuiltin(*plan.sequence, withNoise(plan), request.builtin);
+  const Calibration calibration = withNoise(plan);
+  const BuiltinRun run = runBuiltin(*plan.sequence, calibration, request.builtin);
   Outcome outcome;
   OdometryRunRecord& r = outcome.record;
   r.system = "builtin";
@@ -154,6 +169,7 @@ Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const f
     outcome.remarks.push_back(
         fmt::format("{} images are missing or damaged and were skipped", run.skipped));
   }
+  addOwnOffsets(calibration, request.builtin.cameras, outcome.remarks);
   if (run.result.poses.empty()) {
     outcome.problem = "never initialised: images and IMU did not determine the motion";
     return outcome;
