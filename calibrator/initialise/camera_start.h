@@ -28,9 +28,10 @@ struct LensFit {
 
 /// The intrinsics of `start`'s model that bring the points closest to where they are seen:
 ///   minimise sum |project(k, p_C) - uv|^2 over k,
-/// by Levenberg and Marquardt from `start`, in 200 steps at most. Points that `start` cannot
-/// project at all (behind a pinhole, say) are left out and not counted. Empty where the points
-/// left, two equations each, are too few for the parameters.
+/// by Levenberg and Marquardt from `start`, in 200 steps at most; whether it converged by then is
+/// not told. Points that `start` cannot project at all, and for a pinhole those 88 degrees and more
+/// off its axis, are left out and not counted. Empty where the points left, two equations each, are
+/// too few for the parameters.
 std::optional<LensFit> fitLens(const Intrinsics& start, const std::vector<SeenPoint>& points);
 
 /// A lens of another model without its shape: with the magnification of `lens` at its centre, and

@@ -19,8 +19,8 @@ namespace plumbline {
 
 /// Isolated readings: with d_k the distance of a reading from the cubic through its two neighbours
 /// on either side, |d_k| above 12 times the standard deviation of d around it (robust, from the
-/// median over half a second or more, and not below a third of what the stated density of white
-/// noise gives), while the neighbours agree with each other once the reading is left out. A jump, a
+/// median over 100 to 150 samples, and not below a third of what the stated density of white noise
+/// gives), while the neighbours agree with each other once the reading is left out. A jump, a
 /// knock that lasts, vibration and noise of any size are none. Ascending in time; O(n).
 std::vector<ImuSpike> findSpikes(std::span<const ImuSample> samples, const ImuNoise& noise);
 
