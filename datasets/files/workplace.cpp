@@ -106,7 +106,9 @@ bool isOfThisUser(int file) {
 /// A lock that nobody holds is a dead process's. Workplaces of other users are left alone.
 void removeIfStale(const fs::path& folder) {
   const fs::path path = folder / kLock;
-  const int lock = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  // For writing: on NFS an exclusive lock is one of bytes, which a file that is only read cannot
+  // have.
+  const int lock = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (lock < 0) {
     if (errno == ENOENT) ::rmdir(folder.c_str());  // killed before it had a lock; only if empty
     return;

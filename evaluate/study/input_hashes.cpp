@@ -68,9 +68,10 @@ Stamp stampWithTime(const fs::path& path) {
     const fs::path full = file.empty() ? path : path / file;
     if (::stat(full.c_str(), &status) != 0) throw unreadable(full, "cannot be read");
     const std::int64_t written = nanoseconds(status.st_mtim);
-    stamp.newest_ns = std::max(stamp.newest_ns, written);
-    text += fmt::format("{}\n{} {} {} {}\n", file.string(), status.st_size, written,
-                        nanoseconds(status.st_ctim), status.st_ino);
+    const std::int64_t changed = nanoseconds(status.st_ctim);
+    stamp.newest_ns = std::max({stamp.newest_ns, written, changed});
+    text += fmt::format("{}\n{} {} {} {}\n", file.string(), status.st_size, written, changed,
+                        status.st_ino);
   }
   stamp.hash = contentHash(text);
   return stamp;

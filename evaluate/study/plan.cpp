@@ -88,8 +88,13 @@ std::string commandWith(const std::map<std::string, std::string>& fields,
       at = end;
       continue;
     }
-    if ((c == '"' || c == '\'') && (quote == 0 || quote == c)) quote = quote == 0 ? c : 0;
     text += c;
+    // Within single quotes alone a backslash is one.
+    if (c == '\\' && quote != '\'' && at + 1 < command.size()) {
+      text += command[++at];
+    } else if ((c == '"' || c == '\'') && (quote == 0 || quote == c)) {
+      quote = quote == 0 ? c : 0;
+    }
   }
   return text;
 }

@@ -285,6 +285,8 @@ StepResult runStep(const fs::path& night, const std::string& name, int threads) 
   }
   // Also where an engine has seen to it: a command may be given by hand.
   requireNeeds(night, step);
+  // If this process dies without a result, an older one must not pass for its own.
+  forgetResult(night / name);
   StepResult result = emptyResult(night, step);
   StudyRecord rows;
   StepFolder folder(night / name);

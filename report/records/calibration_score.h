@@ -31,7 +31,8 @@ struct CalibrationScore {
   /// marginalised, the differences between the cameras' own offsets held.
   std::optional<double> camera_imu_entropy_nats;
   std::vector<std::string> camera_imu_entropy_parameters;
-  std::string problem;  ///< why there is no score, or none of camera and IMU; empty if there is
+  std::string
+      problem;  ///< what it lacks, and why: a score, that of camera and IMU, poses that converged
 };
 
 std::string partName(const CalibrationScore& score);  ///< "label/session/part"
@@ -46,7 +47,8 @@ void fields(V& v, CalibrationScore& s) {
   v("part", s.part, "`all`, `fold 2 of 5`");
   v("held_out", s.held_out, "1", "the session is not the one that it was estimated from");
   v.derived("scored", s.problem.empty(), "1", "whether every score could be computed");
-  v.ifSet("problem", s.problem, "why there is no score, or none of camera and IMU");
+  v.ifSet("problem", s.problem,
+          "what it lacks, and why: a score, that of camera and IMU, poses that converged");
   auto reprojection =
       s.reprojection.count > 0 ? std::optional(s.reprojection) : std::optional<ErrorStatistics>();
   v("reprojection", reprojection, "absent where no pose was found");

@@ -277,8 +277,9 @@ TEST(ReplayEvents, TellABatchThatFailedWhereAStageWasEnded) {
   EXPECT_THAT(events[0].text, HasSubstr("the batch over the views kept failed"));
 }
 
-// A stage that is over because no trajectory lowers the error enough does not claim little gain.
-TEST(ReplayEvents, SayWhatAFinishByTheErrorWentBy) {
+// Whether gain or error decided is not in the decision: both are said, and that neither was worth
+// it.
+TEST(ReplayEvents, SayWhatTheBestCandidateOfAFinishWouldHaveDone) {
   ReplayRecord record;
   Decision& d = record.decisions.emplace_back();
   d.stage = GuideStage::kCameraImu;
@@ -291,7 +292,9 @@ TEST(ReplayEvents, SayWhatAFinishByTheErrorWentBy) {
   d.round->best = 0;
   const auto events = html_internal::replayEvents(record);
   ASSERT_EQ(events.size(), 1U);
-  EXPECT_THAT(events[0].text, HasSubstr("would lower the error from 0.300 to 0.290 px"));
+  EXPECT_THAT(events[0].text,
+              HasSubstr("no candidate was worth it; the best would gain 0.721 bits (threshold "
+                        "0.144) and leave an error of 0.290 px"));
 }
 
 TEST(ReplayPage, SaysThatValuesAreOffScaleWhereTheyAre) {

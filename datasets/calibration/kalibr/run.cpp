@@ -189,7 +189,9 @@ std::optional<KalibrCamchain> partnerOf(const KalibrCamchain& chain,
   }
   if (partners.size() == 1) return partners.front();
   if (partners.size() > 1) {
-    run.remarks.push_back("several camchains (" + namesOf(paths) + ") have the intrinsics of " +
+    std::vector<std::string> of_them;
+    for (const KalibrCamchain& partner : partners) of_them.push_back(partner.path);
+    run.remarks.push_back("several camchains (" + namesOf(of_them) + ") have the intrinsics of " +
                           chain.path);
   }
   return std::nullopt;

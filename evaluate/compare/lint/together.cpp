@@ -149,17 +149,18 @@ std::vector<Finding> camerasAndBaselines(Calibrations all, const std::vector<boo
   return found;
 }
 
-// One file's intrinsics are the other's, but its resolution is not; or the reverse.
+// One file's intrinsics are the other's, but its resolution is not; or the reverse. By logarithms,
+// so that it does not matter which file is which.
 bool resolutionContradicts(const Intrinsics& a, const Intrinsics& b, double tolerance) {
   if (!isSameModel(a, b)) return false;
   // fu, fv, pu, pv scale with the image; xi, alpha and beta before them do not.
   const Eigen::Vector4d x = a.projection.tail<4>();
   const Eigen::Vector4d y = b.projection.tail<4>();
-  const double image = static_cast<double>(a.resolution.width) / b.resolution.width;
-  const Eigen::Vector4d ratio = x.cwiseQuotient(y);
+  const double image = std::log(static_cast<double>(a.resolution.width) / b.resolution.width);
+  const Eigen::Array4d ratio = x.cwiseQuotient(y).array().log();
   const double mean = ratio.mean();
-  const bool alike = (ratio.array() - mean).abs().maxCoeff() < tolerance * mean;
-  return alike && std::abs(image / mean - 1) > 0.2;
+  const bool alike = (ratio - mean).abs().maxCoeff() < std::log1p(tolerance);
+  return alike && std::abs(image - mean) > std::log(1.2);
 }
 
 std::vector<Finding> resolutions(Calibrations all, const std::vector<bool>& suspects,
@@ -186,6 +187,7 @@ std::vector<Finding> resolutions(Calibrations all, const std::vector<bool>& susp
     for (std::size_t j = 0; j < all.size() && camera == nullptr; ++j) {
       if (!suspects[j]) camera = cameraOf(all[group[0]], all[j]);
     }
+    if (camera == nullptr) continue;
     const Resolution size = camera->intrinsics.resolution;
     found.push_back(bad(
         "Resolution and principal point",

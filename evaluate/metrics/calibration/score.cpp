@@ -63,6 +63,11 @@ void addEntropy(const Session& session, const ScoreOptions& options, Scored& out
   out.score.entropy_parameters = information->covariance.names;
 }
 
+/// One more thing that a score lacks, behind what is said already.
+void addProblem(const std::string& more, CalibrationScore& score) {
+  if (!more.empty()) score.problem += (score.problem.empty() ? "" : "; ") + more;
+}
+
 /// Camera and IMU, the calibration fixed, and the entropy of T_SC0 and the offset with it.
 void addHeldImu(const Session& session, const Calibration& calibration, const ScoreOptions& options,
                 Scored& out) {
@@ -71,12 +76,12 @@ void addHeldImu(const Session& session, const Calibration& calibration, const Sc
   fixed.score_information_px = options.entropy_under_loss ? fixed.cauchy_px : 0;
   auto imu = scoreCameraImu(session, calibration.cameras, *calibration.imu, fixed);
   if (!imu) {
-    out.score.problem = "camera-IMU: " + problemOf(imu.failure());
+    addProblem("camera-IMU: " + problemOf(imu.failure()), out.score);
     return;
   }
   // Its figures would be those of where it stopped.
   if (!imu->summary.converged) {
-    out.score.problem = "camera-IMU: " + problemOf(notConverged(*imu));
+    addProblem("camera-IMU: " + problemOf(notConverged(*imu)), out.score);
     return;
   }
   addImuStage(*imu, out);
@@ -172,7 +177,7 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
   }
   // Also where the camera-IMU stage failed: then of the cameras alone, and the problem is kept.
   Scored held_out = scoreMatched({scored.label, recalibrated}, fold.held_out, options);
-  if (held_out.score.problem.empty()) held_out.score.problem = out.held_out.score.problem;
+  addProblem(out.held_out.score.problem, held_out.score);
   out.held_out = std::move(held_out);
   return out;
 }

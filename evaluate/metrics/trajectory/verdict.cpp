@@ -130,7 +130,8 @@ std::string manyRuns(const TrajectoryStudy& study) {
     if (!s.calibration.empty()) text += " of " + s.calibration;
     text += s.ate_median_m    ? fmt::format(" {:.3g} m", *s.ate_median_m)
             : s.complete == 0 ? " unknown (no complete run)"
-                              : " unknown (half of the runs or more are not complete)";
+                              : " unknown (half or more of the runs with a ground truth are not "
+                                "complete)";
   }
   for (const PairedDifference& d : study.paired) text += pairedWords(d);
   return text.empty() ? "no run has an error" : text;

@@ -53,14 +53,13 @@ std::string finishedText(const Decision& d) {
   }
   if (d.round && d.round->best >= 0) {
     const auto i = static_cast<std::size_t>(d.round->best);
-    const double best = d.round->mi_nats[i];
-    if (!(best < d.threshold_nats) && d.error_px && i < d.round->error_px.size()) {
-      return text +
-             fmt::format(": the best candidate would lower the error from {:.3f} to {:.3f} px",
-                         *d.error_px, d.round->error_px[i]);
+    // By the gain or by the error, as the criterion was: the decision does not say which.
+    text += fmt::format(
+        ": no candidate was worth it; the best would gain {:.3f} bits (threshold {:.3f})",
+        d.round->mi_nats[i] / std::numbers::ln2, d.threshold_nats / std::numbers::ln2);
+    if (i < d.round->error_px.size() && std::isfinite(d.round->error_px[i])) {
+      text += fmt::format(" and leave an error of {:.3f} px", d.round->error_px[i]);
     }
-    text += fmt::format(": the best candidate would gain {:.3f} bits, less than {:.3f}",
-                        best / std::numbers::ln2, d.threshold_nats / std::numbers::ln2);
   }
   return text;
 }

@@ -26,7 +26,8 @@ std::vector<Card> cardsOf(const StudyRecord& record) {
   std::vector<Card> cards = {
       {"Sessions", std::to_string(record.sessions.size()), "",
        fmt::format("{} calibrated, {} failed", record.sessions.size() - failed, failed)},
-      {"Gave up", std::to_string(gave_up), "", fmt::format("limit {:g} s", record.limit_s)}};
+      {"Sessions given up", std::to_string(gave_up), "",
+       fmt::format("limit {:g} s", record.limit_s)}};
   for (const StudyMethod& m : record.statistics.methods) {
     if (!m.median_held_out_px) continue;
     const auto scored = count(record, [&](const StudySession& s) {

@@ -74,18 +74,21 @@ std::string effectsOf(const CalibrationSensitivity& s) {
   if (largest) {
     const double change_m = *largest->change_m;
     return text + fmt::format(
-                      "{} has the largest effect{}: changed by {} it {} the ATE of {:.2f} mm by {} "
-                      "mm. ",
+                      "{} has the largest effect{}: changed by {}{} it {} the ATE of {:.2f} mm by "
+                      "{} mm{}. ",
                       largest->name, lost.empty() ? "" : " of the others", stepText(*largest),
-                      change_m > 0 ? "raises" : "lowers", 1e3 * s.ate_m,
+                      largest->minus_m ? " either way" : "", change_m > 0 ? "raises" : "lowers",
+                      1e3 * s.ate_m,
                       // Without the sign, which the word has.
-                      millimetres(s, std::abs(change_m)).substr(1));
+                      millimetres(s, std::abs(change_m)).substr(1),
+                      largest->minus_m ? " on average" : "");
   }
   return text + fmt::format("No {}parameter changes the ATE of {:.2f} mm by more than chance. ",
                             lost.empty() ? "" : "other ", 1e3 * s.ate_m);
 }
 
 std::string sentenceOf(const CalibrationSensitivity& s) {
+  if (s.parameters.empty()) return "The run with the calibration as it is failed.";
   std::string text;
   if (s.noise_m) {
     text = effectsOf(s) + fmt::format(

@@ -137,8 +137,8 @@ Table remarksTable(const std::vector<TrajectoryRun>& runs) {
 }
 
 std::string coverageText(const TrajectoryRun& run) {
-  if (run.without_truth) return "no ground truth";
   if (run.status == RunStatus::kFailed) return "failed";
+  if (run.without_truth) return std::string(toString(run.status)) + ", no ground truth";
   return fmt::format("{}, {:.1f} % of the truth's time", toString(run.status), 100 * run.coverage);
 }
 
@@ -174,8 +174,8 @@ Section runsSection(const TrajectoryStudy& study) {
   if (runs.size() > 1) {
     section.blocks.push_back(
         {"Completion",
-         "In the median a run that is not complete counts as larger than any; none where half of "
-         "the runs or more are not.",
+         "In the median a run that is not complete counts as larger than any; none where half or "
+         "more of those with a ground truth are not.",
          completionTable(study),
          {},
          {}});

@@ -144,6 +144,18 @@ TEST(Lint, TheCameraOfAnotherResolutionIsNamed) {
   EXPECT_THAT(found[0].evidence, HasSubstr("of cam1 (960x600 in second.yaml)"));
 }
 
+// Of two ratios near the bound, one within it and its inverse not: the order of files is no matter.
+TEST(Lint, AResolutionIsFoundWhereverItsFileStands) {
+  for (const std::size_t at : {0U, 1U, 2U}) {
+    auto files = goodFiles();
+    files[at].calibration.cameras[0].intrinsics.resolution = {752 * 5 / 4, 480 * 5 / 4};
+    const auto found = lintCalibrations(files);
+    ASSERT_EQ(found.size(), 1U) << at << rulesOf(found);
+    EXPECT_EQ(found[0].rule, "Resolution and principal point");
+    EXPECT_THAT(found[0].evidence, HasSubstr("of cam0 (940x600 in " + files[at].name)) << at;
+  }
+}
+
 TEST(Lint, OfTwoFilesEitherMayBeWrong) {
   for (const LintCase& fault : togetherCases()) {
     if (std::string(fault.rule) == "Impossible lever arm") continue;  // two cannot tell

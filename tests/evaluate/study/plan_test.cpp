@@ -77,6 +77,15 @@ TEST_F(PlanTest, ACommandHasItsPlacesQuotedAndKeepsWhatIsTheShells) {
                 "\" $HOME/${out} '{out}/trajectory.txt'");
 }
 
+TEST_F(PlanTest, EscapedQuotesOfACommandEndNoQuotes) {
+  const std::string command =
+      "sequences: [{name: s, path: eval, truth: target.yaml}]\n"
+      "trajectories: {command: 'bash -c \"vio \\\"{calibration}\\\" {out}\"'}\n";
+  EXPECT_EQ(plan(command).at("sessions/a/estimate_s").words.back(),
+            "bash -c \"vio \\\"{result:sessions/a/calibrate}/calibration.json\\\" "
+            "{out}/trajectory.txt\"");
+}
+
 TEST_F(PlanTest, AChangedRecordingChangesItsSessionAlone) {
   const auto before = plan();
   write("p1_guided/mav0/cam0/corners.csv", "p1_guideD");  // of the same length

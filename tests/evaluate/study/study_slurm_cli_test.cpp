@@ -27,8 +27,12 @@ class StudySlurm : public StudyNights {
 // longer than the polls after which forgotten jobs would count as lost.
 TEST_F(StudySlurm, WhileSlurmDoesNotAnswerItsJobsRunOn) {
   const fs::path night = doneNight();
+  // The program ends what its tools leave behind: sbatch waits until the job is on its own.
+  const std::string begun = (scratch_ / "begun").string();
   tool("sbatch", "for script; do :; done\necho x >>" + (scratch_ / "submitted").string() +
-                     "\nsetsid sh -c \"sleep 4; sh $script\" >/dev/null 2>&1 </dev/null &\necho 7");
+                     "\nsetsid sh -c \"touch " + begun +
+                     "; sleep 4; sh $script\" >/dev/null 2>&1 </dev/null &\nwhile ! test -e " +
+                     begun + "; do sleep 0.05; done\necho 7");
   tool("squeue", "echo 'slurm_load_jobs error: Unable to contact slurm controller'; exit 1");
   const Outcome outcome = slurm(night);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;

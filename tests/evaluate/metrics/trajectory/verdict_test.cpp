@@ -70,7 +70,8 @@ TEST(TrajectoryVerdict, AMedianMayBeUnknownThoughSomeRunsAreComplete) {
   TrajectoryStudy study = studyOf({completeRun("ours", "1"), failed});
   study.summary[0].ate_median_m.reset();
   EXPECT_THAT(trajectoryVerdict(study).headline,
-              HasSubstr("Median ATE of ours unknown (half of the runs or more are not complete)"));
+              HasSubstr("Median ATE of ours unknown (half or more of the runs with a ground truth "
+                        "are not complete)"));
 }
 
 TEST(TrajectoryVerdict, RunsWithoutTruthAreCompleteAndHaveNoError) {
