@@ -301,48 +301,6 @@ void keepOnly(const std::vector<int>& kept, CameraImuProblem& problem,
   solution.weights.resize(problem.links.size());
 }
 
-}  // namespace
-
-FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate& estimate) {
-  constexpr int kDelay = MovedView::kDelay;
-  FrameErrors out;
-  // (free: sum of b' H^-1 b, along: sum of b_d^2 / H_dd.)
-  double squares = 0, corners = 0, free = 0, along = 0, weight = 0, products = 0, before = 0;
-  for (std::size_t i = 0; i < problem.frames.size(); ++i) {
-    Matrix6d H = Matrix6d::Zero();
-    Vector6d b = Vector6d::Zero();
-    double H_d = 0, b_d = 0;
-    for (std::size_t c = 0; c < problem.corners.size(); ++c) {
-      if (problem.frames[i].view[c] < 0) continue;
-      const MovedView view = movedView(problem, estimate, problem.gram, {i, c});
-      H += view.H.topLeftCorner<6, 6>();
-      b += view.b.head<6>();
-      H_d += view.H(kDelay, kDelay);
-      b_d += view.b(kDelay);
-      squares += view.squared_error;
-      const PackedView packed = problem.corners[c].view(problem.frames[i].view[c]);
-      for (int k = 0; k < packed.count; ++k) corners += packed.w[k];
-    }
-    free += b.dot(H.ldlt().solve(b));
-    const double taken = H_d > 0 ? b_d / std::sqrt(H_d) : 0;
-    along += taken * taken;
-    weight += H_d;
-    products += taken * before;
-    before = taken;
-  }
-  const auto n = static_cast<double>(problem.frames.size());
-  if (!(corners > 0 && weight > 0 && along > 0)) return out;
-  out.rmse_px = std::sqrt(squares / corners);
-  out.free_rmse_px = std::sqrt(std::max(0.0, squares - free) / corners);
-  out.along = along / n;
-  out.across = (free - along) / (5 * n);
-  out.neighbours = products / along;
-  out.jitter_s = std::sqrt(std::max(0.0, along - n * out.across) / weight);
-  return out;
-}
-
-namespace {
-
 struct VarianceFit {
   Factors factors;
   Evaluation at;
