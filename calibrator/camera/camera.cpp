@@ -64,6 +64,7 @@ std::optional<Projection> projectWithJacobians(const Intrinsics& camera,
 }
 
 double pixelsPerRadian(const Intrinsics& camera) {
+  // At depth 1 on the axis a step along X is an angle, to first order.
   const auto axis = projectWithJacobians(camera, {0, 0, 1});
   return axis ? axis->J_point(0, 0) : camera.projection.tail<4>()[0];
 }

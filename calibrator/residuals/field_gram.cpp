@@ -83,6 +83,8 @@ FieldGram plainFieldGram(const Intrinsics& camera, const Transform& T_CF, const 
   FieldGram out;
   PlainSum sum(camera, out);
   for (int i = 0; i < view.count; ++i) {
+    // A view's weight multiplies residuals: squares get its square. (Roots of the cells' weights
+    // come in so.)
     const double w2 = view.w[i] * view.w[i];
     if (!(w2 > 0)) continue;
     const Eigen::Vector3d p = T_CF * Eigen::Vector3d(view.x[i], view.y[i], view.z[i]);
@@ -91,6 +93,7 @@ FieldGram plainFieldGram(const Intrinsics& camera, const Transform& T_CF, const 
     const double squared = at ? (at->uv - uv).squaredNorm() : kInvalidSquaredError;
     out.squared_error += w2 * std::min(squared, kInvalidSquaredError);
     if (!(squared < kInvalidSquaredError)) continue;
+    // Re-weighted least squares: rho' of rho(s) = c^2 log(1 + s / c^2), a scalar for both rows.
     const double c2 = options.cauchy_px * options.cauchy_px;
     const double weight = c2 > 0 ? w2 / (1 + squared / c2) : w2;
     const auto f = fieldFunctions(input.box, uv);
@@ -100,6 +103,7 @@ FieldGram plainFieldGram(const Intrinsics& camera, const Transform& T_CF, const 
   out.cost = out.squared_error;
   if (!input.squares) out.b_f.setZero();
   if (R.size() > 0) {
+    // Combined once for the view, not corner by corner: J^T F R, with F R never formed.
     out.H_pose_f = (out.H_pose_f * R).eval();
     out.H_k_f = (out.H_k_f * R).eval();
   }

@@ -52,6 +52,8 @@ ImuResidual imuResidual(const Preintegration& motion, const ImuState& i, const I
   const Eigen::Vector3d dv = j.v_F - i.v_F - g * T;
   const Eigen::Vector3d dp = j.T_FS.t - i.T_FS.t - i.v_F * T - g * (0.5 * T * T);
   // (dv, dp: what the states say of the motion, gravity taken off, in F.)
+  // The whole logarithm: the paper's orientation error, twice the vector part of the quaternion, is
+  // the same up to second order in the angle.
   const Eigen::Vector3d r_R = logSO3(motion.R.transpose() * R_SF * j.T_FS.R);
 
   ImuResidual out;
@@ -86,6 +88,7 @@ ImuResidual imuResidual(const Preintegration& motion, const ImuState& i, const I
   out.J_gravity.setZero();
   out.J_gravity.middleRows<3>(3) = -T * (R_SF * g_basis);
   out.J_gravity.bottomRows<3>() = (-0.5 * T * T) * (R_SF * g_basis);
+  // In closed form, where the paper perturbs the stamps (central differences).
   out.J_offset << -J_left * motion.R_td, -motion.v_td, -motion.p_td;
   return out;
 }
@@ -99,6 +102,7 @@ Vector6d biasWalkResidual(const ImuState& i, const ImuState& j) {
 ImuWeight biasWalkWeight(const ImuNoise& noise, double duration_s) {
   assert(duration_s > 0);
   ImuWeight weight;
+  // A random walk's variance grows with time, density^2 T.
   weight.gyro_walk = 1 / (noise.gyro_random_walk * std::sqrt(duration_s));
   weight.accel_walk = 1 / (noise.accel_random_walk * std::sqrt(duration_s));
   return weight;

@@ -137,6 +137,8 @@ void PackedCorners::place(const AprilGrid& target) {
     Line* line = storage_.data() + kColumns * offset_[i];
     const int* id = ids_.data() + kLanes * offset_[i];
     for (int j = 0; j < kLanes * step; ++j) {
+      // By the edges as they were measured: another board does not change how large the image shows
+      // a tag.
       const double scale = line[j / kLanes + 6 * step].lane[j % kLanes];
       const Eigen::Vector3d p = board.point(id[j], scale);
       for (int axis = 0; axis < 3; ++axis) {
@@ -148,6 +150,7 @@ void PackedCorners::place(const AprilGrid& target) {
 
 void PackedCorners::setWeight(int view, int position, double weight) {
   assert(view >= 0 && view < viewCount() && position >= 0 && position < count_[view]);
+  // The kernels count a weight for its own square (gram_kernel.h), which is true of 0 and 1 alone.
   assert(weight == 0 || weight == 1);
   Line* line = storage_.data() + kColumns * offset_[view] + 5 * lines(count_[view]);
   line[position / kLanes].lane[position % kLanes] = weight;

@@ -10,6 +10,7 @@
 namespace plumbline::plain {
 namespace {
 
+// Of the kernel (gram_kernel.h): poses that a step throws so far off are charged, not projected.
 constexpr double kFarthest = 1e9;  // [m]
 
 /// The loss at one corner: its cost rho(|e|^2), slope rho', and the 2x2 weight of its squares
@@ -45,6 +46,7 @@ struct CornerTerms {
 
   CornerTerms(const CameraValues& lens, const Eigen::Vector3d& p, const Eigen::Vector2d& uv) {
     if (!Model::isProjectable(lens.k.data(), p.x(), p.y(), p.z())) return;
+    // Coordinates that are no numbers fail this too, and are charged.
     if (!(p.squaredNorm() < kFarthest * kFarthest)) return;
     const auto m = Model::image(lens.k.data(), p.x(), p.y(), p.z());
     e << lens.fu * m.x + lens.pu - uv.x(), lens.fv * m.y + lens.pv - uv.y();

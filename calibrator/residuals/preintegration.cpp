@@ -163,8 +163,9 @@ ImuSegment withoutBias(const ImuSegment& s, const ImuBias& bias) {
 }
 
 /// P <- F P F^T + Q over one segment that starts at attitude R (in S_i). With A = -R [a]x the
-/// attitude error enters velocity as A dt and position as A dt^2/2; noise of the segment itself
-/// enters with half of that lever, and white force noise has the position variance q dt^3/3.
+/// attitude error enters velocity as A dt and position as A dt^2/2; noise of the segment's rate,
+/// which builds up along it, enters with half of the first and a third of the second, and white
+/// force noise has the position variance q dt^3/3.
 /// By blocks of 3: F = (dR' 0 0 | A dt, I, 0 | A dt^2/2, I dt, I).
 /// What the segment's own rate noise does to velocity and position is of rank 3 here (G G', so
 /// dt^3 / 4 where white noise has dt^3 / 3): a difference of third order in the sample interval.

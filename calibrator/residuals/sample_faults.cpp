@@ -7,6 +7,7 @@
 namespace plumbline {
 namespace {
 
+// The difference of two neighbours would be their noise more than a slope.
 constexpr std::ptrdiff_t kSlopeReach = 2;  // samples on either side
 
 using Columns = Eigen::Matrix<double, 3, SampleFaults::kCount>;

@@ -75,6 +75,7 @@ using Avx2 = Baseline<Model, kRobust>;
 
 gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
                     const GramOptions& options) {
+  // With a scale of 1e-3 px and more 1 + |e|^2 / c^2 stays below 1e17, as LogSum::add() needs it.
   assert(options.cauchy_px == 0 || options.cauchy_px >= 1e-3);
   assert(options.triggs_clamp >= 0 && options.triggs_clamp <= 2);
   gram::Input in = gram::viewInput(camera, T_CF, view, options);
@@ -132,6 +133,8 @@ InstructionSet bestInstructionSet() {
 
 PoseGram poseGramWith(InstructionSet set, const Intrinsics& camera, const Transform& T_CF,
                       const PackedView& view, const GramOptions& options) {
+  // Before all else: it throws for a wrong number of parameters, which what follows reads
+  // unchecked.
   const AnyCameraModel model = cameraModelOf(camera);
   PoseGram out;
   if (!allFinite(camera, T_CF)) {
