@@ -56,6 +56,7 @@ TargetBasis::TargetBasis(const AprilGrid& grid) {
   const Column q3 = centredUnitRms(Y.square());
   for (int id = 0; id < n; ++id) {
     const int k = id % 4;
+    // Half of the term at either end of an edge, which grows by the whole.
     const double edge_x = k == 1 || k == 2 ? 0.5 : -0.5;
     const double edge_y = k == 2 || k == 3 ? 0.5 : -0.5;
     functions_.push_back({stretch_x[id], stretch_y[id], shear_x[id], shear_y[id], q1[id], q2[id],
@@ -110,6 +111,9 @@ HigherBasis::HigherBasis(const AprilGrid& grid) {
       }
     }
   }
+  // Gram-Schmidt in the order of degrees, so that a function keeps what those before it have not;
+  // twice, which is enough (Parlett, "The Symmetric Eigenvalue Problem", 1980). Columns have the
+  // length sqrt(n), that of unit RMS, hence / n.
   for (int j = 0; j < Q.cols(); ++j) {
     const double before = Q.col(j).norm();
     for (int round = 0; round < 2; ++round) {  // the second for what rounding left

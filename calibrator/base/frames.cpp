@@ -41,6 +41,7 @@ TimeNs constantShift(const std::vector<TimeNs>& stamps, const std::vector<TimeNs
   if (std::min(stamps.size(), reference.size()) < kFewestForConstant) return 0;
   std::vector<TimeNs> differences = nearestDifferences(stamps, reference);
   const TimeNs shift = middleOf(differences);
+  // Pairing bridges it as it is.
   if (std::llabs(shift) <= tolerance) return 0;
   for (TimeNs& d : differences) d = std::llabs(d - shift);
   std::vector<TimeNs> intervals;
@@ -121,6 +122,8 @@ std::vector<Group> groupStamps(const std::vector<Stamp>& stamps, TimeNs toleranc
     groups[i].members = {i};
     group_of[i] = i;
   }
+  // The closest pairs first: a view that stands between two of another camera goes to the nearer
+  // one.
   for (const Join& join : joins) {
     const int a = group_of[join.left];
     const int b = group_of[join.right];
@@ -176,6 +179,7 @@ std::vector<TimeNs> stampShifts(const std::vector<CameraStream>& cameras,
       differences.push_back(cameras[c].views[static_cast<std::size_t>(frame.view[c])].t -
                             cameras[0].views[static_cast<std::size_t>(frame.view[0])].t);
     }
+    // The median: a frame that was paired wrongly does not move it.
     if (!differences.empty()) shifts[c] = middleOf(std::move(differences));
   }
   return shifts;

@@ -21,6 +21,7 @@ double ClusterDegrees::of(const VectorXd& combination) const {
   // W_bc = [b = c] a_b' G_b a_b - a_b' G_b G_c a_c.
   MatrixXd W = -(Ga.transpose() * Ga);
   W.diagonal() += a.cwiseProduct(Ga).colwise().sum();
+  // W is symmetric: tr(W^2) is the sum of the squares of its entries.
   const double trace = W.trace();
   return trace * trace / W.squaredNorm();
 }
