@@ -107,6 +107,8 @@ bool dispatch(InstructionSet set, const AnyCameraModel& model, bool robust, cons
         if constexpr (!kIsVectorised<Model>) {
           return false;
         } else if (set == InstructionSet::kAvx2) {
+          // Without a loss the same columns serve as both factors (gram_kernel.h): a version of its
+          // own.
           robust ? job(Avx2<Model, true>{}) : job(Avx2<Model, false>{});
         } else {
           robust ? job(Baseline<Model, true>{}) : job(Baseline<Model, false>{});

@@ -39,6 +39,8 @@ Eigen::MatrixXd joined(const Eigen::MatrixXd& end, const BlockArrow& chain, std:
   return H.selfadjointView<Eigen::Upper>();
 }
 
+/// The same of the whole cost: the gradients likewise, the earlier cost carried along, and the
+/// noise by the corners' part of the chain.
 QuadraticCost joined(const QuadraticCost& end, const BlockArrow& chain, const BlockArrow& corners,
                      std::size_t i) {
   const int m = chain.border();
@@ -76,6 +78,7 @@ std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, const Bloc
   std::optional<QuadraticCost> end =
       QuadraticCost{firstBlock(chain), Eigen::VectorXd(kState + m), 0, firstBlock(corners)};
   end->b << chain.to_border[0].col(m), chain.border_gradient;
+  // Of (leaving block, next block, border) all but the first 15 stay.
   std::vector<int> keep(static_cast<std::size_t>(kState + m));
   std::iota(keep.begin(), keep.end(), kState);
   for (int i = 0; i < count && end; ++i) {
@@ -105,6 +108,8 @@ void addPrior(const CameraImuPrior& prior, const CameraImuEstimate& estimate,
   constexpr int m = BorderLayout::kFixed;
   const QuadraticCost at = prior.at(estimate);
   BlockArrow& chain = normals.chain;
+  // Its state is the window's first, and its border the chain's: cameras are fixed, so that the
+  // border has nothing beyond BorderLayout::kFixed.
   chain.diagonal[0] += at.H.topLeftCorner<kState, kState>();
   chain.to_border[0].leftCols(m) += at.H.topRightCorner(kState, m);
   chain.to_border[0].col(m) += at.b.head<kState>();

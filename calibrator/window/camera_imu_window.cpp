@@ -118,6 +118,8 @@ WindowEnd CameraImuWindow::addLinked(const WindowFrame& frame) {
   }
   append(frame, predicted(frame));
   packCorners();
+  // By the states as they start, and held while the window is solved: the offset, by which weights
+  // go stale, is held too.
   const auto weights = imuWeights(problem_, estimate_);
   if (!weights) return WindowEnd::kNotSolved;
   weights_ = *weights;
@@ -296,6 +298,7 @@ std::optional<Eigen::MatrixXd> calibrationCovariance(const WindowKnowledge& know
       scale.asDiagonal() *
       factor->llt.solve(Eigen::MatrixXd::Identity(cost->H.rows(), cost->H.rows())) *
       scale.asDiagonal();
+  // H^-1 (v_imu (H - N) + v_corners N) H^-1, N the corners' noise.
   return inverse * (variances.imu * cost->H + (variances.corners - variances.imu) * cost->noise) *
          inverse;
 }

@@ -99,6 +99,7 @@ void CameraWindow::marginaliseOldest() {
 
 void CameraWindow::remove(int frame) {
   assert(frame >= 0 && frame < frameCount());
+  // Views, poses and packed corners share one index, the frame's place in the window.
   for (std::vector<ImageView>& views : views_) views.erase(views.begin() + frame);
   estimate_.T_C0F.erase(estimate_.T_C0F.begin() + frame);
   pack();
