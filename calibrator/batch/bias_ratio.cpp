@@ -13,6 +13,7 @@ constexpr int kPatchTags = 2;                               // along a side
 constexpr int kPatchCorners = 4 * kPatchTags * kPatchTags;  // 16
 constexpr int kPatchFreedom = kPatchCorners - 3;            // per axis: an affine function less
 constexpr double kPoseFreedom = 6;                          // of each frame, over its cameras
+// Fewer leave the ratio a half by chance (2 / sqrt(patches)).
 constexpr int kFewestPatches = 20;
 
 using PatchErrors = Eigen::Matrix<double, kPatchCorners, 2>;
@@ -77,6 +78,7 @@ class ViewPatches {
   void finish(Sums& sums) {
     for (Patch& patch : patches_) {
       if (patch.count == kPatchCorners) {
+        // |E|^2 - |A' E|^2, A the orthonormal basis: what the affine functions leave.
         sums.scatter +=
             patch.errors.squaredNorm() - (basis_.transpose() * patch.errors).squaredNorm();
         ++sums.patches;
@@ -97,6 +99,7 @@ class ViewPatches {
 
 BiasRatio ratioOf(const Sums& sums, double pose_freedom) {
   BiasRatio out;
+  // The cameras' own parameters are not taken off: some dozen, of thousands of corners.
   const double error = sums.error / std::max(1.0, sums.axes - pose_freedom);
   out.error_px = std::sqrt(error);
   if (sums.patches < kFewestPatches) return out;

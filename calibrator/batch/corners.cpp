@@ -26,6 +26,8 @@ std::vector<Eigen::Vector2d> viewErrorsAs(Model, const Intrinsics& camera, const
   for (int i = 0; i < view.count; ++i) {
     const Eigen::Vector3d p = T_CF * Eigen::Vector3d(view.x[i], view.y[i], view.z[i]);
     Eigen::Vector2d& e = errors[static_cast<std::size_t>(i)];
+    // The kernels' rule (view_gram.h): beyond the fold of the distortion a corner has its error,
+    // unlike in project().
     if (!Model::isProjectable(k, p.x(), p.y(), p.z())) {
       e << kFarOff, 0;
       continue;

@@ -105,6 +105,7 @@ Eigen::Matrix3d bodyRotation(std::span<const HandEyePair> pairs) {
   // Near half a turn noise decides which way round the rotation vector points.
   constexpr double kAmbiguous = 170 / kDegrees;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  // Neighbours have hardly turned: the noise of both poses would outweigh it.
   const std::size_t step = pairs.size() / 50 + 1;
   for (std::size_t i = 0; i + step < pairs.size(); ++i) {
     const HandEyePair& a = pairs[i];
@@ -228,6 +229,8 @@ HandEyeResidual handEyeResidual(const HandEyePair& pair, const HandEyeState& sta
   HandEyeResidual out;
   out.r << P.t - pair.T_VM.t - state.offset_s * pair.v_V, angle;
   const Eigen::Matrix3d Jl = inverseLeftJacobianSO3(angle);
+  // P.R = R_VS R_SM: a turn a of R_SM, on its left, is R_VS a on the left of P.R. One of R_VW, x,
+  // turns what R_VW carries over, without t_VW: -[R_VW t_WM]x.
   out.J_SM.topLeftCorner<3, 3>() = R_VS;
   out.J_SM.bottomRightCorner<3, 3>() = Jl * R_VS;
   out.J_VW.topLeftCorner<3, 3>().setIdentity();

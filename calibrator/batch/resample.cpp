@@ -34,6 +34,7 @@ std::vector<FrameSegment> drawSegments(int frame_count, const ResampleOptions& o
   if (count <= 0) return segments;
   std::vector<int> drawn(static_cast<std::size_t>(count), 0);
   std::mt19937_64 random = randomOf(options.seed, draw);
+  // A bootstrap of blocks that do not overlap (Carlstein 1986), of about equal length.
   // As many draws as segments, with replacement. A segment that is drawn k times counts k times: it
   // enters once with weight k, which costs no more than once.
   for (int i = 0; i < count; ++i) ++drawn[random() % drawn.size()];

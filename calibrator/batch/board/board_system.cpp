@@ -39,6 +39,7 @@ std::optional<BoardNormals> boardNormals(const CameraProblem& problem,
   with_cameras << joint.S_gg.topRightCorner(cameras, kTargetTerms), joint.S_gh.topRows(cameras);
   const Eigen::LLT<Eigen::MatrixXd> llt(joint.S_gg.topLeftCorner(cameras, cameras));
   if (llt.info() != Eigen::Success) return std::nullopt;
+  // S - S_bc S_cc^-1 S_cb and s - S_bc S_cc^-1 s_c, as products that are symmetric.
   const Eigen::MatrixXd W = llt.matrixL().solve(with_cameras);
   const Eigen::VectorXd w = llt.matrixL().solve(joint.s_g.head(cameras));
   BoardNormals out{S - W.transpose() * W, s - W.transpose() * w,
@@ -64,6 +65,7 @@ Eigen::VectorXd stretchOf(const CameraStageResult& stage, double ratio) {
 /// S = V L V^T, so that A = L^1/2 V^T; what rounding leaves of a null space is left out. The
 /// solution of S (x - at) = -s keeps its place when the columns are stretched about it.
 BoardSystem whitened(const BoardNormals& normals, double ratio, const Eigen::VectorXd& stretch) {
+  // All unknowns are displacements in metres, so that eigenvalues compare.
   constexpr double kRounding = 1e-12;  // of the largest eigenvalue
   const SymmetricEigen eigen = symmetricEigen(normals.S);
   const double least = kRounding * eigen.values[kBoardUnknowns - 1];
@@ -88,12 +90,14 @@ std::optional<BoardSystem> boardSystem(const Session& session, const CameraStage
   const std::vector<PackedCorners> corners = usedCorners(session, stage.frames, stage.residuals);
   CameraProblem problem = problemOf(corners, stage.frames, options);
   AprilGrid board = session.target;
+  // About the even grid: the twelve terms are the estimate's, the higher ones zero.
   board.shape = {};
   problem.target = std::make_shared<TargetModel>(board);
   CameraEstimate estimate = estimateOf(stage.cameras, stage.T_FC0);
   estimate.target = stage.target_fit->shape.terms;
   const auto normals = boardNormals(problem, estimate);
   if (!normals) return std::nullopt;
+  // RMSE is of |e|: per axis it is less by sqrt(2).
   const double noise_px =
       std::max(stage.summary.reprojection.rmse_px / std::sqrt(2), kLeastNoisePx);
   const double ratio = std::pow(noise_px / options.pixel_sigma, 2);

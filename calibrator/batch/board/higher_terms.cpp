@@ -101,14 +101,19 @@ CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
     const JointSystem joint = jointSystem(problem, solution.estimate, steps.detail);
     const auto covariance = covarianceOf(joint.S_gg);
     if (!covariance) break;
+    // One Newton step of the higher terms with everything else following, H = S_hh - S_hg S_gg^-1
+    // S_gh; then the batch solves for everything else with them held.
     const Eigen::MatrixXd K = *covariance * joint.S_gh;
     const Eigen::MatrixXd H = joint.S_hh - joint.S_gh.transpose() * K;
     // K^T s_g: a rough solver stops before the minimum of cameras and terms.
     const Eigen::VectorXd g = joint.scores.rowwise().sum() - K.transpose() * joint.s_g;
     const double noise = std::max(noiseRatio(problem, solution.estimate), least);
+    // H at - g: the cost about zero, not about where the terms stand, for the prior is about its
+    // own mean.
     const HigherPosterior found =
         higherPosterior(H, H * at - g, {noise, problem.target->higher, space ? space->plane() : 0});
     const double step = (found.mean - at).cwiseQuotient(found.std).cwiseAbs().maxCoeff();
+    // The first step is taken however short it is: with it the board gets its prior.
     if (round > 0 && step < kSettled) break;
     at = found.mean;
     auto model = std::make_shared<TargetModel>(*problem.target);

@@ -140,6 +140,7 @@ ViewShare addHigherView(const HigherBoard& board, const Intrinsics& lens, const 
     const auto& phi = board.higher.functions(id);
     const Eigen::Matrix<double, 2, 3> weighted = frame_weight * rows->weight * rows->J_F;
     const Eigen::Matrix3d M = rows->J_F.transpose() * weighted;
+    // A corner has the same functions in all views: their products are taken once, of these sums.
     sums.M[static_cast<std::size_t>(id)] += M;
     sums.M_edge[static_cast<std::size_t>(id)] += view.edge[k] * M;
     columns.add(Eigen::Matrix<double, 6, 3>(rows->J_pose.transpose() * weighted), id, phi, out.P);
@@ -212,6 +213,7 @@ void placeSums(const HigherSums& sums, const CameraEstimate& estimate, const Cam
     const auto& phi = board.higher.functions(id);
     const Eigen::Matrix<double, 3, kTargetTerms> B = board.basis.columns(id);
     Eigen::Matrix<double, kTargetTerms, 3> BtM = B.transpose() * sums.M[i];
+    // tag_edge alone has another column in every view, by the size at which it shows the tag.
     BtM.row(kTargetTerms - 1) = B.col(kTargetTerms - 1).transpose() * sums.M_edge[i];
     board.columns.add(BtM, id, phi, terms);
     Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(3, board.columns.size);  // of the displacement
@@ -278,6 +280,7 @@ JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& esti
       const int i = first + k;
       const auto f = static_cast<std::size_t>(i);
       const PoseElimination R(normals.H[f]);
+      // S = G - P^T H^-1 P by W = R P, R^T R = H^-1.
       W_g.middleRows<6>(6 * k) = R * normals.P.middleRows<6>(6 * i);
       W_h.middleRows<6>(6 * k) = R * higher.P[f];
       w.segment<6>(6 * k) = R * normals.b_pose.segment<6>(6 * i);

@@ -79,6 +79,7 @@ struct JointSolution {
 
 /// A E = Q R: x = E R^-1 Q^T b, and its covariance E R^-1 R^-T E^T. The prior keeps R regular.
 JointSolution solved(const StackedSystem& system) {
+  // Of the rows themselves: their normal equations would have the square of the condition.
   const Eigen::SPQR<Sparse> qr(system.A);
   const auto n = system.A.cols();
   const Eigen::MatrixXd R = Eigen::MatrixXd(qr.matrixR()).topRows(n);

@@ -78,6 +78,7 @@ bool describe(const Solved& own, TargetFit& fit) {
   fit.shape.higher = model.grid.shape.higher;
   fit.shape.corners = model.grid.shape.corners;
   if (fit.shape.corners) {
+    // The prior's: information = noise / variance and scatter = noise information (HigherPrior).
     const auto std = [&](Eigen::Index j) {
       return std::sqrt(model.higher->scatter[j]) / model.higher->information[j];
     };
@@ -194,6 +195,7 @@ HigherPrior knownHigher(const TargetShape& shape, double noise) {
 void freeTarget(const Session& session, const CameraStageResult& earlier,
                 const CameraStageOptions& options, CameraProblem& problem,
                 CameraEstimate& estimate) {
+  // It took the board as the session has it: nothing was freed.
   if (earlier.target.terms == session.target.shape.terms) return;
   CameraEstimate placed = estimate;
   placed.target = earlier.target.terms;
