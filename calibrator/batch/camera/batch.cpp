@@ -159,6 +159,7 @@ CameraSolution solveFromAfar(const AprilGrid& target, std::vector<PackedCorners>
   const double wide_px = kWideLoss * start.intrinsics[0].resolution.width;
   problem.gram.cauchy_px = std::max(wide_px, options.cauchy_px);
   CameraSolution wide{start, {}, false, 0};
+  // A squared error without corners to be spared is solved for at once.
   if (options.cauchy_px > 0 || !near_grazing.empty()) {
     wide = solveWithoutBareFrames(problem, start, rough);
   }

@@ -89,6 +89,7 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, BoardD
   HeldOut out;
   out.cost.resize(blocks.size());
   std::vector<PackedCorners> placed;
+  // Every other block, so that both halves span the recording.
   for (std::size_t parity = 0; parity < 2; ++parity) {
     std::vector<int> seen;
     for (std::size_t b = parity; b < blocks.size(); b += 2) {

@@ -28,6 +28,7 @@ std::vector<CameraDerivatives> derivativesOf(const CameraEstimate& estimate) {
     CameraDerivatives d;
     d.T_CiC0 = T_C0Ci.inverse();
     d.A_pose = adjoint(d.T_CiC0);
+    // Both adjoint and tangent have a lever arm (tangent.h), and of T_C0Ci itself they cancel.
     d.A = -d.T_CiC0.R;
     all.push_back(d);
   }
@@ -106,6 +107,8 @@ class PlacedTarget {
       const auto& row = rows_[static_cast<std::size_t>(view.id[j])];
       for (std::size_t i = 0; i < kColumns; ++i) columns[i * n + j] = row[i];
       for (std::size_t axis = 0; axis < 2; ++axis) {
+        // The function at the size at which this view shows the tag: tag_edge's column, and times
+        // the term what it moves the corner by.
         double& edge = columns[(3 + TargetBasis::kEdgeX + axis) * n + j];
         edge *= view.edge[j];
         columns[axis * n + j] += tag_edge_ * edge;

@@ -14,6 +14,7 @@
 namespace plumbline {
 namespace {
 
+// A weak direction, not only a free one, then explains why the solver has not converged.
 constexpr double kTrustUnconverged = 1e-2;   // of the information: ten times the uncertainty
 constexpr double kWorthlessFocal = 0.2;      // share of the focal length
 constexpr double kWorthlessPrincipal = 0.2;  // share of the image's width
@@ -216,6 +217,7 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   const double trust = solution.converged ? 1 : kTrustUnconverged;
   Eigen::MatrixXd information = trust * reducedInformation(solution.normals);
   const auto share = higherShare(problem, solution.estimate);
+  // Higher terms are unknown as well, though the batch held them.
   if (share) information = share->marginalised(information);
   if (solution.estimate.target) result.target.covariance = targetCovariance(information);
   const auto failure = addCovariance(

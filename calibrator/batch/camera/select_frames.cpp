@@ -51,6 +51,7 @@ std::vector<int> fittingFrames(const std::vector<ViewTerms>& terms) {
   }
   std::vector<int> fitting;
   if (rmse.empty()) return fitting;
+  // Of errors without the loss, in which gross ones show.
   const double most = kWorstView * median(rmse);
   for (std::size_t i = 0; i < terms.size(); ++i) {
     if (terms[i].corners == 0) continue;
@@ -66,6 +67,7 @@ int takeBest(const PredictedError& error, const std::vector<ViewTerms>& terms,
   auto best = left.begin();
   double least = std::numeric_limits<double>::infinity();
   for (auto i = left.begin(); i != left.end(); ++i) {
+    // A value that is no number never counts as less: such a view is taken last.
     const double E = error.valueWith(terms[static_cast<std::size_t>(*i)]);
     if (E < least) best = i;
     least = std::min(least, E);

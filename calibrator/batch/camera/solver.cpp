@@ -53,6 +53,8 @@ class StepSolver {
     const Eigen::LLT<Eigen::MatrixXd> llt(S);
     if (llt.info() != Eigen::Success) return std::nullopt;
     Step step;
+    // S x = -s, S = G - P^T H^-1 P and s = b - P^T H^-1 b_f; then H x_f = -(b_f + P x) of every
+    // frame, by L^-1 P and L^-1 b_f.
     step.cameras = -llt.solve(s);
     step.poses = -(y_ + W_ * step.cameras);
     for (int f = 0; f < frames; ++f) {

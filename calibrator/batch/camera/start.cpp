@@ -85,6 +85,7 @@ MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
   const double width = plain.resolution.width;
   problem.gram.cauchy_px = kStartLoss * width;
   for (const int v : views) {
+    // A few steps each: the lens is not right yet, and the solution below moves poses and lens.
     const auto pose = findPose({{&plain, corners.view(v), Transform()}}, kPlainPose * width,
                                roughPose(plain.resolution, 3));
     if (!pose || pose->errorPx() > kPlainPose * width) continue;
