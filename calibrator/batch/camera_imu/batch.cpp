@@ -274,6 +274,7 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   seconds.covariance = watch.lap();
   result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
   result.value().faults = std::move(faults);
+  // Last: the check takes problem and solution over.
   if (options.noise_check) {
     result.value().frame_errors = frameErrors(problem, solution.estimate);
     result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));

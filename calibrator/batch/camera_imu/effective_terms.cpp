@@ -237,6 +237,7 @@ FaultColumns::FaultColumns(const CameraImuEstimate& estimate, bool free_cameras)
     at += count;
     return first;
   };
+  // First what links touch, so that their J_B need not be wider; then what views alone show.
   samples = take(SampleFaults::kCount);
   drift = take(1);
   sway = take(6);

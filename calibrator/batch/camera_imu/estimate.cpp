@@ -23,6 +23,7 @@ Reading readingAt(const std::vector<ImuSample>& samples, TimeNs frame, double af
   next = std::clamp(next, samples.begin() + 1, samples.end() - 1);
   const ImuSample& a = *(next - 1);
   const double interval = secondsBetween(a.t, next->t);
+  // The rounded stamp chooses the interval alone; the place in it is exact.
   const double s = secondsBetween(a.t, frame) + after_frame_s;
   Reading r;
   r.gyro_slope = (next->gyro - a.gyro) / interval;

@@ -27,6 +27,7 @@ FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate
       const PackedView packed = problem.corners[c].view(problem.frames[i].view[c]);
       for (int k = 0; k < packed.count; ++k) corners += packed.w[k];
     }
+    // Twice what the cost falls by with the pose free, and below with its stamp alone free.
     free += b.dot(H.ldlt().solve(b));
     const double taken = H_d > 0 ? b_d / std::sqrt(H_d) : 0;
     along += taken * taken;
@@ -39,8 +40,10 @@ FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate
   out.rmse_px = std::sqrt(squares / corners);
   out.free_rmse_px = std::sqrt(std::max(0.0, squares - free) / corners);
   out.along = along / n;
+  // What noise takes along any one direction.
   out.across = (free - along) / (5 * n);
   out.neighbours = products / along;
+  // A shift of d seconds takes H_dd d^2 beyond that.
   out.jitter_s = std::sqrt(std::max(0.0, along - n * out.across) / weight);
   return out;
 }

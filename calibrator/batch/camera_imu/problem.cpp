@@ -274,6 +274,7 @@ class Linearisation {
     // Columns: state i (15), state j without biases (9), gravity (2), offset (1), residual (1).
     RowMatrix J(9, 28);
     J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;
+    // A link counts as often as its earlier frame.
     J *= std::sqrt(problem_.weights[at]);
     RowMatrix G = RowMatrix::Zero(28, 28);
     addGram(product(weights_[at].sqrt_information, J), 0, G);

@@ -109,6 +109,7 @@ struct Loose {
   Eigen::Vector3d axis;
   double deviation = 0;
 };
+/// Not axis by axis: what a turn about one axis leaves free seldom lies along x, y or z.
 std::optional<Loose> looseDirection(const Eigen::Matrix3d& covariance, double limit) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
   const double deviation = std::sqrt(std::max(0.0, eigen.eigenvalues()(2)));
@@ -248,7 +249,8 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
     return Failure{FailureCode::kMotionInformationSingular};
   }
   Eigen::MatrixXd full = borderCovariance(chain->border_information);
-  // Sandwich: the gradient by t_d varies by more than the information says.
+  // Sandwich: the gradient by t_d varies by more than the information says, by the variance n.
+  // H^-1 (H + n e e^T) H^-1 = H^-1 + n h h^T, e the offset's unit vector and h its column of H^-1.
   const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
   full += normals->offset_noise * offset * offset.transpose();
   ParameterCovariance out = parameterCovariance(list.parameters, listedCovariance(list, full));
@@ -291,6 +293,7 @@ std::optional<ImuStateCovariances> stateCovariances(const CameraImuProblem& prob
   out.states = std::move(S.diagonal);
   for (std::size_t i = 0; i < out.states.size(); ++i) {
     const Eigen::Matrix<double, kChainBlock, 1> offset = S.to_border[i].col(kOffset);
+    // The sandwich of cameraImuCovariance(), of the state's rows of H^-1.
     out.states[i] += normals->offset_noise * offset * offset.transpose();
   }
   const Eigen::Vector2d offset = S.border.block<2, 1>(kGravity, kOffset);

@@ -15,6 +15,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// Whatever the units: below 1e-30 on the diagonal stands nothing, and a share of 1e-12 keeps
+/// columns finite that say the same.
 MatrixXd inverseOf(const MatrixXd& A) { return finiteInverse(A, 1e-30, 1e-12); }
 
 template <class Entry>
@@ -83,6 +85,7 @@ MatrixXd Scores::information(const Terms& a, const Terms& b, std::size_t block) 
 }
 
 double significanceOf(double chi2, int dof) {
+  // cbrt(chi2 / dof) is nearly normal, with mean 1 - v and variance v.
   const double v = 2.0 / (9.0 * dof);
   return (std::cbrt(chi2 / dof) - (1 - v)) / std::sqrt(v);
 }
@@ -98,6 +101,7 @@ ScoreTests::ScoreTests(const Scores& scores, Terms model)
     V += s * s.transpose();
   }
   const auto n = static_cast<double>(scores.count());
+  // At the estimate all scores add up to zero: one of them follows from the others.
   robust_variance_ = n / (n - 1) * (S_ * V * S_).diagonal();
 }
 
@@ -155,6 +159,7 @@ FaultTest ScoreTests::test(const Terms& fault) const {
   FaultTest out;
   out.dof = static_cast<int>(fault.size());
   out.estimate = -A_inverse * s;
+  // Sandwich: A^-1 V A^-1, V the scatter of the blocks' scores where white noise has A.
   const MatrixXd C = A_inverse * scatter(fault, P, out.estimate) * A_inverse;
   out.std = C.diagonal().cwiseSqrt();
   const double explained = s.dot(A_inverse * s);

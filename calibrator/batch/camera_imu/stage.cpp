@@ -104,6 +104,8 @@ CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& opt
     for (const ImageView& view : camera.views) stamps.push_back(view.t);
   }
   problem.noise = options.noise.value_or(session.imu->noise);
+  // Before the shift: spikes are told by the stamps of the recording. `recorded` keeps what is cut
+  // off, by which its own pauses are told from those made here.
   problem.spikes = findSpikes(session.imu->samples, problem.noise);
   problem.recorded =
       shiftedSamples(withoutSpikes(session.imu->samples, problem.spikes), options.imu_shift_ns);
@@ -131,6 +133,7 @@ SolvedCameraImu solvedBatch(const Session& session, const CameraImuStageResult& 
   CameraImuProblem& problem = solved.problem;
   std::vector<TimeNs> stamps;
   for (const Frame& frame : result.frames) stamps.push_back(frame.t);
+  // Results do not keep their links: they are found again, by the same rule.
   const auto selection =
       selectFrames(stamps, problem.samples, imuGaps(problem.samples, options.max_gap_intervals),
                    selectionOptions(options, solved.estimate.timeOffset()));
@@ -174,6 +177,7 @@ Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
                                          const CameraImuSolution& solution, const Session& session,
                                          const CameraImuOptions& options) {
   if (solution.end == MinimiserEnd::kLeftDomain) return Failure{FailureCode::kOffsetLeftSamples};
+  // A solver that ran out of steps is told of (summary.converged), not refused.
   auto covariance = cameraImuCovariance(problem, solution, options);
   if (!covariance) return covariance.failure();
   CameraImuStageResult result = estimates(problem, solution);

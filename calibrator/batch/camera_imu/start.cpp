@@ -53,6 +53,7 @@ Eigen::Vector3d downFromMeanForce(std::span<const CameraPose> poses,
     const auto next = std::lower_bound(samples.begin(), samples.end(), t,
                                        [](const ImuSample& s, TimeNs at) { return s.t < at; });
     if (next == samples.end()) continue;
+    // From S to C0 to F.
     sum += pose.T_FC0.R * (start.T_SC0.R.transpose() * next->accel);
   }
   return sum.norm() > 0 ? Eigen::Vector3d(-sum.normalized()) : start.gravity_direction;
@@ -160,6 +161,7 @@ class FramePoses {
     const Eigen::LDLT<Matrix6d> ldlt(found.information);
     if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return;
     const Matrix6d covariance = sigma * sigma * ldlt.solve(Matrix6d::Identity());
+    // The mean over the axes: the alignment weighs a pose by one number each.
     pose.position_variance = covariance.topLeftCorner<3, 3>().trace() / 3;
     pose.rotation_variance = covariance.bottomRightCorner<3, 3>().trace() / 3;
   }
