@@ -143,6 +143,7 @@ std::optional<HalvesCheck> checkCameraHalves(const Session& session, const Camer
   check.split = whole.frames[static_cast<std::size_t>(segments[1].first)].t;
   for (Place& place : placesOf(whole, CameraLayout(first->estimate))) {
     const auto n = static_cast<Eigen::Index>(place.parameters.size());
+    // Halves share no measurement: the covariance of their difference is the sum.
     const auto part = [&](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
       return Eigen::MatrixXd(a.block(place.first, place.first, n, n) +
                              b.block(place.first, place.first, n, n));

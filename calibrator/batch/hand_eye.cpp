@@ -180,6 +180,7 @@ Eigen::MatrixXd covarianceOf(std::span<const HandEyePair> pairs, const HandEyeSt
   const Normals at = normalsAt(pairs, state, noise, with_offset);
   const auto n = at.H.rows();
   const double freedom = 6 * static_cast<double>(pairs.size()) - static_cast<double>(n);
+  // Chi-square over its degrees of freedom makes up for a stated noise that does not fit.
   return at.H.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) * (2 * at.cost / freedom);
 }
 

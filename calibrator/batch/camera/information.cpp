@@ -49,6 +49,7 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
   problem.corners = corners;
   problem.frames = at.frames;
   problem.pixel_sigma = options.pixel_sigma;
+  // Re-weighted squares: with the loss' second derivative information might be negative.
   problem.gram = {options.cauchy_px, 0};
   problem.threads = options.threads;
   const CameraEstimate estimate = estimateOf(at.cameras, at.T_FC0);

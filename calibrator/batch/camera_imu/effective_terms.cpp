@@ -196,6 +196,8 @@ class LinkRows {
     // Minus, as the motion stands in the residual with a minus.
     J_B.middleCols<SampleFaults::kCount>(columns_.samples) = -W * *faults;
     // About the middle, so that drift and offset do not stand for each other.
+    // Both ends of a window move alike: that it also gets longer, by the drift's own share (1e-4 or
+    // so) of the motion, is left out.
     J_B.col(columns_.drift) = secondsBetween(middle_, window.from) * J_B.col(BorderLayout::kOffset);
     addSway(k, out);
     return true;

@@ -57,6 +57,7 @@ std::vector<Candidate> biasJumps(const FaultColumns& columns, const EffectiveSco
 
 /// Faults of the stamps.
 std::vector<Candidate> clockFaults(const FaultColumns& columns) {
+  // An offset of its own in each eighth of the recording.
   constexpr int kChanges = 7;
   return {
       {.fault = UnmodelledFault::kClockDrift, .columns = {columns.drift}},
