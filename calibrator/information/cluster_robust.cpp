@@ -56,6 +56,8 @@ double correlationLength(const MatrixXd& scores, const MatrixXd& covariance) {
   const MatrixXd white = half * scores;
   const double power = white.squaredNorm();
   if (!(power > 0)) return 1;
+  // The integrated autocorrelation: the mean of N such pieces varies as that of N / length
+  // independent ones.
   double length = 1;
   const Index pieces = white.cols();
   for (Index k = 1; k <= pieces / kLeastBlocks; ++k) {
@@ -75,6 +77,8 @@ int blocksOf(int pieces, double correlation_length) {
 
 double shareWithin(double pieces, double correlation_length) {
   if (!(correlation_length > 1)) return 1;
+  // rho(k) = exp(-k / tau) has the length 2 tau. The double integral of rho over a block of n
+  // pieces is the variance of their sum, n length (1 - (1 - exp(-x)) / x) with x = n / tau.
   const double x = 2 * pieces / correlation_length;
   return 1 - (1 - std::exp(-x)) / x;
 }

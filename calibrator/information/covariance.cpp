@@ -49,7 +49,9 @@ std::optional<Eigen::MatrixXd> covarianceOf(const Eigen::MatrixXd& information) 
   if (!f) return std::nullopt;
   const Eigen::Index n = information.rows();
   const Eigen::VectorXd inverse = f->D.cwiseInverse();
-  // L^-1 first: its product with its transpose is symmetric to the last bit.
+  // L^-1 first: its product with its transpose has no negative eigenvalue but for rounding. The
+  // mean with the transpose, below, makes it symmetric to the last bit, in whatever order the
+  // product sums.
   Eigen::MatrixXd L_inverse = Eigen::MatrixXd::Identity(n, n);
   f->llt.matrixL().solveInPlace(L_inverse);
   const Eigen::MatrixXd scaled = L_inverse * inverse.asDiagonal();
@@ -72,6 +74,8 @@ std::optional<double> entropyNatsOfCovariance(const Eigen::MatrixXd& covariance)
 
 std::optional<double> mutualInformationNats(const Eigen::MatrixXd& before,
                                             const Eigen::MatrixXd& after) {
+  // 0.5 log(|Sigma| / |Sigma given z|), the paper's mutual information (after Maye et al., IV
+  // 2013), by the determinants of the inverses: no matrix is inverted.
   const auto log_before = logDeterminant(before);
   const auto log_after = logDeterminant(after);
   if (!log_before || !log_after) return std::nullopt;

@@ -132,17 +132,23 @@ ErrorComponents errorComponents(std::span<const ViewTerms> views) {
   if (!(sum.D_squared > 0)) return out;
   sum.H += 1e-9 * MatrixXd(sum.H.diagonal().asDiagonal()) / sum.corners;
   const auto L = lowerFactor(sum.H);
+  // C^T H^-1 C is what the parameters take of a common field. Where H is singular they are taken to
+  // have had nothing of it.
   MatrixXd M = sum.D;
   if (L) {
     const MatrixXd W = L->triangularView<Eigen::Lower>().solve(sum.C);
     M -= W.transpose() * W;
   }
+  // s_v = F^T e of a field c and noise: E |s_v|^2 = sigma^2 tr D_v + (tau^2 + b^2) |D_v|^2, c being
+  // random with equal variances of its functions.
   const double t = std::max(0.0, (sum.s_squared - out.sigma2 * sum.D_trace) / sum.D_squared);
   const double M_squared = M.squaredNorm();
   if (M_squared <= kTellsApart * sum.D_squared) {
     out.b2 = 0.5 * t;
   } else {
     out.told_apart = true;
+    // At the optimum the parameters have taken their part of a common c, and sum s_v = M c: E |sum
+    // s_v|^2 = sigma^2 tr M + b^2 |M|^2 + tau^2 sum |D_v|^2, tau^2 = t - b^2.
     const double common = sum.s.squaredNorm() - out.sigma2 * std::max(0.0, M.trace());
     const double b2 = (common - t * sum.D_squared) / (M_squared - sum.D_squared);
     out.b2 = std::clamp(b2, 0.0, t);
@@ -192,6 +198,7 @@ double PredictedError::valueWith(const ViewTerms& view) const {
 }
 
 double PredictedError::evaluate(const MatrixXd& H, const MatrixXd* C_v) const {
+  // Without b the kernel makes nothing of C, without tau nothing of Q: then they are not copied.
   const MatrixXd* C = &C_;
   const MatrixXd* Q = &Q_;
   MatrixXd C_all, Q_all;

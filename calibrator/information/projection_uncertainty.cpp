@@ -16,6 +16,8 @@ namespace {
 
 using Rows6 = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
+/// Each frame's pose answers to the parameters by itself, -H_f^-1 P_f; the noises are independent,
+/// so that their mean has a frame's covariance over the number of frames.
 std::optional<ImpliedShift> meanFrames(const std::vector<Matrix6d>& H, const Eigen::MatrixXd& P) {
   ImpliedShift shift;
   shift.A = Rows6::Zero(6, P.cols());
@@ -114,8 +116,9 @@ ImageFitSums imageFitSums(const Intrinsics& camera, Eigen::Index parameters,
   return sums;
 }
 
-/// The shift (rho, phi) that makes up best for dk, 6 x K; without a range only the rotation is
-/// there to be fitted.
+/// The shift (rho, phi) that makes up best for dk, 6 x K: -H^+ H_k. Without a range only the
+/// rotation is there to be fitted. Over a narrow field a step aside looks like a turn: the
+/// pseudo-inverse leaves out what is alike to rounding.
 Eigen::MatrixXd fittedShift(const ImageFitSums& sums, bool finite) {
   Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(6, sums.H_k.cols());
   const int first = finite ? 0 : 3;
@@ -147,6 +150,7 @@ std::optional<double> imageFitMeanSquare(const Intrinsics& camera,
   const Eigen::Index K = intrinsics_covariance.rows();
   const ImageFitSums sums = imageFitSums(camera, K, options);
   if (sums.pixels == 0) return std::nullopt;
+  // The Schur complement: squares that are left once the shift has taken what it can.
   const Eigen::MatrixXd left =
       sums.K + sums.H_k.transpose() * fittedShift(sums, std::isfinite(options.range_m));
   return (left * intrinsics_covariance).trace() / sums.pixels;

@@ -16,7 +16,9 @@ namespace {
 // the parameters count as determined: beyond rounding, below what a handful of views leave.
 constexpr double kLeastViewPivot = 1e-10;
 
-/// 0 .. count - 1 in an order that the seed decides, alike on every platform.
+/// 0 .. count - 1 in an order that the seed decides, alike on every platform: the standard fixes
+/// what the engine draws, but not what std::shuffle makes of it. Of 64 bits the remainder is even
+/// enough.
 std::vector<int> shuffled(int count, std::uint64_t seed) {
   std::vector<int> order(static_cast<std::size_t>(count));
   std::iota(order.begin(), order.end(), 0);
@@ -53,6 +55,7 @@ std::optional<double> ViewSelector::gainBits(const Eigen::MatrixXd& view) const 
 
 bool ViewSelector::offer(const Eigen::MatrixXd& view) {
   const auto gain = gainBits(view);
+  // No gain is defined before the views determine the parameters: until then all are kept.
   if (gain && *gain < threshold_bits_) return false;
   information_ += view;
   log_determinant_ = logDeterminantScaled(information_);
