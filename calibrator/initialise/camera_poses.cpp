@@ -171,6 +171,7 @@ class PoseSteps {
 
   std::optional<double> solve(double damping) {
     Matrix6d A = now_.H;
+    // Marquardt's scaling: metres and radians differ in size.
     A.diagonal() *= 1 + damping;
     const Eigen::LLT<Matrix6d> llt(A);
     if (llt.info() != Eigen::Success) return std::nullopt;
@@ -273,6 +274,9 @@ std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views, doub
   };
   const auto whole = homographyPose(*most.camera, most.view);
   if (whole) attempt(*whole);
+  // The error of a plane's pose has two minima, mirror images of each other, which come close where
+  // the plane is small in the image (Schweighofer and Pinz, PAMI 2006). No descent crosses from one
+  // to the other.
   if (whole && most.view.count <= kFewCorners) {
     attempt(mirroredPose(*whole, centreOf(most.view)));
   }

@@ -22,7 +22,8 @@ struct Moments {
   double camera = 0;                                // trace of the camera's
 };
 
-/// About the means: a constant bias of the gyroscope drops out, and the rotation is found first.
+/// About the means: a constant bias of the gyroscope drops out, and the rotation is found first. In
+/// two passes, for squares less the square of a mean would cancel where the bias is large.
 Moments momentsOf(std::span<const RatePair> pairs) {
   Moments m;
   const double n = static_cast<double>(pairs.size());
@@ -174,6 +175,7 @@ RateAlignment alignRates(std::span<const RatePair> pairs) {
   out.R_SC0 = svd.matrixU() * Eigen::Vector3d(1, 1, hand).asDiagonal() * svd.matrixV().transpose();
   out.correlation = hand > 0 ? same : other;
   out.mirrored_correlation = hand > 0 ? other : same;
+  // The constant of the least squares, whatever the rotation is: it takes the mean residual away.
   out.gyro_bias = m.mean_gyro - out.R_SC0 * m.mean_camera;
   out.gyro_to_camera = std::sqrt(m.gyro.trace() / m.camera);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(m.gyro);

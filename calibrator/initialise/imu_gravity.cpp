@@ -119,6 +119,8 @@ std::optional<Equation> equationOf(const Triple& triple, std::span<const CameraP
   e.A.middleCols<3>(4) = mean * Eigen::Matrix3d::Identity();
   e.A.middleCols<3>(7) = R_b * bc->p_ba / T2 - R_a * ab->p_ba / T1 + R_a * ab->v_ba;
   e.rhs = (c.T_FC0.t - b.T_FC0.t) / T2 - (b.T_FC0.t - a.T_FC0.t) / T1;
+  // Rows as accelerations, whatever the spans of their triple: otherwise long ones would count
+  // more, and a limit on residuals would mean nothing.
   e.A /= mean;
   e.rhs /= mean;
   addVariances(a, b, c, noise, e);

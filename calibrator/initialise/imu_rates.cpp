@@ -14,6 +14,7 @@ std::vector<CameraRate> cameraRates(std::span<const CameraPose> poses, double ma
   for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
     const double dt = secondsBetween(poses[i].t, poses[i + 1].t);
     if (dt <= 0 || dt > max_gap_s) continue;
+    // In the camera's own frame F drops out: how the target stands does not matter.
     const Eigen::Matrix3d R = poses[i].T_FC0.R.transpose() * poses[i + 1].T_FC0.R;
     rates.push_back({poses[i].t, poses[i + 1].t, logSO3(R) / dt});
   }
@@ -27,6 +28,7 @@ double medianSampleInterval(std::span<const ImuSample> samples) {
   for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
     intervals.push_back(secondsBetween(samples[k].t, samples[k + 1].t));
   }
+  // Not the mean, which gaps would lengthen: by this interval gaps are found.
   return median(std::move(intervals));
 }
 

@@ -17,6 +17,7 @@ bool isNear(double value, double target, double relative) {
   return std::abs(value - target) <= relative * target;
 }
 
+/// The median, which knocks and motion at its fastest do not move.
 double medianNorm(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample::*column) {
   std::vector<double> norms;
   norms.reserve(samples.size());
@@ -45,6 +46,7 @@ std::optional<Failure> checkSampleStamps(std::span<const ImuSample> samples) {
   constexpr double kShareInBursts = 0.3;
   if (samples.size() < 2) return std::nullopt;
   const auto count = static_cast<double>(samples.size() - 1);
+  // Not the median, which in bursts is an interval within one.
   const double mean = secondsBetween(samples.front().t, samples.back().t) / count;
   std::vector<double> within, between;
   for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
@@ -54,6 +56,7 @@ std::optional<Failure> checkSampleStamps(std::span<const ImuSample> samples) {
   if (between.empty() || static_cast<double>(within.size()) < kShareInBursts * count) {
     return std::nullopt;
   }
+  // Intervals for each pause: as many as samples of a burst.
   const double size = count / static_cast<double>(between.size());
   return Failure{FailureCode::kSamplesInBursts,
                  {{"count", std::lround(size)},
@@ -98,6 +101,8 @@ std::optional<Failure> checkExcitation(const RateAlignment& alignment,
 }
 
 std::optional<Failure> checkRates(const RateAlignment& alignment, const SanityOptions& options) {
+  // Axes of the wrong hand correlate as a reflection alone: that is the finding below, not this
+  // one.
   if (std::max(alignment.correlation, alignment.mirrored_correlation) < options.min_correlation) {
     return Failure{FailureCode::kRatesDoNotCorrelate,
                    {{"correlation", alignment.correlation}, {"needed", options.min_correlation}}};
@@ -130,6 +135,7 @@ double residualRatio(const InertialAlignment& alignment) {
 std::optional<Failure> checkInertial(const InertialAlignment& alignment, const AprilGrid& target,
                                      const SanityOptions& options) {
   const double g = alignment.gravity_F.norm();
+  // First, for axes that do not fit spoil gravity and scale as well.
   if (alignment.residual_rms > options.max_residual_m_s2) {
     return Failure{FailureCode::kAccelerometerAxes, {{"rms", alignment.residual_rms}}};
   }

@@ -28,6 +28,7 @@ class LensSteps {
 
   std::optional<double> solve(double damping) {
     Eigen::MatrixXd A = H_;
+    // Marquardt's scaling: pixels beside coefficients without a unit.
     A.diagonal() *= 1 + damping + kRegular;
     const Eigen::LLT<Eigen::MatrixXd> llt(A);
     if (llt.info() != Eigen::Success) return std::nullopt;
@@ -61,6 +62,7 @@ class LensSteps {
     squares_ = 0;
     for (const SeenPoint& point : points_) {
       const auto seen = projectWithJacobians(lens, point.p_C);
+      // A step that loses a point is refused, not rewarded with a smaller sum.
       if (!seen) return std::nullopt;
       const Eigen::Vector2d e = seen->uv - point.uv;
       H.noalias() += seen->J_intrinsics.transpose() * seen->J_intrinsics;
@@ -91,6 +93,8 @@ bool canBeFitted(const Intrinsics& lens, const SeenPoint& point) {
 }  // namespace
 
 std::optional<LensFit> fitLens(const Intrinsics& start, const std::vector<SeenPoint>& points) {
+  // Chosen once, by the start: a set that followed the lens would let the cost fall by losing
+  // points.
   std::vector<SeenPoint> used;
   std::copy_if(points.begin(), points.end(), std::back_inserter(used),
                [&](const SeenPoint& p) { return canBeFitted(start, p); });

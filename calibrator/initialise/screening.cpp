@@ -57,8 +57,8 @@ bool isRegular(std::span<const ImuSample> samples, std::size_t k, double interva
   return true;
 }
 
-/// A spike shows in the distances of its neighbours as well, by 2/3 and 1/6 of its size; the
-/// largest is itself.
+/// A spike shows in the distances of its neighbours as well, by 2/3 and 1/6 of its size (the
+/// weights of the cubic); the largest is itself.
 bool isLargest(const std::vector<double>& distances, std::size_t k) {
   for (std::size_t i = k - kReach; i <= k + kReach; ++i) {
     if (std::abs(distances[i]) > std::abs(distances[k])) return false;
@@ -255,6 +255,9 @@ std::vector<ImuSample> withoutCutOff(std::span<const ImuSample> samples,
       for (std::size_t i = k > kBeside ? k - kBeside : 0; i <= last; ++i) keep[i] = false;
     }
   }
+  // One sample and kBeside on either side leave a step of six intervals, more than the
+  // kGapIntervals (5) that count as none. Fewer, and the integral would go straight through what
+  // was cut off.
   const auto left_out = static_cast<double>(std::count(keep.begin(), keep.end(), false));
   const bool too_many = left_out >= kMostCutOff * static_cast<double>(samples.size());
   std::vector<ImuSample> out;
@@ -352,6 +355,8 @@ std::vector<int> falseCorners(const Intrinsics& camera, const PackedView& view,
   }
   // Most views have none that far off, whatever their median.
   if (used.empty() || *std::max_element(used.begin(), used.end()) <= kLeast) return {};
+  // The distance of two Gaussian coordinates is Rayleigh's, whose median is 1.18 deviations of an
+  // axis: a deviation that a few false corners do not move.
   const double limit = std::max(kLeast, kSigmas * middleOf(std::move(used)) / kRayleighMedian);
   std::vector<int> out;
   for (int k = 0; k < view.count; ++k) {
