@@ -56,6 +56,7 @@ bool seesNothing(const FrameCorners& corners) {
 
 bool hasMoved(const FrameCorners& before, const FrameCorners& now, double least_px) {
   for (std::size_t c = 0; c < now.size(); ++c) {
+    // A camera that has lost the board says nothing of movement.
     if (now[c].empty()) continue;
     const auto distance = meanCornerDistance(before[c], now[c]);
     // Too few corners in common: another part of the board is in view.

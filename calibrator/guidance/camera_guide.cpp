@@ -155,6 +155,7 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
   CameraWindowOptions w;
   w.size = options.views.window;
   w.model() = options.views.model();
+  // With the loss of the guide's model throughout: start, window and scores weigh a corner alike.
   window.emplace(rig.target, result.cameras, w);
   std::vector<KeptFrame> used;
   for (KeptFrame& frame : kept) {
@@ -250,6 +251,7 @@ bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
   if (!window->solve()) {
     window->remove(window->frameCount() - 1);
     d.reason = GuideReason::kNotSolved;
+    // A solution that fails leaves the estimate as it was: nothing else is to be taken back.
     note(d, "the window with it did not converge: removed again");
     return false;
   }
@@ -289,11 +291,13 @@ void CameraGuide::State::findNextView(Decision& d) {
   until_round = options.views.patience;
   const bool enough = static_cast<int>(kept.size()) >= options.views.min_views;
   if (round.best < 0) {
+    // Not the end: that nothing can be asked for does not mean that enough is known.
     note(d, "no candidate view shows the target to any camera");
   } else if (const auto best = static_cast<std::size_t>(round.best);
              judge.isEnough() || (enough && !judge.isWorthAsking(round, best))) {
     finish(d);
   } else {
+    // With fewer than min_views kept the best is asked for, however little it gains.
     const std::size_t asked = askedFor(round, d);
     openSuggestion(round, asked, views[asked].camera, d);
   }
@@ -306,6 +310,7 @@ std::size_t CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
   const auto best = static_cast<std::size_t>(round.best);
   if (!options.pace.isKnown()) return best;
   for (const Transform& T : round.T_FC0) {
+    // To get there and to hold it: both are the operator's time.
     round.reach_s.push_back(options.pace.secondsTo(*d.T_FC0, T) + options.views.reached_s);
   }
   for (const std::size_t i : byGainPerSecond(judge.worthwhileGains(round), round.reach_s)) {
@@ -346,6 +351,7 @@ void CameraGuide::State::fill(Decision& d) const {
   judge.tell(d);
   d.views_kept = static_cast<int>(kept.size());
   d.frames_without_view = frames_without_view;
+  // One that stays open is named with every frame.
   if (open && !d.suggestion) d.suggestion = open->suggestion().id;
 }
 

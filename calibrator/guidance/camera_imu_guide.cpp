@@ -159,6 +159,7 @@ void CameraImuGuide::State::tryStart(Decision& d) {
   const TimeNs last_used = tracker->window().lastStamp();
   const std::vector<PosedFrame> kept = recording.frames();  // of which drain() may drop some
   for (const PosedFrame& frame : kept) {
+    // The batch goes as far as the samples do; later frames queue until they are reached.
     if (frame.t > last_used) tracker->add(frame);
   }
   beginEvaluator();
@@ -169,6 +170,7 @@ void CameraImuGuide::State::beginEvaluator() {
   TrajectoryRecording simulated;
   simulated.target = rig.target;
   simulated.camera_rate_hz = recording.cameraRateHz();
+  // As the samples come, whatever rate the description states.
   simulated.imu_rate_hz = kGapIntervals / recording.longestInterval();
   simulated.noise = *rig.imu;
   simulated.gravity_m_s2 = stage().gravity_m_s2;
@@ -183,6 +185,7 @@ void CameraImuGuide::State::beginEvaluator() {
   evaluator.emplace(std::move(scorer),
                     EvaluatorTiming{stage().evaluate_every_s, options.latency.trajectories_s,
                                     options.threads, stage().criterion});
+  // The first trajectory was asked for before there was an evaluator.
   if (executing_until) evaluator->answerBy(*executing_until);
 }
 
@@ -224,6 +227,8 @@ void CameraImuGuide::State::predictError(const WindowKnowledge& known, Decision&
   if (E) d.error_px = std::sqrt(*E);
   if (stopsByError()) d.error_bound_px = stage().stop_reprojection_px;
   if (evaluator->isDue(d.t)) {
+    // Trajectories are scored under the noise assumed. What the residuals show scales them as it
+    // scales what is known now, so that the two compare.
     const auto assumed = evaluator->squaredPx(known);
     evaluator->ask(d.t, known, E && assumed ? *E / *assumed : 1);
     asked_error_px = d.error_px;
@@ -254,6 +259,7 @@ void CameraImuGuide::State::judge(CandidateRound round, Decision& d) {
   if (round.best < 0) {
     note(d, "no trajectory could be scored");
   } else if (std::isnan(worth(round, static_cast<std::size_t>(round.best)))) {
+    // Also while a suggestion is open, which finish() takes back.
     finish(d);
   } else if (!suggestion && d.event == SuggestionEvent::kNone &&
              (!executing_until || d.t >= *executing_until)) {
@@ -312,6 +318,7 @@ void CameraImuGuide::State::show(Suggestion s, const LissajousTrajectory& trajec
   s.path = trajectory.path(kPathPoints);
   s.T_FC0 = s.path.front();
   s.duration_s = trajectory.durationS();
+  // Its start is matched by corners, as a view is; what follows is left to the clock (follow()).
   SimulationOptions seen;
   seen.target = rig.target;
   suggestion.emplace(s, visibleCorners(cameras.front().intrinsics, s.T_FC0, seen),
@@ -377,6 +384,7 @@ Decision CameraImuGuide::step(const GuideFrame& frame) {
   if (s.finished) {
     d.reason = GuideReason::kFinished;
   } else {
+    // Those of frames that are dropped, too: the motion between the frames used is theirs.
     s.takeSamples(frame);
     if (s.gate.arrives(frame, s.suggestion, d)) s.look(frame, d);
   }

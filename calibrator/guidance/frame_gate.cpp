@@ -8,6 +8,7 @@
 namespace plumbline {
 
 bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& open, Decision& d) {
+  // The first frame comes 1 ns after nothing: neither a jump nor a pause.
   const TimeNs before = last_.value_or(frame.t - 1);
   pause_s_ = secondsBetween(before, frame.t);
   if (frame.t <= before) {
@@ -16,6 +17,7 @@ bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& 
          fmt::format("its stamp is {:.6f} s before that of the frame before: not used", -pause_s_));
     return false;
   }
+  // Before the answer: frames that come while the guide is busy are no pause of the camera.
   last_ = frame.t;
   if (isAfterPause()) {
     note(d, fmt::format("no frame for {:.3f} s before it", pause_s_));

@@ -28,6 +28,7 @@ Matrix6d meanTwistGram(const Intrinsics& camera, const ImuUse& use) {
       const Eigen::Vector3d p = range_m * *ray;
       const auto projection = projectWithJacobians(camera, p);
       if (!projection) continue;
+      // By the twist (rho, phi), p' = p + rho + phi x p: d(phi x p) = -[p]x dphi.
       Eigen::Matrix<double, 2, 6> J;
       J << projection->J_point, -projection->J_point * skew(p);
       sum += J.transpose() * J;
@@ -69,6 +70,7 @@ std::optional<double> ImuReprojection::expectedError(const Eigen::MatrixXd& info
   assert(information.rows() == 7 && information.cols() == 7);
   const Eigen::LLT<Matrix7d> llt{Matrix7d(information)};
   if (llt.info() != Eigen::Success) return std::nullopt;
+  // tr(M H^-1) = tr(H^-1 M): solved for M, without an inverse.
   const double E = llt.solve(gram(T_SC0)).trace();
   return std::isfinite(E) ? std::optional(E) : std::nullopt;
 }
@@ -76,6 +78,7 @@ std::optional<double> ImuReprojection::expectedError(const Eigen::MatrixXd& info
 double ImuReprojection::expectedErrorUnder(const Eigen::MatrixXd& covariance,
                                            const Transform& T_SC0) const {
   assert(covariance.rows() == 7 && covariance.cols() == 7);
+  // tr(M S), both symmetric.
   return gram(T_SC0).cwiseProduct(covariance).sum();
 }
 

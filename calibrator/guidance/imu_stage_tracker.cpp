@@ -100,6 +100,7 @@ std::optional<double> ImuStageRecording::gapWithin(TimeNs from, TimeNs to) const
 double ImuStageRecording::cameraRateHz() const {
   std::vector<double> intervals;
   for (std::size_t i = 0; i + 1 < frames_.size(); ++i) {
+    // Frames without a pose leave longer ones, which the median passes over.
     intervals.push_back(secondsBetween(frames_[i].t, frames_[i + 1].t));
   }
   assert(!intervals.empty());
@@ -136,6 +137,8 @@ std::string prefix(const PosedFrame& frame, const Decision& decision) {
   return frame.t == decision.t ? "" : fmt::format("frame {}: ", frame.index);
 }
 
+/// A decision's reason is that of its own frame; what becomes of earlier ones is told by notes and
+/// `withdrawn`.
 void becauseOf(GuideReason reason, const PosedFrame& frame, Decision& decision) {
   if (frame.t == decision.t) decision.reason = reason;
 }
@@ -172,6 +175,7 @@ FrameLink ImuStageTracker::linkTo(const PosedFrame& frame, const ImuStageRecordi
   return FrameLink::kBiasWalk;
 }
 
+/// A frame that the window held back comes in with this one or not at all.
 void ImuStageTracker::enter(const PosedFrame& frame, ImuStageRecording& recording,
                             Decision& decision) {
   const FrameLink link = linkTo(frame, recording, decision);

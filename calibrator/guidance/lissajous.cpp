@@ -45,6 +45,7 @@ ScalarMotion arcSine(const ScalarMotion& f) {
   const double c = std::sqrt(c2);
   return chain(f, std::asin(f.x), 1 / c, f.x / (c2 * c));
 }
+/// atan2(f, g), which moves by (f' g - f g') / (f^2 + g^2).
 ScalarMotion arcTangent(const ScalarMotion& f, const ScalarMotion& g) {
   const ScalarMotion r2 = f * f + g * g;
   const double numerator = f.dx * g.x - f.x * g.dx;
@@ -118,6 +119,7 @@ LissajousTrajectory::LissajousTrajectory(LissajousShape shape, const AprilGrid& 
                                          const Transform& T_SC0, const LissajousOptions& options)
     : shape_(std::move(shape)),
       centre_(0.5 * target.width(), 0.5 * target.height()),
+      // An axis without frequency stands still: what it could reach must not shrink the other.
       A_(shape_.a == 0 ? 0 : options.amplitude * shape_.width_ratio * target.width()),
       B_(shape_.b == 0 ? 0 : options.amplitude * shape_.height_ratio * target.height()),
       R_(options.distance_ratio * std::max(target.width(), target.height())),
@@ -149,6 +151,7 @@ MotionState LissajousTrajectory::cameraAt(double t_s) const {
   const ScalarMotion theta = progress(t_s, duration_s_);
   const ScalarMotion x = A_ * sine(2 * kPi * shape_.a * theta + ScalarMotion{shape_.delta, 0, 0});
   const ScalarMotion y = B_ * sine(2 * kPi * shape_.b * theta);
+  // On a sphere about the target's centre, which stays as far away all along.
   const ScalarMotion z = squareRoot(ScalarMotion{R_ * R_, 0, 0} + -1 * (x * x + y * y));
   // Line of sight facing * Ry(azimuth) * Rx(elevation) * e_z = -(x, y, z) / R.
   const RotationMotion facing{facingTarget(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};

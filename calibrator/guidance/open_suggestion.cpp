@@ -10,6 +10,7 @@ std::optional<double> meanCornerDistance(const std::vector<Corner>& a,
   constexpr int kLeast = 4;  // fewer corners in common say nothing of a view
   double sum = 0;
   int common = 0;
+  // Ids ascend in both: one pass finds those in common.
   for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
     if (i->id < j->id) {
       ++i;
@@ -32,6 +33,7 @@ OpenSuggestion::Progress OpenSuggestion::update(TimeNs t, const std::vector<Corn
   Progress now;
   now.distance_px = meanCornerDistance(corners_, seen);
   if (!now.distance_px || *now.distance_px > rule_.px) {
+    // A single frame off, or without the target, begins the hold anew.
     near_since_.reset();
   } else if (!near_since_) {
     near_since_ = t;

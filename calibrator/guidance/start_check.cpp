@@ -19,6 +19,7 @@ bool StartCheck::isDue(const GuideFrame& frame, const FrameCorners& corners) {
   if (!frames_.empty() && !hasMoved(frames_.back().corners, corners, move_px)) return false;
   frames_.push_back({frame.index, frame.t, corners});
   const std::size_t n = frames_.size();
+  // Each after twice as many, so that all checks together cost less than two of the last.
   return n == kFrames || n == 2 * kFrames || n == 4 * kFrames;
 }
 
@@ -29,6 +30,8 @@ std::optional<std::string> StartCheck::against(
   if (!restart || !given) return std::nullopt;
   const double restart_px = restart->summary.reprojection.rmse_px;
   const double given_px = given->summary.reprojection.rmse_px;
+  // Cameras made from these very frames fit them better than any others: only a clear excess blames
+  // the start.
   if (!(given_px > kWorse * restart_px)) return std::nullopt;
   return fmt::format(
       "the estimate has {:.2f} px RMSE on {} frames after its start, an estimate from those frames "

@@ -68,6 +68,7 @@ Matrix6d viewInformation(const CameraCalibration& camera, const Transform& T_FC0
   const Transform T_FC = T_FC0 * camera.T_C0Ci;
   auto corners = visibleCorners(camera.intrinsics, T_FC, seen);
   if (static_cast<int>(corners.size()) < recording.min_corners) return Matrix6d::Zero();
+  // At exact corners the residuals are zero, and Gauss-Newton's matrix is the expected information.
   const PackedCorners packed(recording.target, {{0, std::move(corners)}});
   const double weight = 1 / (recording.pixel_sigma * recording.pixel_sigma);
   return weight * poseGram(camera.intrinsics, T_FC.inverse(), packed.view(0)).H;
@@ -148,6 +149,7 @@ CameraImuProblem TrajectoryScorer::unseen(const Prepared& prepared,
   const TimeNs start = now.t + toNanoseconds(recording_.pause_s);
   for (std::size_t k = 0; k < prepared.frames.size(); ++k) {
     const TimeNs t = start + toNanoseconds(instant(k, recording_.camera_rate_hz, 0));
+    // -1: no view. addViews() puts in what the corners tell, which was prepared once.
     problem.frames.push_back({t, std::vector<int>(cameras_.size(), -1)});
   }
   const double offset_s = now.estimate.timeOffset();
@@ -186,6 +188,8 @@ std::optional<Eigen::MatrixXd> TrajectoryScorer::informationWith(
   CameraImuEstimate estimate = now.estimate;
   estimate.states.clear();
   for (const MotionState& m : prepared.frames) estimate.states.push_back(stateOf(m, now.estimate));
+  // Nothing is solved for: along the trajectory itself all residuals vanish, and only the
+  // information is of interest.
   const auto weights = imuWeights(problem, estimate);
   if (!weights) return std::nullopt;
   auto normals = informationAt(problem, estimate, *weights);

@@ -178,6 +178,8 @@ std::vector<ViewErrorTracker::Held> ViewErrorTracker::imagined(
 
 double ViewErrorTracker::seenWith(const FrameCorners& corners, const Transform& T_FC0) const {
   assert(error_);
+  // Terms under the model of the last refresh, as those of the views kept: only then do they add
+  // up.
   const Held frame = hold(corners, T_FC0);
   return error_->valueWith(model_->maker.seen(frame.view()));
 }
@@ -200,6 +202,7 @@ std::vector<double> ViewErrorTracker::predictedWith(const std::vector<Transform>
         rig.views.push_back(view.count >= options_.min_corners ? view : PackedView{});
       }
       const ViewTerms terms = model_->maker.imagined(rig);
+      // NaN is left where no camera would see enough.
       if (terms.corners > 0) errors[i] = error_->valueWith(terms);
     }
   });

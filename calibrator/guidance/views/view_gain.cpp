@@ -26,6 +26,8 @@ double squaredRadiusLimit(Model, const double*) {
   return std::numeric_limits<double>::infinity();
 }
 
+/// Where a corner counts as seen: within the lens, clear of the image's border, on a tag large
+/// enough.
 tags::Bounds boundsOf(const Intrinsics& camera, const AnyCameraModel& model,
                       const VisibleTags::Limits& limits) {
   const CameraValues lens(camera);
@@ -239,6 +241,7 @@ double ViewScorer::seenGain(const std::vector<std::vector<Corner>>& corners,
   sum.clear();
   const Transform T_C0F = T_FC0.inverse();
   for (std::size_t c = 0; c < visible_.size(); ++c) {
+    // Under the loss: a false corner must not pass for information.
     if (corners[c].empty()) continue;
     const PackedCorners packed(target_, {{0, corners[c]}});
     sum.add(c, T_CiC0_[c] * T_C0F, packed.view(0), {options_.cauchy_px, 0});

@@ -44,6 +44,7 @@ std::optional<double> predictedProjectionPx(const CameraWindow& window,
   const CameraLayout layout(window.estimate().intrinsics);
   double worst = 0;
   for (std::size_t c = 0; c < window.estimate().intrinsics.size(); ++c) {
+    // A block of the inverse: of one camera's intrinsics, all else marginalised.
     const int k = layout.intrinsics[c], size = layout.intrinsics_size[c];
     const auto square =
         imageFitMeanSquare(window.estimate().intrinsics[c], scale * unit.block(k, k, size, size));
@@ -87,12 +88,14 @@ bool ViewJudge::score(const CameraWindow& window, const FrameCorners& corners, D
   if (!errors_.isKnown()) return true;
   d.error_with_px = std::sqrt(errors_.seenWith(corners, *d.T_FC0));
   if (byError()) {
+    // The share is one of E, squared; decisions state roots.
     d.error_bound_px = std::sqrt((1 - options_.least_lowering) * errors_.predicted());
   }
   return true;
 }
 
 bool ViewJudge::isWorthKeeping(const Decision& d) const {
+  // Until the cameras are determined any view gains without bound, and is kept.
   if (!scorer_->determined() || !d.error_bound_px) return *d.mi_nats >= options_.threshold_nats;
   return *d.error_with_px <= *d.error_bound_px;
 }
@@ -107,6 +110,8 @@ bool ViewJudge::isEnough() const {
     return projection_px_ && *projection_px_ <= options_.stop_projection_px &&
            kept_ >= std::max(options_.stop_views, options_.min_views);
   }
+  // Before the views tell b from tau, E stands on an even split of the misfit that is merely
+  // assumed.
   return byError() && errors_.components().told_apart &&
          errors_.keptCount() >= std::max(options_.stop_views, options_.min_views) &&
          errors_.excess() <= options_.stop_excess;
@@ -147,6 +152,7 @@ bool ViewJudge::isWorthAsking(const CandidateRound& round, std::size_t i) const 
 std::vector<double> ViewJudge::worthwhileGains(const CandidateRound& round) const {
   std::vector<double> gains;
   for (std::size_t i = 0; i < round.names.size(); ++i) {
+    // Logarithms of ratios, as gains in nats are: both add up over views.
     const double gain =
         byError() ? std::log(std::sqrt(errors_.predicted()) / round.error_px[i]) : round.mi_nats[i];
     gains.push_back(isWorthAsking(round, i) ? gain : std::numeric_limits<double>::quiet_NaN());
