@@ -44,10 +44,12 @@ class CellSearch {
         // The smaller eigenvalue of (xx xy; xy yy).
         const float d = 0.5F * (xx - yy);
         const float least = 0.5F * (xx + yy) - std::sqrt(d * d + xy * xy);
+        // The eigenvalue first: `allowed` looks at all corners there are.
         if (least <= best.score || !allowed(x0_ + x, y0_ + y)) continue;
         best = {{static_cast<float>(x0_ + x), static_cast<float>(y0_ + y)}, least};
       }
     }
+    // A mean over the window, as min_eigenvalue is.
     best.score /= static_cast<float>(side * side);
     return best;
   }
@@ -125,6 +127,7 @@ std::vector<Eigen::Vector2f> pickCorners(const GrayImageView& image,
       });
       if (!(best.score > options.min_eigenvalue)) continue;
       found.push_back(best);
+      // So that corners of neighbouring cells keep their distance, too.
       all.push_back(best.at);
     }
   }

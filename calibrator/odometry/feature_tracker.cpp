@@ -55,6 +55,7 @@ FrameTracks FeatureTracker::track(TimeNs t, std::span<const GrayImageView> image
 
 void FeatureTracker::follow(const Eigen::Matrix3d& R_before_now) {
   const Eigen::Matrix3d& R_SC = rig_.T_SC[0].R;
+  // The IMU's rotation in axes of camera 0; what translation adds the search finds.
   const Eigen::Matrix3d R_now_before = (R_SC.transpose() * R_before_now * R_SC).transpose();
   std::vector<Feature> moved;
   std::vector<Eigen::Vector3d> before;

@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kSmallest = 16;  // [px]: below it a patch no longer fits
 
+/// Pixel (x, y) is centred on (2x, 2y): between levels coordinates are halved without an offset,
+/// which averages of 2 x 2 pixels would bring in.
 GrayImage halved(const GrayImageView& from) {
   const int width = (from.width + 1) / 2, height = (from.height + 1) / 2;
   GrayImage to(width, height);

@@ -18,6 +18,7 @@ Window leavingPart(const Window& window, int leaving, const std::set<std::int64_
   part.prior = window.prior;
   for (int i = 0; i < static_cast<int>(part.frames.size()); ++i) {
     OdometryFrame& frame = part.frames[static_cast<std::size_t>(i)];
+    // All other terms stay in the window: in the prior as well they would count twice.
     if (i != leaving && i != leaving - 1) frame.link.reset();
     if (i != leaving) frame.still = false;
   }
@@ -86,6 +87,7 @@ void marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::i
   }
   for (const std::int64_t id : landmarks) window.landmarks.erase(id);
   dropFrame(window, leaving);
+  // The states that leave are not determined, and what the prior knew through them goes with them.
   if (!remaining) {
     window.prior = {};
     return;

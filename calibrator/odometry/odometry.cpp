@@ -145,6 +145,7 @@ void Odometry::rememberInnovations() {
   const OdometryFrame& newest = window_.frames.back();
   FrameInnovation innovation{newest.t, 0, 0};
   for (const auto& [id, landmark] : window_.landmarks) {
+    // Known before this frame, since placeLandmarks() comes later: a prediction, not a fit.
     if (!landmark.p_W || landmark.last_frame != newest.serial) continue;
     for (const LandmarkSighting& s : landmark.sightings) {
       if (s.frame != newest.serial) continue;
@@ -190,6 +191,8 @@ void Odometry::optimise(int iterations) {
   for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
     OdometryFrame& frame = window_.frames[i];
     if (!frame.link) continue;
+    // motionAt() follows the biases to first order (Forster et al., RSS 2015): beyond this they
+    // have left where that holds.
     const bool far = (frame.state.gyro_bias - frame.link->at.gyro).norm() > kRelinkGyro ||
                      (frame.state.accel_bias - frame.link->at.accel).norm() > kRelinkAccel;
     if (!far) continue;
@@ -281,6 +284,9 @@ void Odometry::remember() {
     const auto pose = pose_of_.find(frame.serial);
     if (pose == pose_of_.end()) continue;
     result_.poses[pose->second].state = frame.state;
+    // Older ones are final, so that the trajectory has one lag throughout. Until the first frame is
+    // marginalised (the prior is then still that of the gauge, of one frame) all of the start are
+    // written.
     if (i + recent < n && window_.prior.frames.size() > 1) pose_of_.erase(pose);
   }
   last_bias_ = biasOf(window_.frames.back().state);
@@ -291,6 +297,7 @@ void Odometry::remember() {
 void Odometry::rememberCovariances() {
   const QuadraticCost cost = WindowProblem(window_, rig_, options_.model).reduced();
   if (cost.H.size() == 0) return;
+  // Regular: the prior has fixed the first frame's position and yaw, and carries that on.
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(cost.H);
   for (std::size_t i = 0; i < window_.frames.size(); ++i) {
     const auto pose = pose_of_.find(window_.frames[i].serial);
@@ -305,6 +312,7 @@ void Odometry::rememberCovariances() {
 
 void Odometry::shrink() {
   const auto recent = static_cast<std::size_t>(options_.recent_frames);
+  // From the second: a frame that is dropped needs a link to it and one from it.
   for (std::size_t i = 1; i + recent < window_.frames.size();) {
     const OdometryFrame& frame = window_.frames[i];
     // The prior speaks of frames with a first estimate: they leave by marginalisation alone.

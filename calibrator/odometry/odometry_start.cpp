@@ -92,7 +92,8 @@ void Odometry::begin(const FrameTracks& frame) {
   while (excess()) waiting_.erase(waiting_.begin());
 }
 
-/// The window's first frames: evenly chosen among those that waited, the newest ones whole.
+/// The window's first frames: keyframes, evenly chosen among those that waited, the newest one
+/// among them. The others get no pose.
 void Odometry::fillFrom(const StartEstimate& start) {
   const Transform T_resume = levelled(resume_);
   for (const std::size_t k : chosenOf(waiting_.size(), options_.keyframes)) {
@@ -114,6 +115,8 @@ void Odometry::fillFrom(const StartEstimate& start) {
   }
   window_.prior = gaugePrior(window_.frames.front(), options_.start);
   last_fit_ = waiting_.back().t;
+  // By turns: better states place more landmarks, and sightings that do not fit leave only once
+  // they are judged by states that do.
   for (int round = 0; round < 3; ++round) {
     placeLandmarks();
     optimise(10);

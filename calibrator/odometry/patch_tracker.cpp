@@ -110,6 +110,8 @@ struct Comparison {
 
 Comparison compare(const Template& t, Patch& seen) {
   removeMean(seen);
+  // A plain patch has no contrast: the small number keeps the gain finite, and the correlation at
+  // 0.
   const float norm = std::sqrt(sumOf([&](int i) { return seen[i] * seen[i]; })) + 1e-6F;
   const float inner = sumOf([&](int i) { return seen[i] * t.level[i]; });
   // Contrast is limited, so that plain noise is not blown up to the template.
@@ -125,9 +127,10 @@ struct LevelResult {
   float correlation = 0;
 };
 
-/// Inverse compositional steps: with H the template's, the template would have to move by H^-1 sum
-/// grad (seen - template), so the place moves by as much the other way. The correlation is that
-/// before the last step.
+/// Inverse compositional steps (Baker and Matthews): with H the template's, the template would have
+/// to move by H^-1 sum grad (seen - template), so the place moves by as much the other way. The
+/// correlation is that before the last step, of less than step_px unless the iterations have run
+/// out.
 std::optional<LevelResult> refine(const Template& t, const GrayImageView& image,
                                   Eigen::Vector2f place, const PatchTrackerOptions& options) {
   Patch seen;

@@ -59,6 +59,7 @@ class StartProblem {
     for (std::size_t k = 0; k < frames.size(); ++k) {
       for (const auto& [id, seen] : frames[k].seen) points_[id].sightings.emplace_back(k, seen);
     }
+    // Two sightings, four rows, leave one row once the point has taken its three.
     std::erase_if(points_, [](const auto& p) { return p.second.sightings.size() < 3; });
   }
 
@@ -96,6 +97,8 @@ class StartProblem {
     const Eigen::Vector3d p_C = T_SC.R.transpose() * (y - T_SC.t);
     // While the point has no place the equation is used as it is, linear in all unknowns: neither
     // the weight 1 / |p_C| nor a first guess is needed.
+    // Once it has one, the weight is by its place of the step before, without derivative; the floor
+    // [m] keeps a point that falls onto the camera from outweighing all others.
     const double w = point.p ? 1 / std::max(p_C.norm(), 0.1) : 1;
     const Eigen::Matrix<double, 2, 3> G = w * seen.M * T_SC.R.transpose();
     Row r;
@@ -140,6 +143,7 @@ class StartProblem {
       }
       V.diagonal().array() += 1e-9 * V.trace() + 1e-12;  // a point that no parallax places
       term.V_inverse = V.inverse();
+      // The Schur complement of the point, as in a bundle adjustment.
       H_ -= term.W * term.V_inverse * term.W.transpose();
       b -= term.W * term.V_inverse * term.b;
       terms.push_back(term);
@@ -190,6 +194,7 @@ class StartProblem {
     // Of whitened residuals, so that the inverse is the covariance; H_ is that of the last step.
     const GlobalMatrix P = H_.ldlt().solve(GlobalMatrix::Identity());
     out.velocity_std = std::sqrt(P.diagonal().head<3>().maxCoeff());
+    // Of the vector g, over its length: an angle.
     out.tilt_std = std::sqrt(P.diagonal().segment<3>(3).maxCoeff()) / rig_.gravity_m_s2;
     const bool determined = out.rms < options_.max_rms &&
                             out.velocity_std < options_.max_velocity_std &&

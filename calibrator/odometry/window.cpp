@@ -46,6 +46,7 @@ std::optional<ImuLink> imuLink(std::span<const ImuSample> samples, const RigMode
 }
 
 Preintegration motionAt(const ImuLink& link, const ImuState& state) {
+  // First order in the biases (Forster et al., RSS 2015): no sample is visited again.
   const Eigen::Vector3d d_gyro = state.gyro_bias - link.at.gyro;
   const Eigen::Vector3d d_accel = state.accel_bias - link.at.accel;
   Preintegration m = link.motion;
@@ -121,6 +122,8 @@ std::optional<Eigen::Vector3d> triangulated(const Window& window, const RigModel
     b += across * T_WC.t;
   }
   if (!(least_cosine < std::cos(limits.min_angle_rad))) return std::nullopt;
+  // In metres off the rays, not in pixels: a start for the window. The limits below judge it in
+  // deviations of its sightings.
   const Eigen::Vector3d p = A.ldlt().solve(b);
   for (const LandmarkSighting& s : sightings) {
     const int frame = window.indexOf(s.frame);

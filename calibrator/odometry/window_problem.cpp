@@ -191,6 +191,7 @@ void WindowProblem::addLandmark(std::int64_t id, const Landmark& landmark) {
     const int index = window_.indexOf(s.frame);
     const OdometryFrame& frame = window_.frames[static_cast<std::size_t>(index)];
     const auto r = sightingResidual(s.seen, rig_, frame.state.T_FS, frame.point().T_FS, term.p_W);
+    // Behind the camera: costOf() charges for it, but it pulls at nothing.
     if (!r) continue;
     // Re-weighted squares, by rho' at the present error.
     const double w = weight(r->e.squaredNorm(), model_.cauchy);
@@ -211,6 +212,8 @@ void WindowProblem::addLandmark(std::int64_t id, const Landmark& landmark) {
 bool WindowProblem::eliminate(double damping, Eigen::MatrixXd& H, Eigen::VectorXd& b) {
   H = H_;
   b = b_;
+  // Landmarks are damped as well, below: the step is that of the whole system under Marquardt's
+  // scaling, not only of what is left of it.
   H.diagonal() *= 1 + damping;
   for (LandmarkTerm& term : terms_) {
     Eigen::Matrix3d V = term.V;
@@ -247,6 +250,7 @@ std::optional<double> WindowProblem::solve(double damping) {
   if (llt.info() != Eigen::Success) return std::nullopt;
   step_ = -(scale.asDiagonal() * llt.solve(scale.cwiseProduct(b)));
   // b' (H + damping)^-1 b over states and landmarks together.
+  // The gradients are those before the elimination: both parts of b^T x add up.
   double decrement = -b_.dot(step_);
   for (LandmarkTerm& term : terms_) {
     // x_l = -V^-1 (b_l + W' x), by the landmark's own 3 x 3 inverse.
