@@ -185,6 +185,7 @@ float TargetRenderer::pixelLight(const View& view, int x, int y, const Hit* abov
       std::minmax({above[0].cell.row, above[1].cell.row, below[0].cell.row, below[1].cell.row});
   // Where all cells between those of the pixel's corners are of one surface, the pixel is. The
   // illumination changes linearly over the target and stays constant beyond.
+  // By one of its corners: over a pixel it hardly changes.
   const float across = above[0].x / static_cast<float>(target_.width()) - 0.5F;
   const float upward = above[0].y / static_cast<float>(target_.height()) - 0.5F;
   const float slope = std::clamp(across + 0.5F * upward, -1.0F, 1.0F);
@@ -244,6 +245,7 @@ GrayImage TargetRenderer::render(const Transform& T_FC, std::uint64_t image) con
 namespace {
 
 std::vector<float> gaussianKernel(double sigma_px) {
+  // Beyond four deviations lie 6e-5 of the weight.
   const int radius = static_cast<int>(std::ceil(4 * sigma_px));
   std::vector<float> kernel;
   double sum = 0;

@@ -115,6 +115,7 @@ Transform SimulatedSession::cameraPose(int camera, TimeNs t_cam) const {
 ImuState SimulatedSession::stateAt(TimeNs t_cam) const {
   const MotionState m = motionAtCameraTime(t_cam);
   const std::vector<ImuSample>& samples = session.imu->samples;
+  // By the samples' stamps as they came out, faults of the clock included.
   const TimeNs t = t_cam + toNanoseconds(truth.imu->timeOffset());
   // The samples on either side; beyond the ends the outermost bias.
   const auto later = std::upper_bound(samples.begin(), samples.end(), t,
@@ -148,6 +149,7 @@ SimulatedSession simulateMotion(const SimulatedRig& rig, AnalyticTrajectory traj
                                 const Eigen::Vector3d& gravity_F, const SimulationOptions& o) {
   o.check();
   Calibration truth = trueCalibration(rig, o);
+  // Here, for only the rig tells which cameras a fault can name.
   check(o.faults, {o.duration_s, static_cast<int>(truth.cameras.size())});
   const double camera_rate_hz = o.camera_rate_hz.value_or(rig.camera_rate_hz);
   SimulatedSession s{.session = {},

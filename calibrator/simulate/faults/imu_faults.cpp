@@ -129,6 +129,7 @@ void select(ImuRecording& r, const Keep& keep) {
 ImuFaults::ImuFaults(const std::vector<Fault>& faults)
     : vibrations_(faultsOf(faults, {kVibration})), slips_(faultsOf(faults, {kSlip})) {
   for (const Fault& fault : faults) {
+    // In the order given: each acts on what those before it have made of the reading.
     const Matrix3d M = readingMatrix(fault);
     if (fault.kind == kGyroScale || fault.kind == kGyroMisalignment || fault.kind == kAxes) {
       M_gyro_ = M * M_gyro_;
