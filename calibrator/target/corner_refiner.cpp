@@ -89,6 +89,8 @@ std::optional<Eigen::Vector2d> CornerRefiner::step(const Patch& patch, const Win
     const float* gy = gy_.data() + first;
     for (int x = 0; x < part.width; ++x) {
       const float dx = left + static_cast<float>(x);
+      // Squared, it falls to zero at the rim with a slope of zero: pixels that come and go as p
+      // moves change the sums smoothly.
       const float inside = std::max(0.0F, 1 - (m00 * dx * dx + m01 * dx * dy + m11 * dy * dy));
       const float w = inside * inside;
       const float wx = w * gx[x];

@@ -103,12 +103,14 @@ Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
     search.completeCorners();
     // Before the corners at the border go: they vouch for their neighbours.
     search.checkAgainstNeighbours();
+    // Before the corners at the border go, too: a tag that leaves with them contradicts nothing.
     const int contradicting = countContradicting(squares, search.tags());
     search.dropAtBorder();
     detection = {};
     detection.rejected_tags = contradicting;
     detection.spacing = spacing;
     const auto found = static_cast<int>(search.tags().size());
+    // More squares against the grid than tags in it: it was grown from misreadings.
     if (found < options.min_tags || found <= contradicting) continue;
     for (const TagImage& tag : search.tags()) append(detection, tag);
     return detection;

@@ -135,6 +135,7 @@ void GridSearch::checkAgainstNeighbours() {
     for (std::size_t k = 0; k < 4; ++k) {
       if (!tag.located[k]) continue;
       const std::optional<Eigen::Vector2d> expected =
+          // Without the tag's own corners: read wrongly, they would vouch for each other.
           known.predict(4 * tag.id + static_cast<int>(k), tag.id);
       // A corner for which no neighbour can vouch goes as well.
       if (expected && (*expected - tag.uv[k]).norm() <= limit) continue;

@@ -217,6 +217,7 @@ std::optional<Eigen::Vector2d> LocalMap::predict(int corner_id, int left_out) co
     fit.add(xy, point.straight - origin, 1 / (near * near));
     ++heard;
   }
+  // Eight unknowns, two rows a corner.
   if (heard < 4) return std::nullopt;
   const auto factor = fit.normal().ldlt();
   const Vector8 h = factor.solve(fit.right());

@@ -21,6 +21,7 @@ class GrayPlane {
   Eigen::Vector3d solve() const { return normal_.ldlt().solve(right_); }
 
  private:
+  // So that a plane without samples is zero, and fails by its contrast.
   Eigen::Matrix3d normal_ = 1e-6 * Eigen::Matrix3d::Identity();
   Eigen::Vector3d right_ = Eigen::Vector3d::Zero();
 };
@@ -147,6 +148,7 @@ std::optional<int> payloadDistance(const GrayImageView& image, const TagImage& t
   if (!(contrast.x() + 0.5 * contrast.y() + 0.5 * contrast.z() >= min_contrast)) {
     return std::nullopt;
   }
+  // Half way between two planes, not two levels: light may fall off over the tag.
   const Eigen::Vector3d threshold = 0.5 * (black + white);
   const double cell_px = shortestEdge(tag.uv) / cells;
   // Full below cells of 1.5 px, none from 4.5 px on.

@@ -26,6 +26,7 @@ std::uint64_t payloadOfCode(const apriltag_family_t& family, std::uint64_t code)
   return payload;
 }
 
+/// From the library's family as it is created: QuadFinder changes the bits' places of its own copy.
 PayloadTable buildPayloads() {
   apriltag_family_t* family = tag36h11_create();
   assert(family->ncodes == kFamilySize && family->nbits == kPayloadCells * kPayloadCells);
