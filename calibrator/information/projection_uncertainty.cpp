@@ -101,6 +101,7 @@ ImageFitSums imageFitSums(const Intrinsics& camera, Eigen::Index parameters,
   sums.K = Eigen::MatrixXd::Zero(parameters, parameters);
   for (int r = 0; r < options.rows; ++r) {
     for (int c = 0; c < options.columns; ++c) {
+      // From the first pixel's centre to the last one's: lenses are known worst at the border.
       const Eigen::Vector2d uv(
           c * (camera.resolution.width - 1.0) / std::max(1, options.columns - 1),
           r * (camera.resolution.height - 1.0) / std::max(1, options.rows - 1));

@@ -246,6 +246,8 @@ std::optional<PartOffsets> offsetsOfParts(std::span<const CameraRate> camera,
   constexpr double kCorrelated = 0.95;
   constexpr double kSameRotation = 0.1;  // [rad]
   const std::size_t parts = std::min(kMostParts, camera.size() / kRates);
+  // The search is about the whole recording's offset, however large that is: rates are moved by it,
+  // and what the parts find is what they differ by.
   std::vector<CameraRate> shifted(camera.begin(), camera.end());
   for (CameraRate& rate : shifted) {
     rate.from += toNanoseconds(offset_s);

@@ -24,6 +24,8 @@ struct QuadFinder::Library {
       family->bit_x[i] += static_cast<std::uint32_t>(wider);
       family->bit_y[i] += static_cast<std::uint32_t>(wider);
     }
+    // Images are detected side by side, each worker with a finder of its own: more threads within
+    // one would only compete.
     detector->nthreads = 1;
     detector->quad_decimate = static_cast<float>(options.decimation);
     detector->qtp.min_white_black_diff = options.min_contrast;
