@@ -21,6 +21,7 @@ Model modelOf(const YamlMap& map, const std::string& key, const std::string& wor
 
 // Sixteen numbers, row by row; others where the key holds another matrix.
 std::vector<double> matrixNumbers(const YamlMap& map, const std::string& key) {
+  // OpenCV's dialect: rows, cols and data, as yac and VINS-Fusion write a matrix.
   if (map.has(key) && map.node(key).IsMap()) {
     return map.map(key, kMatrixRows).numbers("data", "sixteen numbers, row by row");
   }
@@ -38,6 +39,7 @@ std::vector<double> matrixNumbers(const YamlMap& map, const std::string& key) {
 
 Transform transformField(const YamlMap& map, const std::string& key) {
   const std::vector<double> numbers = matrixNumbers(map, key);
+  // NaN, so that another count of numbers fails as a matrix that is not rigid does.
   Eigen::Matrix4d T = Eigen::Matrix4d::Constant(std::nan(""));
   if (numbers.size() == 16) {
     T = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
@@ -46,6 +48,7 @@ Transform transformField(const YamlMap& map, const std::string& key) {
   // Rounding to a few decimals passes; a scaled or reflected block does not.
   const bool rotation = (R * R.transpose()).isIdentity(1e-3) && R.determinant() > 0;
   if (T.allFinite() && rotation && T.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1))) {
+    // The rotation nearest to it, so that the rounding does not grow in products.
     return Transform::fromMatrix(T);
   }
   throw map.fault(key, {InputFault::kNotRigid, key + " is not a rigid transform", kMatrixRows,

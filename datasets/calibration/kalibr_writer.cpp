@@ -21,6 +21,8 @@ std::string cameraText(const Calibration& calibration, std::size_t i) {
   const CameraCalibration& camera = calibration.cameras[i];
   const Intrinsics& k = camera.intrinsics;
   std::string text = fmt::format("cam{}:\n", i);
+  // Kalibr's transforms lead into the camera, ours out of it: T_CiS = (T_SC0 T_C0Ci)^-1 and
+  // T_CiC(i-1) = T_C0Ci^-1 T_C0C(i-1).
   if (calibration.imu) {
     text += matrixText("T_cam_imu", (calibration.imu->T_SC0 * camera.T_C0Ci).inverse());
   }
@@ -70,6 +72,7 @@ std::string kalibrCamchainText(const Calibration& calibration) {
   return text;
 }
 
+// T_i_b and time_offset relate an IMU to the rig's first, which this one is.
 std::string kalibrImuText(const ImuNoise& noise, const std::string& rostopic) {
   return fmt::format(
       "imu0:\n{}{}  model: calibrated\n  rostopic: {}\n  time_offset: {}\n  update_rate: {}\n",

@@ -15,6 +15,7 @@ constexpr const char* kPose = "px, py, pz, qx, qy, qz, qw";
 
 Transform poseOf(const YamlMap& map) {
   const auto number = [&](const char* key) { return map.number(key, kPose); };
+  // Hamilton; each component has a key of its own, so the file's order does not matter.
   const Eigen::Quaterniond q(number("qw"), number("qx"), number("qy"), number("qz"));
   if (std::abs(q.norm() - 1) > 1e-3) {
     throw map.fault("qw", {InputFault::kNotRigid,
@@ -31,6 +32,8 @@ Eigen::VectorXd numbersOf(const YamlMap& map, std::initializer_list<const char*>
 }
 
 /// Whether any of the coefficients that radtan does not have is unlike zero.
+/// Basalt has one type for both, OpenCV's rational model; without these it is radtan, which every
+/// tool has.
 bool isRational(const YamlMap& map) {
   for (const char* key : {"k3", "k4", "k5", "k6"}) {
     if (map.numberOr(key, 0) != 0) return true;
@@ -55,6 +58,8 @@ Intrinsics unified(const YamlMap& map, Intrinsics k) {
   return k;
 }
 
+// rpmax is not read: our distortions find the radius up to which they are unique themselves
+// (squaredRadiusLimit()).
 Intrinsics intrinsicsOf(const YamlMap& camera) {
   const std::string type = camera.text("camera_type", "pinhole-radtan8, kb4, ds, ...");
   const YamlMap map = camera.map("intrinsics", "the camera's parameters");
@@ -101,6 +106,8 @@ ImuCalibration imuOf(const YamlMap& value, const Transform& T_SC0) {
   imu.T_SC0 = T_SC0;
   // Basalt's sign is ours.
   imu.time_offsets = {{1e-9 * value.number("cam_time_offset_ns", "nanoseconds")}};
+  // Basalt's names say std, its values are continuous-time densities: it multiplies them by the
+  // root of the rate itself. Gravity is not stated and keeps its default.
   imu.noise.rate_hz = value.number("imu_update_rate", "Hz");
   imu.noise.accel_density = firstOf(value, "accel_noise_std");
   imu.noise.gyro_density = firstOf(value, "gyro_noise_std");

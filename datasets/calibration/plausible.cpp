@@ -17,6 +17,7 @@ using Part = Implausible::Part;
 // What a file may hold at all, far beyond any rig, so that figures stay finite. What is unlikely is
 // told by lint (evaluate/compare).
 constexpr double kMostParameter = 1e6;
+// JPEG's sixteen bits.
 constexpr int kLongestSide_px = 65535;
 constexpr double kFarthest_m = 1000;
 constexpr double kLongestOffset_s = 86400;
@@ -101,6 +102,7 @@ std::optional<Implausible> implausible(const ImuCalibration& imu) {
     if (within(offset.s, -kLongestOffset_s, kLongestOffset_s)) continue;
     return outside(Part::kOffset, "the time offset", offset.s, "seconds, at most those of a day");
   }
+  // Only what would spoil the figures; implausibleGravity() has the narrower bounds.
   if (!(imu.gravity_m_s2 > 0 && imu.gravity_m_s2 < 1e3)) {
     return outside(Part::kGravity, "gravity", imu.gravity_m_s2, "m/s^2, near 9.8");
   }

@@ -21,6 +21,7 @@ double monotoneRadius(double k1, double k2) {
   const double b = 3 * k1;
   if (a == 0) return b < 0 ? std::sqrt(-1 / b) : 0;
   const double discriminant = b * b - 4 * a;
+  // No real root: the radius never stops growing.
   if (discriminant < 0) return 0;
   // The roots as q / a and c / q with c = 1, neither by a difference of nearly equal numbers.
   const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
@@ -121,6 +122,8 @@ Json calibrationJson(const Calibration& calibration, const ImuCalibration& imu,
     json["intrinsics"].push_back(intrinsicsJson(camera, checks));
     json["resolution"].push_back({size.width, size.height});
   }
+  // Basalt's lengths: three biases with six numbers of scale and misalignment, and with nine for
+  // the gyroscope.
   json["calib_accel_bias"] = std::vector<double>(9, 0.0);
   json["calib_gyro_bias"] = std::vector<double>(12, 0.0);
   json["imu_update_rate"] = imu.noise.rate_hz;

@@ -80,6 +80,7 @@ void ExportOptions::check() const {
 ExportedFiles exportCalibration(const Calibration& calibration, ExportTool tool,
                                 const ExportOptions& options) {
   options.check();
+  // Several writers take a first camera for granted.
   if (calibration.cameras.empty()) {
     throw BadInput(InputFault::kEmpty, options.source, 0,
                    "has no camera; expected a calibration of one or more");

@@ -95,6 +95,7 @@ std::string cameraParameters(const Calibration& calibration) {
          "        sigma_alpha: 0.05\n";
 }
 
+// T_BS is the identity: the body of OKVIS2's states is then our IMU.
 std::string imuParameters(const ImuCalibration& imu) {
   return "\nimu_parameters:\n    use: true\n"
          "    # Saturation [m/s^2, rad/s], priors of the biases and their starts: not calibrated.\n"

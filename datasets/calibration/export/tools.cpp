@@ -17,6 +17,7 @@
 namespace plumbline {
 namespace {
 
+// Of a line of notes, its prefix included.
 constexpr std::size_t kColumns = 96;
 
 bool plain(char c, std::string_view also) {
@@ -177,6 +178,7 @@ std::string yamlRows(const Eigen::MatrixXd& M, const std::string& indent) {
 
 long long nanosecondsOf(double seconds) { return std::llround(seconds * 1e9); }
 
+// In both units, as tools differ in which they take.
 std::string secondsText(double seconds) {
   return fmt::format("{} s ({} ns)", yamlNumber(seconds), nanosecondsOf(seconds));
 }

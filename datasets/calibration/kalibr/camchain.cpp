@@ -13,6 +13,8 @@
 namespace plumbline {
 namespace {
 
+// Kalibr writes every digit of both transforms, and they agree to rounding; the room is for files
+// whose numbers were shortened on the way.
 constexpr double kTranslation = 1e-3;  // [m] up to which transforms agree
 constexpr double kRotation = 0.1 * kDegree;
 
@@ -173,6 +175,7 @@ std::optional<Eigen::Matrix3d> matrixOf(const YamlMap& imu, const std::string& s
   return M;
 }
 
+// The matrices are there only under models with scale and misalignment; a calibrated IMU has none.
 KalibrImu imuOf(const YamlMap& map, const std::string& name) {
   KalibrImu imu;
   imu.name = name;
@@ -217,6 +220,7 @@ std::optional<ChainContradiction> chainContradiction(const KalibrCamchain& chain
   const Vector6d d = boxminus(now * before.inverse(), chained);
   found.translation_m = d.head<3>().norm();
   found.rotation_rad = d.tail<3>().norm();
+  // Where several would agree, the last stands: a half turn is its own inverse.
   if (agree(now * before.inverse(), chained.inverse())) found.suspect = Suspect::kChain;
   if (agree(now.inverse() * before.inverse(), chained)) found.suspect = Suspect::kThisCamera;
   if (agree(now * before, chained)) found.suspect = Suspect::kPreviousCamera;

@@ -81,12 +81,15 @@ Aim aimOf(const std::vector<StampedPose>& poses) {
 std::vector<StampedPose> asTheHeaderSays(std::vector<StampedPose> poses) {
   for (StampedPose& pose : poses) {
     const Eigen::Quaterniond& q = pose.q;
+    // poseOf() undone: the columns a, b, c, d are w = d and (x, y, z) = (-a, -b, -c) there.
     pose.q = Eigen::Quaterniond(-q.x(), -q.y(), -q.z(), q.w());
   }
   return poses;
 }
 
-// Cameras that see the target aim at it, more or less at one place.
+// Cameras that see the target aim at it, more or less at one place. Smoothness would not tell: both
+// readings of the columns turn by the same angles between poses, as a quaternion's components only
+// change place and sign.
 void requireLooking(const std::string& path, const Trajectory& trajectory) {
   const Aim aim = aimOf(trajectory.poses);
   const Aim other = aimOf(asTheHeaderSays(trajectory.poses));

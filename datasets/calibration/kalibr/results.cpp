@@ -29,6 +29,7 @@ KalibrErrorStatistics statisticsOf(const ResultsLines& lines) {
   s.mean = lines.numberAfter("mean ");
   s.median = lines.numberAfter("median ", "median: ");
   s.std = lines.numberAfter("std: ");
+  // Kalibr's own spelling.
   s.of_squares = lines.contains("squarred");
   return s;
 }
@@ -61,6 +62,8 @@ Eigen::VectorXd vectorOf(const std::vector<double>& numbers) {
                                            static_cast<Eigen::Index>(numbers.size()));
 }
 
+// "[mean] +- [std]": numpy's mean and std (ddof 0) per axis over all corners of the camera (Kalibr,
+// CameraCalibrator.py, getReprojectionErrorStatistics()).
 KalibrAxisStatistics axisStatistics(ResultsLines& lines) {
   KalibrAxisStatistics s;
   s.mean = vectorOf(lines.bracket(2));
@@ -71,6 +74,7 @@ KalibrAxisStatistics axisStatistics(ResultsLines& lines) {
 // ---- the camera tool
 
 Transform baselineOf(ResultsLines& lines) {
+  // Each is followed by "+- [deviations]", which the next skipTo() passes over.
   lines.skipTo("q:");
   const std::vector<double> q = lines.bracket(4);
   lines.skipTo("t:");
@@ -113,6 +117,7 @@ void requireCameraTool(const KalibrResults& results, const ResultsLines& lines) 
     if (!camera.axis_error_px) throw lines.ended(camera.name + "'s reprojection error");
   }
   if (results.cameras.empty()) throw lines.ended("the cameras' parameters");
+  // The section that ends the text.
   if (!lines.sawLine("Target configuration")) throw lines.ended("'Target configuration'");
 }
 

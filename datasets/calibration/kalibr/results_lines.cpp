@@ -105,7 +105,8 @@ double ResultsLines::numberAfter(std::string_view key, std::string_view other) c
   return number(rest.substr(0, end));
 }
 
-// Over as many lines as it takes: a matrix has its rows in brackets of their own.
+// Over as many lines as it takes: a matrix has its rows in brackets of their own, and numpy, which
+// prints these, breaks long arrays.
 std::vector<double> ResultsLines::bracket(std::size_t count) {
   std::vector<double> numbers;
   int depth = 0;

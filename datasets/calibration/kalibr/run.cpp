@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 using Kind = KalibrFileKind;
 using Files = std::map<Kind, std::vector<std::string>>;
 
+// Rounding to eight decimals costs 5e-9; the rest is room.
 constexpr double kRounding = 2e-8;  // the text has eight decimals
 
 std::optional<Kind> yamlKind(const std::string& path) {
@@ -77,6 +78,7 @@ bool belongs(const KalibrImuFile& file, const ImuNoise& noise) {
          near(own.accel_density, noise.accel_density) && near(own.rate_hz, noise.rate_hz);
 }
 
+// Names are the user's, and a folder may hold several runs: files are told by content alone.
 Files filesIn(const fs::path& folder) {
   Files files;
   std::vector<std::string> paths;
@@ -90,6 +92,8 @@ Files filesIn(const fs::path& folder) {
   return files;
 }
 
+// The camera-IMU tool starts from the camera tool's camchain and keeps its intrinsics, so that
+// equal intrinsics make a pair.
 bool haveSameIntrinsics(const KalibrCamchain& a, const KalibrCamchain& b) {
   return std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(),
                     [](const KalibrCamera& c, const KalibrCamera& d) {
