@@ -113,6 +113,7 @@ MappedFile::~MappedFile() {
 }
 
 std::string readStandardInput() {
+  // A pipe may deliver without end.
   constexpr std::size_t kMostBytes = 1U << 30U;
   constexpr std::size_t kBlock = 1U << 20U;
   const std::string name = "standard input";
@@ -163,6 +164,7 @@ void writeFileAtomically(const std::string& path, std::string_view content) {
   if (file.number < 0) throw unwritable(path, errno);
   (void)::flock(file.number, LOCK_EX | LOCK_NB);
   int error = writeAll(file.number, content);
+  // mkostemp() makes files that only their owner may read.
   if (error == 0 && ::fchmod(file.number, 0644) != 0) error = errno;
   // No fsync: a killed process leaves the older file or the newer one; after a power failure the
   // newer one may be empty.

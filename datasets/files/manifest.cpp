@@ -117,6 +117,7 @@ std::optional<ForeignEntry> firstForeign(const fs::path& folder, const Manifest&
     if (fs::is_regular_file(status) && name == kManifestFile) continue;
     const auto listed = manifest.files.find(name);
     if (listed == manifest.files.end()) return ForeignEntry{path, false};
+    // Changed is foreign too: a user's edit of a result is not thrown away by the next run.
     if (!fs::is_regular_file(status) || !isAsListed(path, listed->second)) {
       return ForeignEntry{path, true};
     }

@@ -20,6 +20,7 @@ struct Decimal {
   const char* next = nullptr;
 };
 
+// Up to here ten times the mantissa and one more digit stay below 2^64.
 constexpr std::uint64_t kRoomForOneMore = std::numeric_limits<std::uint64_t>::max() / 10 - 1;
 
 // Takes the digits at `at`; each one moves the exponent by `per_digit` (-1 behind the point).
@@ -44,6 +45,8 @@ const char* takeExponent(const char* at, const char* end, Decimal& number) {
   if (c != end && (*c == '-' || *c == '+')) ++c;
   if (c == end || !isDigit(*c)) return at;
   int exponent = 0;
+  // Clamped, so that an exponent of many digits does not overflow an int; no double and no stamp
+  // has one of 9999.
   for (; c != end && isDigit(*c); ++c) exponent = std::min(exponent * 10 + (*c - '0'), 9999);
   number.exponent += negative ? -exponent : exponent;
   return c;
@@ -64,6 +67,7 @@ Decimal scanDecimal(const char* at, const char* end) {
   return number;
 }
 
+// Nothing where the product leaves 64 bits; 0 stays 0 whatever the power.
 std::optional<std::uint64_t> scaledUp(std::uint64_t mantissa, int power) {
   for (; power > 0 && mantissa != 0; --power) {
     if (mantissa > kRoomForOneMore) return std::nullopt;
@@ -74,6 +78,7 @@ std::optional<std::uint64_t> scaledUp(std::uint64_t mantissa, int power) {
 
 /// Rounded at the last digit, halves away from zero.
 std::uint64_t scaledDown(std::uint64_t mantissa, int power) {
+  // A mantissa is below 2^64, about 1.8e19: a 10^20th of it rounds to 0.
   if (power > 19) return 0;
   for (; power > 1; --power) mantissa /= 10;  // digits below the first dropped one cannot round up
   return power == 0 ? mantissa : (mantissa / 10) + (mantissa % 10 >= 5 ? 1 : 0);
@@ -104,6 +109,7 @@ std::optional<double> parseNumber(std::string_view text) {
 
 std::optional<TimeNs> parseStamp(std::string_view text, int power) {
   const char* const end = text.data() + text.size();
+  // Never through a double: at 1.4e9 s a double's steps are 0.24 us, and stamps must match exactly.
   const Decimal number = scanDecimal(text.data(), end);
   if (text.empty() || number.next != end) return std::nullopt;
   const int shift = number.exponent + power;

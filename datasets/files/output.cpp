@@ -34,6 +34,7 @@ bool isSame(const struct stat& a, const struct stat& b) {
 }
 
 // Whether `path` is `folder` or lies in it, however either is written.
+// By device and inode at every level upwards: names would not tell of links.
 bool isWithinExisting(const fs::path& path, const struct stat& folder) {
   for (fs::path at = fs::weakly_canonical(fs::absolute(path));; at = at.parent_path()) {
     const auto status = statusOf(at);
@@ -86,6 +87,7 @@ fs::path finalPath(const OutputRequest& request) {
   if (request.path.empty())
     throw BadInput(InputFault::kBadOption, "the name of the output is empty");
   fs::path path = fs::absolute(request.path).lexically_normal();
+  // "out/" ends in an empty name.
   if (!path.has_filename()) path = path.parent_path();
   std::error_code error;
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
@@ -142,6 +144,8 @@ void refuseFolder(const OutputRequest& request, const fs::path& path) {
   }
   refuseFixedFolder(request, path);
   if (fs::is_empty(path, error)) return;
+  // A foreign file is named even where there is no manifest: the user needs to know which one it
+  // is.
   const auto manifest = readManifest(path);
   refuseForeign(path, manifest.value_or(Manifest{}));
   if (!manifest) {
@@ -182,6 +186,8 @@ BadInput unmoved(const OutputRequest& request, int error) {
 
 }  // namespace
 
+// Dead workplaces go first: one may hold the older result that its process had moved aside, and all
+// that follows judges what then stands at the name.
 OutputFolder::OutputFolder(OutputRequest request)
     : request_(std::move(request)), final_(finalPath(request_)) {
   removeDeadWorkplaces(final_);

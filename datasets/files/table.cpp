@@ -61,6 +61,7 @@ Cells csvCells(std::string_view line) {
     // A comma between quotation marks separates nothing.
     const bool quoted = from < line.size() && line[from] == '"';
     const std::size_t closing = quoted ? line.find('"', from + 1) : std::string_view::npos;
+    // A quotation mark that nothing closes is a letter like others.
     const std::size_t search = closing == std::string_view::npos ? from : closing;
     const std::size_t comma = std::min(line.find(',', search), line.size());
     std::string_view cell = trimmedText(line.substr(from, comma - from));
@@ -149,6 +150,7 @@ TimeNs TextTable::stamp() {
     stamp_text_ = text;
     return stamp_ = value;
   }
+  // Told apart from other faults, as seconds with decimals are what most tools write.
   if (text.find('.') != std::string_view::npos) {
     throw fault({InputFault::kWrongUnit, "the stamp '" + quotable(text) + "' has a decimal point",
                  "an integer number of nanoseconds",

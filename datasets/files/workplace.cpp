@@ -91,6 +91,7 @@ bool putBack(const fs::path& folder, std::string_view lock_text) {
   if (at == std::string_view::npos) return false;
   std::string name(lock_text.substr(at + 5));
   if (!name.empty() && name.back() == '\n') name.pop_back();
+  // A name and never a path: what the lock says must not lead out of this folder.
   if (name.empty() || name.find('/') != std::string::npos) return false;
   const fs::path home = folder.parent_path() / name;
   if (fs::exists(fs::symlink_status(home, error))) return true;
@@ -134,6 +135,8 @@ int takeLock(const fs::path& folder, const std::string& text) {
   const int lock = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (lock < 0) return -1;
   struct stat status {};
+  // On a file system without locks the work goes on unlocked; nobody takes it for stale, which
+  // needs the lock.
   const bool held = ::flock(lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
   if (!held || ::fstat(lock, &status) != 0 || status.st_nlink == 0) {
     ::close(lock);

@@ -47,6 +47,8 @@ GrayImage decodePng(std::string_view bytes, const SizeCheck& check) {
   const int width = static_cast<int>(png.image.width);
   const int height = static_cast<int>(png.image.height);
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  // Through luma(), so that an image in colour gives the same grey as PNG and as JPEG; alpha is
+  // left alone, as no background is known.
   const bool colour = (png.image.format & PNG_FORMAT_FLAG_COLOR) != 0;
   const bool alpha = (png.image.format & PNG_FORMAT_FLAG_ALPHA) != 0;
   if (!colour && !alpha) return {width, height, read(png, PNG_FORMAT_GRAY)};
@@ -69,6 +71,7 @@ GrayImage decode(const std::string& path, std::string_view bytes, const SizeChec
                   "an image", "copy it again or convert it to PNG"});
 }
 
+// 128 MB as grey bytes, and four times that while a PNG in colour is read.
 constexpr std::uint64_t kMostPixels = 128'000'000;
 
 /// Before decoding, by the header: a small file may claim an image of gigabytes.

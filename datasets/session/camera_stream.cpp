@@ -82,7 +82,8 @@ bool isImageName(const fs::path& path) {
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 
-// The current row's name of an image: one in data/, so that a list cannot lead elsewhere.
+// The current row's name of an image: one in data/, so that a list cannot lead elsewhere, and
+// printable, as messages show it.
 std::string imageName(TextTable& table) {
   const std::string name(table.word("filename"));
   const bool plain = isUtf8(name) && shownLine(name) == name;
@@ -134,6 +135,7 @@ std::vector<ImageFile> imagesByName(const fs::path& data) {
 
 CameraDescription readCameraDescription(const std::string& path, bool supported_models_only) {
   const YamlMap file = YamlMap::load(path, kSensorKeys);
+  // A rolling shutter stamps one row of an image; every other row would be taken for as old.
   if (file.numberOr("line_delay", 0) != 0) {
     throw file.fault(
         "line_delay",

@@ -37,6 +37,7 @@ std::string encode(const std::vector<Corner>& corners) {
 }
 
 std::optional<std::vector<Corner>> decode(std::string_view text) {
+  // Written without a flush: what a power failure left of a file fails by its hash.
   const std::size_t head = kMagic.size() + 17;  // magic, hash, newline
   if (text.size() < head || text.substr(0, kMagic.size()) != kMagic) return std::nullopt;
   const std::string_view body = text.substr(head);

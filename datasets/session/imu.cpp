@@ -81,6 +81,7 @@ bool startsWith(const std::string& text, std::initializer_list<const char*> pref
 
 /// "w_RS_S_x", "gyro_x", "omega_x", "angular_velocity.x" in small letters.
 bool namesGyro(const std::string& name) { return startsWith(name, {"w", "gyr", "omega", "ang"}); }
+// Not "a" alone, with which "angular" begins, too.
 bool namesAccel(const std::string& name) {
   return startsWith(name, {"a_", "ax", "ay", "az", "acc", "lin", "f_"});
 }
@@ -100,6 +101,7 @@ bool accelerationFirst(const std::string& path, const std::vector<std::string_vi
   if (header.empty()) return false;
   std::vector<std::string> names;
   for (const std::string_view name : csvCells(header.front())) names.push_back(lowered(name));
+  // A stamp and six axes; a table of another width is refused at its first row.
   if (names.size() != 7) return false;
   for (std::size_t i = 1; i < 7; ++i) refuseUnits(path, names[i]);
   const auto all = [&](std::size_t first, bool (*is)(const std::string&)) {

@@ -108,6 +108,7 @@ SessionFolder findSession(const std::string& path) {
                     "a name in UTF-8", "rename the folder, or link to it"});
   }
   folder.root = (below ? fs::path(path) / "mav0" : fs::path(path)).string();
+  // What stands in the folder that was named goes before the other level's.
   folder.beside = {path};
   if (below) folder.beside.push_back(folder.root);
   if (is_mav) folder.beside.push_back(top.parent_path().string());

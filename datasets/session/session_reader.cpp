@@ -53,6 +53,7 @@ std::vector<ImageView> withEmptyViews(std::vector<ImageView> views, const std::s
   for (const ImageFile& frame : frames) {
     while (i < seen && views[i].t < frame.t) ++i;
     if (i < seen && views[i].t == frame.t) continue;
+    // Views that the list lacks stay: their corners prove that there was a frame.
     views.push_back({frame.t, {}});
   }
   std::sort(views.begin(), views.end(),
@@ -90,6 +91,7 @@ void readCamera(const std::string& path, const SessionReadOptions& options, Reco
 }
 
 ImuStream readImu(const SessionFolder& folder, const SessionReadOptions& options) {
+  // EuRoC's own sensor.yaml comes last: an imu.yaml beside the session is its user's word over it.
   auto path = options.imu_path;
   if (!path) path = findBeside(folder.beside, "imu.yaml");
   if (!path) path = findBeside({*folder.imu}, "sensor.yaml");

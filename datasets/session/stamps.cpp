@@ -27,6 +27,7 @@ std::string duplicateCure(TimeNs t) {
              : "delete one of the two rows";
 }
 
+// By the intervals and not by the stamps themselves, which may count from any start.
 void checkStampUnit(const std::string& path, const std::vector<TimeNs>& stamps, TimeNs shortest,
                     const std::string& things) {
   if (stamps.size() < 2) return;

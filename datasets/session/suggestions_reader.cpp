@@ -14,6 +14,7 @@ namespace {
 
 constexpr const char* kSuggestionsLayout =
     "t_ns, stage, id, T_FC0 (tx ty tz qx qy qz qw, or a 4x4 matrix)";
+// Of a quaternion's length, and of R R^T in its norm: numbers with four decimals pass.
 constexpr double kUnitTolerance = 1e-3;
 
 GuideStage stageFrom(TextTable& table) {

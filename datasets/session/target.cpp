@@ -10,6 +10,7 @@ namespace {
 
 constexpr const char* kTargetKeys =
     "target_type: aprilgrid with tagRows, tagCols, tagSize [m] and tagSpacing [ratio of tagSize]";
+// Kalibr's two traps: tagSize is in metres, and tagSpacing is no length but a ratio of it.
 constexpr double kLargestTag = 5.0;  // [m]; above it the size is in another unit
 constexpr double kLargestSpacing = 3.0;
 constexpr double kSmallestSpacing = 0.1;  // Kalibr's black squares need room; below: metres

@@ -14,6 +14,7 @@ namespace {
 
 constexpr const char* kFile =
     "tagRows, tagCols, tagSize, tagSpacing, and terms_mm with the terms of the board's shape [mm]";
+// Files of a board are in millimetres, as people measure one; within, all is in metres.
 constexpr double kMillimetres = 1e3;
 constexpr double kLargest = 0.05;  // [m]; no board is bent by more and still found
 

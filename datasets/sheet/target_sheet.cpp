@@ -75,6 +75,8 @@ Layout layoutOf(const SheetOptions& o) {
   Layout l = sized(o.target);
   l.paper = o.paper;
   const PaperSize turned{o.paper.height_mm, o.paper.width_mm};
+  // The strip of the ruler stays at the bottom either way, so that the two differ even for a square
+  // target.
   if (room(l, turned) > room(l, o.paper)) l.paper = turned;
   l.left = 0.5 * (l.paper.width_mm - l.width) + l.gap;
   l.bottom = 0.5 * (l.paper.height_mm - kStrip + l.height) - l.gap;
@@ -105,6 +107,7 @@ void addTag(cairo_t* cr, const Layout& l, int tag, double left, double bottom, i
       if (end > col) {
         cairo_rectangle(cr, left + col * cell, bottom - (row + 1) * cell, (end - col) * cell, cell);
       }
+      // The cell at `end` is white, or beyond the tag.
       col = end + 1;
     }
   }

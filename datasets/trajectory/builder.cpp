@@ -15,6 +15,7 @@ constexpr TimeNs kGapFactor = 10;  // a gap is so many times the median interval
 
 /// The gaps of a trajectory in a sentence, by its own median interval; "" where there is none.
 std::string gapRemark(const std::vector<StampedPose>& poses) {
+  // Two poses have one interval, which is its own median.
   if (poses.size() < 3) return {};
   const TimeNs shortest = kGapFactor * medianInterval(poses);
   int gaps = 0;

@@ -27,6 +27,8 @@ std::vector<TimeNs> readTimes(const std::string& path) {
   return times;
 }
 
+// The upper three rows of T_WB, row by row: the camera's pose in its first frame (readme of KITTI's
+// odometry devkit).
 StampedPose poseOf(const TextTable& table, const NumberRow& row) {
   table.expectColumns(row, kPoseColumns);
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> T(row.values.data());

@@ -36,6 +36,7 @@ const std::string& property(const TrajectorySource& source, const Take& take, co
 // Millimetres and the like to metres: what a position is divided by.
 double lengthDivisor(const TrajectorySource& source, const Take& take) {
   const std::string& units = property(source, take, "Length Units");
+  // A divisor: of a thousand the quotient is rounded once, while 0.001 is no double itself.
   if (units == "Meters") return 1;
   if (units == "Centimeters") return 100;
   if (units == "Millimeters") return 1000;
@@ -88,6 +89,7 @@ Body& bodyNamed(Take& take, const std::string& name) {
 void takeColumns(Take& take, const std::vector<Cells>& rows) {
   const Cells& types = rows.front();
   const Cells& names = rows[1];
+  // From the end: between names and kinds there may be more rows than the ids.
   const Cells& kinds = rows[rows.size() - 2];
   const Cells& axes = rows.back();
   for (std::size_t c = 2; c < axes.size(); ++c) {
@@ -219,7 +221,8 @@ TrajectoryFile readMotive(const TrajectorySource& source, const TrajectoryReadOp
       ++occluded;
       continue;
     }
-    // From the frame's number: the Time column is rounded.
+    // From the frame's number: the Time column is rounded. In long double: beyond nine million
+    // frames the product leaves the 53 bits of a double.
     const TimeNs t = std::llround(static_cast<long double>(frame.number) * 1e9L / rate);
     builder.add({t, frame.pose->p / divisor, frame.pose->q}, frame.line);
   }

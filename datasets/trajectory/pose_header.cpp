@@ -64,6 +64,7 @@ int columnOf(const std::vector<Name>& names, char first, char last) {
 
 /// Three names in a row that end in x, y, z and begin with p or t: "tx", "px", "p_RS_R_x"; or the
 /// axes alone.
+/// From column 1 on, here and in columnOf(): column 0 is the stamp's.
 std::optional<int> positionColumn(const std::vector<Name>& names) {
   for (std::size_t i = 1; i + 2 < names.size(); ++i) {
     const auto ends = [&](std::size_t j, char axis) {

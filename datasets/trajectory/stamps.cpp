@@ -64,6 +64,8 @@ int powerForLong(TimeNs interval, int power) {
 StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& evidence) {
   const int power = evidence.stated.value_or(evidence.usual);
   const std::optional<int> epoch = powerOfEpoch(evidence.first);
+  // Without an epoch the stamps count from some start of their own, and nothing speaks against the
+  // unit.
   if (!epoch || *epoch == power) return {power, {}};
   const std::string what = fmt::format(
       "the stamp {:.17g} is not a time of this century in {}: it looks like {} since 1970",
@@ -81,6 +83,7 @@ StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& e
                               unitName(power))};
 }
 
+// The second look at the unit, for stamps that no epoch could tell: by the rate of the poses.
 void checkPoseIntervals(const TrajectorySource& source, const std::vector<StampedPose>& poses,
                         int power, int line) {
   if (poses.size() < 3) return;

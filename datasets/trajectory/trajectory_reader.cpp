@@ -40,6 +40,8 @@ std::optional<TrajectoryFormat> formatOf(std::string_view text) {
     if (beginsViconSection(line)) return TrajectoryFormat::kVicon;
     if (parseTableHeader(line)) return std::nullopt;
     if (line[0] == '#') continue;
+    // No other table without a header has twelve: TUM's have 8 or 20 columns, EuRoC's 4, 8, 11 or
+    // 17.
     return countCells(line) == 12 ? std::optional(TrajectoryFormat::kKitti) : std::nullopt;
   }
   return std::nullopt;

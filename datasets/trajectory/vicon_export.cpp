@@ -80,6 +80,7 @@ std::string objectName(std::string_view cell) {
 /// A name stands over the first of an object's columns, the others have none.
 std::vector<Object> objectsOf(const ViconHeader& header) {
   std::vector<Object> objects;
+  // After the frame and the sub frame.
   for (std::size_t c = 2; c < header.columns.size(); ++c) {
     const std::string_view name = cellAt(header.names, c);
     if (!name.empty()) objects.emplace_back().name = objectName(name);
@@ -206,6 +207,7 @@ class ViconReader {
       throw source_.fault(table_.line(), {InputFault::kOutOfRange, "the sub frame is not 0",
                                           "whole frames", "export at the cameras' rate"});
     }
+    // In long double, as Motive's frames are.
     return std::llround(static_cast<long double>(number(cells, 0)) * 1e9L / header_.rate);
   }
 
