@@ -146,6 +146,7 @@ std::vector<Card> keyFigures(const CalibrationRecord& record) {
   if (!s) return cards;
   addStageCards(cards, "camera-IMU", s->summary, s->cameras);
   addEntropyCard(cards, "camera-IMU", s->summary, noiseAssumed(record.assumptions, true));
+  // The deviation that the table of parameters shows, not the formal one beside the estimate.
   const double offset_std = 1e3 * shownOffsetStd(record).value_or(0);
   cards.push_back({"Time offset", withPrecisionOf(1e3 * s->imu.timeOffset(), offset_std), "ms",
                    offset_std > 0 ? "std " + twoDigits(offset_std) + " ms" : ""});
@@ -170,6 +171,7 @@ std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record) {
   return groups;
 }
 
+// Fields and signs as the exports write them (datasets/calibration/export).
 std::vector<OffsetRow> offsetRows(double offset, std::optional<double> std_s) {
   const double std = std_s.value_or(0), minus = 0.0 - offset;  // 0 has no sign
   const std::string number = fmt::format("{:.6g}", offset);

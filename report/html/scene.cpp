@@ -12,6 +12,7 @@
 namespace plumbline::html_internal {
 namespace {
 
+// More would be a thicket in which none can be picked.
 constexpr std::size_t kMostFrusta = 80;  // per camera
 constexpr std::size_t kMostPath = 1500;  // points of the path
 
@@ -232,6 +233,7 @@ Scene buildScene(const CalibrationRecord& record) {
   const auto seconds = frameSeconds(rig.stage);
   scene.rmse = rmseRange(rmse);
   scene.seconds = seconds.empty() ? 0 : seconds.back();
+  // What is drawn has its size by the target, the one length that every scene has.
   const double depth = 0.1 * std::max(record.target.width(), record.target.height());
   scene.objects.push_back(path(rig.T_FC0));
   for (std::size_t i = 0; i < std::min(rig.T_FC0.size(), seconds.size()); ++i) {

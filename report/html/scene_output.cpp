@@ -12,6 +12,7 @@
 namespace plumbline::html_internal {
 namespace {
 
+// Metres; here and below digits to about a tenth of a millimetre, finer than any view shows.
 std::string list(const Eigen::Vector3d& v) {
   return fmt::format("[{:.4g},{:.4g},{:.4g}]", v.x(), v.y(), v.z());
 }

@@ -144,6 +144,8 @@ std::vector<const ImuIntervalResidual*> shownIntervals(const CameraImuStageResul
   };
   std::vector<const ImuIntervalResidual*> shown;
   for (std::size_t from = 0; from < all.size(); from += run) {
+    // The worst and not the first, so that thinning hides no reading that the noise does not
+    // explain.
     const ImuIntervalResidual* most = &all[from];
     for (std::size_t i = from; i < std::min(from + run, all.size()); ++i) {
       if (difference(all[i]) > difference(*most)) most = &all[i];

@@ -32,6 +32,7 @@ Table sensorTable(const std::vector<SampleIntervals>& sensors) {
               {}};
   for (const SampleIntervals& s : sensors) {
     table.rows.push_back({tight(s.sensor), number(grouped(s.samples)),
+                          // By the median, which gaps leave as it is.
                           number(s.median_s > 0 ? fmt::format("{:.2f}", 1 / s.median_s) : kDash),
                           number(milliseconds(s.median_s)), number(milliseconds(s.min_s)),
                           number(milliseconds(s.max_s)),

@@ -16,7 +16,8 @@ constexpr int kFieldColumns = 20;   // cells across the image for the vector fie
 constexpr double kReach = 1.1;      // of a typical arrow, in its cells
 constexpr int kMapColumns = 24;     // and for the RMSE and coverage maps
 constexpr std::size_t kFewest = 8;  // corners that a cell needs before its mean is shown
-constexpr double kShown = 0.999;    // share of the errors inside the scatter's axes
+// By a quantile: one false corner would leave the cloud a dot in the middle.
+constexpr double kShown = 0.999;  // share of the errors inside the scatter's axes
 
 /// Sums of the errors that fell into each cell of a grid over the image, row by row.
 struct ImageGrid {

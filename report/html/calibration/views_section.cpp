@@ -18,6 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
+// About a megabyte of base64, whatever the length of the recording.
 constexpr std::size_t kMostCorners = 1e5;  // that a page carries; 8 bytes each
 constexpr double kQuarter = 4;             // steps per pixel of a corner
 constexpr double kMilli = 1000;            // and of an error; 32 px and more are one

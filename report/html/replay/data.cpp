@@ -22,6 +22,7 @@ double numberOf(const std::optional<T>& value) {
 }
 
 /// A column of the table of decisions: words as their place in the enumeration, nothing as NaN.
+// Columns rather than objects: with a decision for every frame the names would be most of the page.
 struct DecisionColumn {
   const char* name;
   double (*value)(const Decision&);

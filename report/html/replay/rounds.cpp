@@ -34,7 +34,8 @@ RoundPose roundPose(const Transform& T) {
   return pose;
 }
 
-/// Values in the order of their first use, each once.
+/// Values in the order of their first use, each once: rounds score the same candidates again and
+/// again.
 template <class T>
 struct OnceEach {
   std::map<T, std::uint32_t> places;

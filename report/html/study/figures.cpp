@@ -142,6 +142,7 @@ Figure survivalFigure(const StudyRecord& record) {
   plot.frame.width = 960;
   plot.frame.height = 300;
   plot.frame.x = {"time [s]", Range{0, record.limit_s}, {}, false, false};
+  // A little above 1, where every curve begins.
   plot.frame.y = {"share", Range{0, 1.03}, {}, false, false};
   return {toSvg(plot, "study-survival"),
           "Kaplan-Meier estimate; participants who gave up count as not done until the limit. A "

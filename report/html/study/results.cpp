@@ -202,6 +202,7 @@ Section perturbationSection(const StudyRecord& record) {
                {"Largest error [ms]", kNumber}},
               {}};
   for (const auto& [key, group] : groups) {
+    // n - 1 in the denominator; of a single value the deviation is 0 and not undefined.
     const SampleStatistics all = sampleStatistics(group.ms, group.ms.size() > 1 ? 1 : 0);
     double worst = 0;
     for (const double ms : group.ms) worst = std::max(worst, std::abs(ms - key.first));

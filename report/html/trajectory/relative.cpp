@@ -16,6 +16,7 @@ namespace {
 
 /// p5, quartiles and p95 of what a relative error's statistics keep.
 std::array<double, 5> fiveOf(const SampleStatistics& s) {
+  // Of kPercents: 5, 25, 75 and 95 stand at 1 to 4.
   return {s.percentiles[1], s.percentiles[2], s.median, s.percentiles[3], s.percentiles[4]};
 }
 
