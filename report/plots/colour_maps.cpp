@@ -8,6 +8,8 @@
 namespace plumbline {
 
 Colour seriesColour(std::size_t i) {
+  // The eighth series has the first one's colour again, and hover.js, which knows a series by its
+  // colour, cannot tell the two apart.
   static constexpr std::array<Colour, 7> kCycle = {{{0, 94, 162, 255},
                                                     {213, 94, 0, 255},
                                                     {0, 138, 100, 255},
@@ -51,6 +53,7 @@ Colour sequentialColour(double u) {
   return between(kStops, u);
 }
 
+// White in the middle, where zero is, and equally dark at both ends: the hue alone tells the sign.
 Colour divergingColour(double u) {
   static constexpr std::array<Colour, 5> kStops = {{{33, 76, 148, 255},
                                                     {132, 172, 214, 255},

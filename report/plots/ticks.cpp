@@ -21,6 +21,8 @@ double roundStep(double rough) {
 }
 
 std::string label(double value, double step, double largest) {
+  // Beyond these the zeros would take the axis' room. As many digits as lie between the value and
+  // the step tell neighbours apart.
   if (largest >= 1e6 || largest < 1e-4) {
     if (value == 0) return "0";
     const int digits = static_cast<int>(std::floor(std::log10(std::abs(value)) + 1e-9)) -

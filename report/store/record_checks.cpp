@@ -11,6 +11,7 @@ constexpr double kLargestTag_m = 5;
 constexpr int kMostFrames = 1'000'000;  // nine hours of 30 Hz
 constexpr double kLargestSpacing = 3;
 constexpr double kLongestBound_s = 1e4;
+// Where the axis of the basin ends (kLeastError, html/perturbation/figures.cpp).
 constexpr double kShortestBound_s = 1e-12;
 constexpr std::size_t kMostBytes = 256U << 20U;
 constexpr int kDeepest = 64;

@@ -79,6 +79,7 @@ struct MetricSink : PathSink {
     path.push_back(n > 1 ? label + " #" + std::to_string(n) : label);
   }
   void number(const char* name, const std::string& unit, double value) {
+    // A figure at the record's top belongs to no part of the run.
     if (path.empty()) return metrics.push_back({"", name, unit, value});
     // Below a list or `stages` the second name tells the part of the run, else the first does.
     const std::size_t stage = path.size() > 1 && (in_list || path[0] == "stages") ? 1 : 0;

@@ -414,6 +414,7 @@ std::string ChartPage::svg() {
   scene->SetGeometry(frame_.width, frame_.height);
   vtkNew<SvgDevice> device;
   vtkNew<vtkContext2D> painter;
+  // VTK's axes find their place with the first painting; start() drops what that one drew.
   for (int pass = 0; pass < 2; ++pass) {
     device->start(id_, frame_.height);
     painter->Begin(device);

@@ -29,6 +29,7 @@ Range valueRange(const HeatMap& map) {
     const double largest = std::max(std::abs(range.min), std::abs(range.max));
     return {-largest, largest};
   }
+  // From 0, so that of two magnitudes the colours tell how many times one is the other.
   if (range.min > 0) range.min = 0;
   return range;
 }

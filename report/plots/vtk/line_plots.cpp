@@ -61,6 +61,7 @@ HeatMap density(const ScatterPlot& plot, const Range& x, const Range& y) {
   return map;
 }
 
+// A path of thousands of pieces becomes that many series at most.
 constexpr int kColourClasses = 24;
 
 /// By the mean of the values at both ends; -1 for a piece without a value, which is not drawn.

@@ -109,6 +109,8 @@ void SvgDevice::element(const std::string& shape, const std::string& attributes)
   if (!shape_link_.empty()) body_ += "</a>";
 }
 
+// Hundredths of a pixel for data, into which readers zoom and which they save as CSV; tenths for
+// all else, and where the text would grow.
 std::string (*SvgDevice::writer(const std::vector<double>& page) const)(double) {
   constexpr std::size_t kFew = 10'000;  // points: more would make the page large
   return in_data_ && page.size() / 2 <= kFew ? &finePixel : &pixel;
