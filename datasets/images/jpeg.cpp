@@ -132,6 +132,7 @@ GrayImage decodeJpeg(std::string_view bytes, const SizeCheck& check) {
   };
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   const bool known = readHeader(decoder, data, bytes.size());
+  // After readHeader(), which makes what is destroyed here even where it fails.
   const Cleanup cleanup{&decoder.info};
   if (!known) throw DecodeError{decoder.trap.message};
   check(decoder.info.image_width, decoder.info.image_height);

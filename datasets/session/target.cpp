@@ -31,6 +31,7 @@ void checkType(const YamlMap& file) {
 
 int tagCount(const YamlMap& file, const std::string& key) {
   const int count = file.integer(key, "the number of tags, a positive integer");
+  // Kalibr's targets number their tags from 0 in the family, which therefore has the last word.
   if (count < 1 || count > kFamilySize) {
     throw file.fault(key, {InputFault::kOutOfRange, fmt::format("{} is {}", key, count),
                            "a number of tags from 1 to " + std::to_string(kFamilySize),

@@ -18,6 +18,8 @@ constexpr const char* kFile =
 constexpr double kMillimetres = 1e3;
 constexpr double kLargest = 0.05;  // [m]; no board is bent by more and still found
 
+// The terms' functions are scaled to unit RMS over the corners of their own grid: on another one
+// the same numbers mean another shape.
 void checkGrid(const YamlMap& file, const AprilGrid& grid) {
   const auto same = [&](const char* key, double value) {
     const double stated = file.number(key, "a number of the grid, as in target.yaml");

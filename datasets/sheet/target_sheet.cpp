@@ -161,6 +161,7 @@ void draw(cairo_t* cr, const Layout& l, const SheetOptions& o) {
   drawRuler(cr, l, o);
 }
 
+// Cairo keeps its first fault and draws no more: one question at the end is enough.
 void requireDrawn(cairo_status_t status) {
   if (status == CAIRO_STATUS_SUCCESS) return;
   throw InputError(std::string("the sheet cannot be drawn: ") + cairo_status_to_string(status));

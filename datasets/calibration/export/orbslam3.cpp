@@ -103,6 +103,8 @@ std::string overlapText(const Calibration& calibration) {
   return text;
 }
 
+// Both transforms of the file are of floats, as in the tool's own settings; their rounding is below
+// a micrometre.
 std::string stereoText(const Calibration& calibration) {
   std::string text = "# Camera 2 into camera 1.\n" +
                      opencvMatrix("Stereo.T_c1_c2", calibration.cameras[1].T_C0Ci, 'f') +

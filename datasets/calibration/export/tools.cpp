@@ -20,6 +20,7 @@ namespace {
 // Of a line of notes, its prefix included.
 constexpr std::size_t kColumns = 96;
 
+// Letters and digits, and what else is named: every YAML reader takes them without quotes.
 bool plain(char c, std::string_view also) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || also.find(c) != also.npos;
 }

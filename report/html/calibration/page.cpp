@@ -82,6 +82,7 @@ std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise, const Verdict
                         findingOf(verdict, "Noise density of the gyroscope")),
           densityRemark("Accelerometer noise", noise.accel,
                         findingOf(verdict, "Noise density of the accelerometer")),
+          // No rule judges the walks.
           densityRemark("Gyroscope bias walk", noise.gyro_bias, nullptr),
           densityRemark("Accelerometer bias walk", noise.accel_bias, nullptr),
           fmt::format("The noise of the poses corresponds to a corner noise of {:.2f} px.",

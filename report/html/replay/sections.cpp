@@ -102,6 +102,8 @@ std::string endText(const SuggestionOutcome& o) {
   return o.end == SuggestionEvent::kNone ? "open at the end" : toString(o.end);
 }
 
+// Only a suggestion that nobody reached in its time is bad; one that the recording's end cut off
+// might have been.
 std::optional<VerdictLevel> levelOf(SuggestionEvent end) {
   if (end == SuggestionEvent::kReached) return VerdictLevel::kGood;
   if (end == SuggestionEvent::kWithdrawn) return std::nullopt;  // nothing was missed
@@ -109,6 +111,7 @@ std::optional<VerdictLevel> levelOf(SuggestionEvent end) {
 }
 
 std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome& o) {
+  // 0: the record does not know its end.
   const bool ended = o.ended >= o.suggestion.t && o.ended != 0;
   return {number(std::to_string(o.suggestion.id)),
           tight(titleOf(o.suggestion.stage)),

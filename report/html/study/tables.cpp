@@ -33,6 +33,7 @@ Cell named(const StudyRecord& record, const std::string& session) {
 }
 
 /// Failures and bad verdicts with a session; empty if nothing did.
+// The first that holds, the gravest before the others.
 std::string problemOf(const StudySession& s) {
   // Without a calibration there is no verdict to name.
   if (s.status == StudyStatus::kFailed) return "failed at " + s.failed_step;
