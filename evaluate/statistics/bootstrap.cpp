@@ -80,6 +80,7 @@ std::optional<BootstrapInterval> bcaInterval(const Groups& groups, const Statist
     return std::nullopt;
   }
   const boost::math::normal_distribution<double> normal;
+  // Efron's z0: how far the estimate is from the median of the resampled ones, in deviations.
   const double bias = quantile(normal, share);
   const double a = acceleration(groups, statistic);
   // Efron's BCa end: the quantile at Phi(z0 + (z0 + z_tail) / (1 - a (z0 + z_tail))).

@@ -167,6 +167,8 @@ std::optional<int> periodOf(const StudyRecord& record, const std::string& partic
 
 bool isEndpoint(const std::string& name, const std::vector<CaptureStage>& stages) {
   if (name == kAte || name.starts_with(kEstimates)) return true;
+  // With a value for each, whatever it is: the walk finds names, and passes over figures that are
+  // not there.
   StudySession all;  // every figure that a session may have
   all.stages = stages;
   for (std::optional<double>* figure :

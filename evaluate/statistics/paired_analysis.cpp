@@ -64,6 +64,9 @@ PairedAnalysis analysePairs(const std::vector<PairedValues>& pairs, const Paired
   result.effect = halved(shiftBetween(method_first, negated(baseline_first), options.permutation));
   result.bca = bcaInterval({method_first, baseline_first}, meanOfMeans, options.bootstrap);
   result.period = halved(shiftBetween(baseline_first, method_first, options.permutation));
+  // Each method and each period is once in every sum, so that the groups' sums differ by carry-over
+  // alone (Jones and Kenward, 2014, ch. 2). It compares people with people, and its interval is
+  // mostly much wider than that of the effect, which is within people.
   result.carry_over = shiftBetween(sums_method, sums_baseline, options.permutation);
   return result;
 }

@@ -130,6 +130,8 @@ PermutationResult resultOf(double estimate, double rounding, Crossings crossings
   const auto not_negative = std::lower_bound(shifts.begin(), shifts.end(), -rounding);
   const double above = crossings.unchanged + static_cast<double>(positive - shifts.begin());
   const double below = crossings.unchanged + static_cast<double>(shifts.end() - not_negative);
+  // Twice the smaller tail: with groups of different sizes the distribution is not symmetric, and
+  // the sizes of statistics could not be compared across its sides.
   PermutationResult result{
       estimate, std::min(1.0, 2 * std::min(above, below) / total), {}, {}, crossings.exact, total};
   // The least shift that is not rejected from below has more than `tail` permutations at or under

@@ -121,6 +121,7 @@ std::string timeSentence(const StudyTimeDifference& t, double limit_s) {
     text += fmt::format(", 95 % interval of the difference {:+.3g} to {:+.3g} s",
                         *t.difference_s.low, *t.difference_s.high);
   }
+  // Said as it was measured, significant or not: the interval and p behind it tell which.
   if (t.p) return text + fmt::format(" ({}; {})", pText(*t.p), participantsText(t.participants));
   return text + " (all in one order: method and order are confounded)";
 }

@@ -54,11 +54,11 @@ QuadeTest quade(const std::vector<std::vector<double>>& blocks) {
   test.dof1 = static_cast<int>(methods) - 1;
   test.dof2 = test.dof1 * (static_cast<int>(blocks.size()) - 1);
   if (total == 0) return test;  // all alike
-  // F is infinite where all participants rank the methods alike, and its distribution says p = 0,
-  // which n participants cannot show.
+  // F is infinite where all participants rank the methods alike and none weighs more (weights that
+  // differ keep A - B above 0). Its distribution would say p = 0, which n participants cannot show.
   if (!(total - between > 1e-12 * total)) {
     test.statistic = std::numeric_limits<double>::infinity();
-    test.p = std::pow(std::tgamma(k + 1), 1 - n);  // of Conover: the ranks agree by chance
+    test.p = std::pow(std::tgamma(k + 1), 1 - n);  // Conover: by chance all agree with the first
     return test;
   }
   test.statistic = (n - 1) * between / (total - between);

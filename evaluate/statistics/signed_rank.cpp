@@ -13,6 +13,7 @@ namespace {
 /// Probability of every sum of the ranks whose signs are positive, each sign as likely as the
 /// other. Ranks are doubled, so that midranks are whole numbers.
 std::vector<double> sumsOf(const std::vector<std::size_t>& doubled) {
+  // One rank after the other is in the sum or not: all 2^n signs, without listing them.
   std::vector<double> density{1};
   for (const std::size_t rank : doubled) {
     std::vector<double> next(density.size() + rank, 0);
@@ -95,6 +96,9 @@ SignedRank signedRank(const std::vector<double>& differences, double confidence)
   if (!doubled.empty()) result.p = twoSided(sumsOf(doubled), sum);
   const std::vector<double> averages = walshAverages(differences);
   result.hodges_lehmann = median(averages);
+  // By the distribution of n ranks without ties, zeros included, since every difference has its
+  // Walsh averages; p is of the midranks that occurred. Where there are ties or zeros the two may
+  // disagree about 0.
   const std::size_t left_out = outside(differences.size(), (1 - confidence) / 2);
   if (left_out > 0) {
     result.low = averages[left_out - 1];

@@ -11,6 +11,8 @@
 namespace plumbline {
 namespace {
 
+// Of two sessions, one degree of freedom, true deviations give ratios from 0.03 to 2.2 (95 %):
+// nothing would stand out. Of three it is 0.16 to 1.9.
 constexpr std::size_t kLeastSessions = 3;
 constexpr double kTail = 0.025;
 

@@ -117,6 +117,8 @@ void addEffects(StudyRecord& record, const PairedOptions& options) {
   StudyStatistics& s = record.statistics;
   const bool vary = ordersVary(record);
   std::vector<std::string> words;
+  // A ratio or a difference is decided for an endpoint as a whole (endpointOf()), so that all its
+  // methods are compared on one scale.
   for (const Endpoint& endpoint : endpointsOf(record)) {
     for (std::size_t k = 1; k < record.methods.size(); ++k) {
       s.effects.push_back(effectOf(record, endpoint, record.methods[k], options));

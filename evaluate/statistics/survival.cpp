@@ -16,6 +16,7 @@ std::vector<SurvivalPoint> kaplanMeier(std::vector<TimeToEvent> times) {
     for (; end < times.size() && times[end].t == times[i].t; ++end) events += times[end].done;
     // Those whose time is not before this one, events and censored ones alike.
     const auto at_risk = static_cast<int>(times.size() - i);
+    // Where all are censored the curve does not fall: they only leave the numbers at risk.
     if (events > 0) {
       survival *= 1 - static_cast<double>(events) / at_risk;
       curve.push_back({times[i].t, at_risk, events, survival});
