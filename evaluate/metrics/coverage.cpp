@@ -19,6 +19,7 @@ RegionalErrors::Worst RegionalErrors::worst(int least) const {
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
       const double error_px = typical_error_px(row, column);
+      // NaN is larger than every number, and so is not passed over as a region in order.
       if (count(row, column) < least || !isLarger(error_px, worst.error_px)) continue;
       worst = {error_px, row, column};
     }

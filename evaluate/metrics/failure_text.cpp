@@ -104,6 +104,8 @@ std::string likelyCause(double estimate, double truth) {
       }
     }
   }
+  // What was given as --time-offset is in `estimate` already (explainTooFewPairs()): this adds to
+  // it.
   const double offset = truth - estimate;
   if ((estimate < kEpochStarts) != (truth < kEpochStarts)) {
     return fmt::format(

@@ -11,6 +11,7 @@ namespace {
 using Subject = FindingSubject;
 
 Findings cameraFindings(const CalibrationRecord& record, const VerdictThresholds& t) {
+  // The order counts: of all findings of the worst level the first is the headline (gravest()).
   const CameraStageResult& stage = *record.camera;
   Findings findings;
   append(findings, judgeConvergence(stage.summary, "cameras"), Subject::kCameras);

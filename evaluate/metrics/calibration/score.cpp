@@ -218,6 +218,7 @@ void addFolds(const ScoredCalibration& scored, const Session& session, const Sco
   for (int k = 0; k < options.folds; ++k) {
     progress("validating", static_cast<double>(k) / options.folds);
     // To cut the IMU's samples where the held-out frames are in its clock.
+    // The calibration's own, as that of the fold is estimated after the cut.
     const double offset_s = calibration.imu ? calibration.imu->timeOffset() : 0;
     const Fold fold = foldOf(session, options.camera.frames, {k, options.folds, offset_s});
     FoldScores one = scoreFold(scored, fold, options);

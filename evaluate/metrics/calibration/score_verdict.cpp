@@ -28,6 +28,7 @@ void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings
 Findings judgeHeldOut(const std::vector<CalibrationScore>& scores, const VerdictThresholds& t) {
   Findings findings;
   for (const CalibrationScore& s : scores) {
+    // "all" is a whole session, "all K folds" their pool; "fold k of K" are single ones.
     if (!s.held_out || !s.part.starts_with("all") || s.reprojection.count == 0) continue;
     findings.push_back(above(
         {fmt::format("Held-out reprojection error on {}, {}", s.session, s.part), "px", t.rmse_px,

@@ -151,6 +151,7 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
   Findings findings;
   const CameraStageResult& stage = *record.camera;
   const AprilGrid& target = record.target;
+  // With the stage's own lenses, so that distortion does not pass for another spacing.
   const TargetLayout shown = shownLayout(stage.residuals, stage.cameras, target);
   if (shown.largest_tag >= 0) {
     // Tags are numbered along rows from the bottom, so the largest id tells the topmost row seen.

@@ -69,6 +69,7 @@ LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
     consider(estimate.robust_std, StdKind::kRobust);
     consider(estimate.resample_std, StdKind::kBootstrap);
     const double value = relative ? std / std::abs(estimate.value) : std;
+    // The first is taken whatever it is, also 0; NaN is larger than every number.
     if (worst.name.empty() || isLarger(value, worst.value)) worst = {value, estimate.name, kind};
   }
   return worst;

@@ -47,6 +47,9 @@ std::optional<Jitter> jitterOfIntervals(const CameraImuStageResult& stage) {
   // across, which is per axis, by 2 |w|^2 times the variance of e.
   for (std::size_t k = 0; k + 1 < stage.states.size() && k < stage.imu_residuals.size(); ++k) {
     const ImuIntervalResidual& r = stage.imu_residuals[k];
+    // Residuals are of the links between frames, and states of frames: behind a gap of the IMU,
+    // which has no link, the two are no longer parallel. What comes after the first gap is not
+    // looked at.
     if (r.t != stage.frames[k].t || !(r.dt_s > 0)) break;
     const Eigen::Matrix3d turn = stage.states[k].T_FS.R.transpose() * stage.states[k + 1].T_FS.R;
     const Eigen::Vector3d rate = logSO3(turn) / r.dt_s;
@@ -58,6 +61,8 @@ std::optional<Jitter> jitterOfIntervals(const CameraImuStageResult& stage) {
     before = part;
   }
   if (stage.imu_residuals.size() < kFewest || !(along > 0) || !(across > 0)) return std::nullopt;
+  // Both, since either alone has other causes: a gyroscope whose scale is off errs along the motion
+  // too, and white noise of poses alternates as well, but in all directions.
   const bool found = along > kAlong * across && neighbours < kAlternates * along;
   return Jitter{found ? std::sqrt(std::max(0.0, along - across) / (2 * rates)) : 0,
                 fmt::format("rotation residuals along the motion have {:.1f} times the power of "

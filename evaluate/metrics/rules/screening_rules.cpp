@@ -80,6 +80,7 @@ Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThreshol
             counted(s.misplaced_tags.size(), "tags are not at the position of their id",
                     listed(s.misplaced_tags,
                            [&](const MisplacedTag& m) { return tagWords(m, stage.cameras); }))));
+  // A share and no count: single false corners are no finding.
   const auto offered = static_cast<double>(stage.summary.corners_offered);
   const double wrong = share(static_cast<double>(s.false_corners), offered);
   findings.push_back(

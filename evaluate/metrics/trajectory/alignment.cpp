@@ -121,6 +121,7 @@ Result<AlignmentRecord> fitYaw(const PointMoments& m) {
 }
 
 Result<AlignmentRecord> fitRotation(const PointMoments& m, bool with_scale) {
+  // The bound is of singular values, squares of lengths: a spread of 1e-5 across the line.
   const Similarity best = bestSimilarity(m);
   if (!(best.across > kLine)) {
     return Failure{FailureCode::kPositionsOnALine};

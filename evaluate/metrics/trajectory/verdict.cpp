@@ -81,6 +81,8 @@ void addCovariances(const TrajectoryStudy& study, Findings& findings) {
   if (judged == 0) return;
   Finding f;
   f.rule = "Covariances of the estimates";
+  // Never bad: the bound is for independent poses, those of one run err alike for a while, and a
+  // mean just above it proves nothing (neesOf()).
   f.level = small > 0 ? VerdictLevel::kCaution : VerdictLevel::kGood;
   f.evidence = fmt::format("{} of {} mean NEES above their chi-square bound", small, judged);
   if (small > 0) {
