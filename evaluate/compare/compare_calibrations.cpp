@@ -269,6 +269,7 @@ void addMaps(const std::vector<ComparedFile>& files, const std::vector<OnSession
         uncertaintyMaps(c.calibration.cameras, c.label, known, options.ranges_m, options.grid);
     record.uncertainties.insert(record.uncertainties.end(), maps.begin(), maps.end());
   }
+  // After all uncertainties, by which the differences are weighted.
   for (std::size_t i = 1; i < files.size(); ++i) {
     const auto maps = differenceMaps(record.calibrations[0], record.calibrations[i],
                                      record.uncertainties, options);

@@ -29,6 +29,7 @@ Finding significantFinding(const ComparisonRecord& record, std::size_t i,
   std::size_t known = 0;
   double largest = 0;
   for (const ComparedParameter& p : record.parameters) {
+    // Unknown is not agreement: the count of those compared is in the sentence.
     if (!p.significance[i]) continue;
     ++known;
     largest = std::max(largest, *p.significance[i]);

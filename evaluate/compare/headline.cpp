@@ -51,6 +51,7 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   const std::string& first = record.calibrations.front().label;
   const CalibrationScore* score = scoreOf(record, first);
   const Prediction p = pooled(record, label);
+  // Without scatter there is no interval, and without an interval nobody is called better.
   if (score == nullptr || p.views == 0 || !(p.std_px2 > 0)) return "";
   const double rmse = std::sqrt(p.first_px2);
   const auto rmseChange = [&](double change_px2) {

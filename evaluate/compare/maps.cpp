@@ -60,6 +60,8 @@ std::vector<double> differenceWeights(const std::vector<double>& std_A,
   assert(std_A.size() == std_B.size());
   std::vector<double> weights;
   for (std::size_t i = 0; i < std_A.size(); ++i) {
+    // 1 / (var_A var_B): a pixel counts where both know it, and falls out where either does not
+    // (NaN).
     const double w = 1 / (std_A[i] * std_B[i]);
     weights.push_back(w * w);
   }

@@ -169,6 +169,8 @@ void nameCameras(const Calibrations& calibrations, std::vector<ComparedParameter
 }
 
 constexpr std::size_t kBlock = 10;  // views
+// The interval takes their scatter as known (kPredictionSigmas is the normal's 1.96); of five
+// blocks Student's t would be 2.78.
 constexpr std::size_t kFewestBlocks = 5;
 
 struct SquaredErrors {

@@ -31,6 +31,8 @@ SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>&
   const bool imu = std::any_of(calibrations.begin(), calibrations.end(),
                                [](const Calibration& c) { return c.imu.has_value(); });
   if (imu && options.use_imu && session.imu) {
+    // The camera stage fails where it does not converge; this one returns where it stopped, so it
+    // is asked.
     const auto stage = calibrateCameraImu(session, cameras->cameras, options.camera_imu);
     if (stage && stage->summary.converged) {
       own.calibration.imu = stage->imu;

@@ -63,6 +63,8 @@ std::optional<int> viewsNeeded(const ViewPool& pool, const CounterfactualCurve& 
   std::size_t stays = curve.views.size();  // from here on the target is kept
   while (stays > 0) {
     const auto& px = curve.held_out_px[stays - 1];
+    // From the end backwards: an error that falls below the target and rises again has not come to
+    // stay.
     if (!px || *px > target_px) break;
     --stays;
   }

@@ -46,6 +46,7 @@ class Blocks {
 
   bool isHeldOut(TimeNs t) const {
     if (t < first_) return false;
+    // The last block of every `every_`, so that a recording shorter than that holds nothing out.
     return ((t - first_) / block_ + 1) % every_ == 0;
   }
   /// A held-out block begins or ends less than `guard` away.

@@ -104,6 +104,7 @@ class Remarks {
   void parameters() {
     const Comparison entropy = here(&CounterfactualCurve::entropy_nats);
     const Comparison error = here(&CounterfactualCurve::held_out_px);
+    // Entropy falls as parameters become certain.
     const double nats = entropy.random.median - entropy.greedy;
     out_.push_back(fmt::format(
         "With {} views the parameters of greedy MI are {:.2f} nats {} certain than those of "

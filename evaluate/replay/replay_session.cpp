@@ -182,6 +182,7 @@ Played playBothStages(const ReplayRequest& request, const GuideRig& rig,
                       const ProgressSink& progress) {
   Played played = playedWith(request, rig, frames, request.guide, given, progress);
   if (request.guide.camera_stage_s > 0) return played;  // its user decides
+  // Only where an IMU waits for it: without one the camera stage may well take all.
   const bool stuck = !played.decisions.empty() && rig.imu && !given &&
                      played.decisions.back().stage == GuideStage::kCamera &&
                      played.decisions.back().mode != GuideMode::kFinished;

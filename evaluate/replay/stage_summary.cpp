@@ -191,6 +191,7 @@ StageBatches<CameraImuStageResult> cameraImuBatches(const ReplayRun& run,
   const auto first = std::find_if(run.decisions.begin(), run.decisions.end(),
                                   [](const auto& d) { return d.stage == GuideStage::kCameraImu; });
   if (first == run.decisions.end()) return {};
+  // As it comes, converged or not: `converged` of the summaries tells which.
   const auto batch = [&](const Session& session) {
     return calibrateCameraImu(session, cameras, run.camera_imu);
   };

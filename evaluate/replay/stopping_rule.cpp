@@ -230,6 +230,7 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
   if (!best) {
     return notJudged(std::move(audit), "no frame with a pose was left to be held out");
   }
+  // A ratio, so that one bar serves cameras with good corners and with poor ones.
   const double bound = options.held_out_factor * *best;
   CameraStageOptions camera = run.camera;
   // All checkpoints in the minimum of the batch that they are held against.

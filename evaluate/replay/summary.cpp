@@ -42,6 +42,7 @@ void addStage(Text& text, const ReplayRecord& record, const ReplayStageSummary& 
         secondsBetween(record.frames.front().t, *s.ended));
   }
   add(text, "\n");
+  // One entropy by itself says nothing: it depends on the units of its parameters.
   if (!s.kept_batch || !s.full_batch) return;
   add(text, "  entropy {:.2f} nats ({:.2f} bits); of all frames {:.2f} nats ({:.2f} bits)\n",
       s.kept_batch->entropy_nats, bitsFromNats(s.kept_batch->entropy_nats),

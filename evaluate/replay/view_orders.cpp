@@ -36,6 +36,8 @@ class GreedyOrder {
  public:
   GreedyOrder(const std::vector<Eigen::MatrixXd>& shares, const Eigen::VectorXd& prior_std) {
     for (const Eigen::MatrixXd& share : shares) {
+      // Scaling from both sides adds the same to every log-determinant, so that gains stay as they
+      // are, and the prior becomes the identity.
       scaled_.emplace_back(prior_std.asDiagonal() * share * prior_std.asDiagonal());
     }
     information_ = Eigen::MatrixXd::Identity(prior_std.size(), prior_std.size());

@@ -268,6 +268,8 @@ TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
 /// Failed where it diverged, else complete or partial.
 TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
   // An estimate that stands still has the truth's spread as its ATE, after the best alignment.
+  // A least-squares scale (sim3) may shrink an estimate to a point, which has just this ATE: under
+  // it no run exceeds the default limit, and divergence shows by --max-ate alone.
   const double limit = request.max_ate_m.value_or(spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;
   // So that NaN, too, has diverged.

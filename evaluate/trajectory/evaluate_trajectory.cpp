@@ -18,6 +18,7 @@
 namespace plumbline {
 namespace {
 
+// What a fit needs (align()), asked of every alignment: no figure stands on a pose or two.
 constexpr std::size_t kFewestPairs = 3;
 constexpr std::size_t kPlotted = 2000;
 constexpr int kGapFactor = 10;  // an interval so many times the median one is a hole
@@ -113,6 +114,8 @@ RotationRemark rotationRemark(const std::vector<PosePair>& pairs, const Alignmen
   const Result<AlignmentRecord> alignment = align(pairs, by_positions);
   if (!alignment) return {};
   RotationRemark remark = remarkOnRotations(pairs, *alignment, options.kind);
+  // Only a cause with a cure is believed; rotations that differ for no known reason are those of a
+  // bad estimate.
   if (!remark.cure.empty()) {
     remark.text += "; the alignment by the first pose turns the positions as wrongly";
   }

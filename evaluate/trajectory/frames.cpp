@@ -106,6 +106,7 @@ Result<CommonFrames> commonFrames(const Trajectory& estimate, const Trajectory& 
   CommonFrames frames;
   frames.time_offset_s = options.association.time_offset_s;
   if (!options.clock && !options.hand_eye) return frames;
+  // Angular rates and hand-eye are of rotations; positions alone show neither.
   if (!estimate.has_orientation || !truth.has_orientation) {
     return Failure{FailureCode::kNoOrientations};
   }

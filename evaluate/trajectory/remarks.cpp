@@ -31,6 +31,7 @@ double nearestDt(const Trajectory& estimate, const Trajectory& truth, double off
   wide.time_offset_s = offset_s;
   double nearest = std::numeric_limits<double>::infinity();
   for (const PosePair& pair : associate(estimate, truth, wide).pairs) {
+    // The sign is kept for the reader: which of the two clocks is ahead.
     const double dt = secondsBetween(pair.truth.t, pair.estimate.t);
     if (std::abs(dt) < std::abs(nearest)) nearest = dt;
   }
@@ -58,6 +59,8 @@ constexpr double kRigidDeg = 5;             // spread about a body rotation that
 
 Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
                            const Association& association, const AssociationOptions& options) {
+  // As they were compared, the estimate's with the offset that was given: whatever the message
+  // suggests adds to that one.
   const Span a = spanOf(estimate, options.time_offset_s);
   const Span b = spanOf(truth, 0);
   if (a.to < b.from || b.to < a.from) {

@@ -9,6 +9,7 @@ namespace plumbline {
 namespace {
 
 std::string row(const std::string& name, const SampleStatistics& s) {
+  // No row rather than one of zeros: errors of no poses are none.
   if (s.n == 0) return "";
   return fmt::format("{:<28}{:>12.6g}{:>12.6g}{:>12.6g}{:>12.6g}{:>12.6g}{:>12.6g}{:>8}\n", name,
                      s.rmse, s.mean, s.median, s.std, s.min, s.max, s.n);
@@ -108,6 +109,7 @@ std::string rowOf(const TrajectoryRun& run) {
         fmt::format("{},{:.9g},{:.9g},{:.9g},", run.ate_translation_m.n, run.ate_translation_m.rmse,
                     run.ate_translation_m.median, run.ate_translation_m.max);
   } else {
+    // Empty, for 0 would be a perfect run.
     text += ",,,,";
   }
   if (run.ate_rotation_deg.n > 0) text += fmt::format("{:.9g}", run.ate_rotation_deg.rmse);
