@@ -90,6 +90,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
     const ScoredCalibration scored_on_other = scoredOn(other.session);
     checkTargetLayout(other, {});
     std::string& hash = record.provenance.input_hash;
+    // One after the other: the order of the recordings counts, as they are listed in it.
     hash = inputFilesHash(hash + other.input_hash, {});
     progress("scoring " + other.session.name, -1);
     record.held->scores.push_back(scoreHeldOut(scored_on_other, other.session, asked.score));

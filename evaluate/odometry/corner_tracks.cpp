@@ -68,6 +68,7 @@ std::vector<FrameTracks> readPointTracks(const SessionFolder& folder, PointSourc
   for (std::size_t c = 0; c < folder.cameras.size(); ++c) {
     const std::vector<ImageView> views =
         viewsOf(folder.cameras[c], of_board ? "corners.csv" : "tracks.csv", limits);
+    // The first camera's stamps are the frames, also those without a point; the others join them.
     if (c == 0) {
       for (const ImageView& view : views) frames.push_back({view.t, {}});
     }

@@ -53,6 +53,7 @@ TrajectoryRun judgedByTruth(const TrajectoryRun& run, const SequenceTruth& truth
 
 TrajectoryRun judgedWithoutTruth(TrajectoryRun run, const OdometrySequence& sequence,
                                  const std::vector<StampedPose>& poses, double min_coverage) {
+  // From the first pose to the last, holes included, unlike coverageOf() under a truth.
   const double recorded = sequence.duration_s();
   const double covered = poses.empty() ? 0 : secondsBetween(poses.front().t, poses.back().t);
   run.coverage = recorded > 0 ? std::min(1.0, covered / recorded) : 0;

@@ -204,6 +204,7 @@ ExternalRun runExternalOnce(const Plan& plan, const OdometryRequest& request, bo
 /// By how much the columns moved about the last one over the second half, RMS. For systems that
 /// print no deviation: their estimate settles, so that it is less than its error.
 Eigen::VectorXd movedAtLast(const Eigen::MatrixXd& values) {
+  // One value or two have no second half that moves: 0 then says nothing of the estimate.
   const Eigen::Index half = (values.cols() + 1) / 2;
   const Eigen::MatrixXd moved = values.rightCols(half).colwise() - values.rightCols<1>();
   return (moved.rowwise().squaredNorm() / static_cast<double>(half)).cwiseSqrt();

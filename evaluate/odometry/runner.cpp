@@ -84,6 +84,9 @@ Runner runnerFrom(const YamlMap& file) {
   runner.files = textsOf(file, "files");
   runner.environment = textsOf(file, "environment");
   runner.trajectory = file.textOr("trajectory", runner.trajectory);
+  // clock and body are of what the system writes: imu stamps have t_d taken off, camera 0's poses
+  // T_C0S put on (converted()). imu_stamps is of what it reads: IMU stamps on the cameras' clock
+  // (linkSequence()).
   runner.imu_clock = isSecond(file, "clock", "camera", "imu");
   runner.camera_body = isSecond(file, "body", "imu", "camera0");
   runner.needs_shifted_imu = isSecond(file, "imu_stamps", "recorded", "shifted");

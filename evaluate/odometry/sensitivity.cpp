@@ -159,6 +159,8 @@ CalibrationSensitivity sensitivityOf(const Calibration& calibration, const Sensi
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (moves.plus(i) == 0) continue;
     ParameterSensitivity p = changeOf(list[i], i, moves, ates);
+    // A mean of both ways less the run that is not moved scatters by sqrt(3/2) of one run: twice
+    // the chance is 1.6 deviations of the change.
     p.above_chance = p.change_m && out.noise_m && std::abs(*p.change_m) > 2 * *out.noise_m;
     // Counted as no change, one whose run failed would be called interaction.
     out.sum_m = p.change_m && out.sum_m ? std::optional(*out.sum_m + *p.change_m) : std::nullopt;

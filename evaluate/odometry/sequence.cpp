@@ -106,6 +106,7 @@ OdometrySequence readOdometrySequence(const std::string& path) {
   if (!folder.imu) throw InputError(path, 0, "has no imu0; odometry needs its samples");
   sequence.samples = readImuSamples((fs::path(*folder.imu) / "data.csv").string());
   sequence.noise = noiseOf(folder);
+  // The best there is; --truth takes its place (truthOf()).
   sequence.truth = truthIn(folder.root);
   checkStep(sequence, folder.cameras);
   return sequence;

@@ -82,6 +82,9 @@ class Worker {
   const CornerCache* cache_;
 };
 
+// Images that the cache answers have no say. Of a recording that was searched before, those that
+// are searched again are the ones that contradicted target.yaml, so that their median does, too,
+// whatever all images together show.
 std::optional<double> medianSpacing(const std::vector<std::unique_ptr<Worker>>& workers) {
   std::vector<double> spacings;
   for (const auto& worker : workers) {
@@ -108,6 +111,7 @@ double frameRate(const Session& session) {
 
 std::optional<double> detectCorners(Recording& recording, const DetectRequest& request,
                                     const ProgressSink& progress) {
+  // First: the search refuses images of another size, and the cache's keys hold the size.
   completeResolutions(recording);
   const std::vector<Task> tasks = tasksOf(recording);
   std::optional<CornerCache> cache;
