@@ -14,6 +14,7 @@ TargetShape bentBoard(double bend_mm) {
     const auto found = std::find(kTargetTermNames.begin(), kTargetTermNames.end(), name);
     shape.terms[found - kTargetTermNames.begin()] = value;
   };
+  // Terms have unit RMS over the corners, so that a bow of bend_mm is its RMS.
   set("z_xx", 1e-3 * bend_mm);
   set("z_yy", -0.5e-3 * bend_mm);
   set("stretch", 0.1e-3);

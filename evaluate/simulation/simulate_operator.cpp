@@ -57,6 +57,7 @@ Json outcomesOf(const OperatedSession& made) {
   const TimeNs begin = made.session.cameras.front().views.front().t;
   Json all = Json::array();
   for (const Suggestion& s : made.suggestions) {
+    // "none" stays where the recording ended with the suggestion open.
     Json one{{"id", s.id},
              {"stage", toString(s.stage)},
              {"candidate", s.candidate},

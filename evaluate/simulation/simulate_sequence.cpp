@@ -134,6 +134,7 @@ SimulatedFlight simulateSequence(const SequenceOptions& options, const fs::path&
   const SimulatedSession& recording = flight.recording;
   const ViewFormat views = o.images.rendered ? ViewFormat::kImages : ViewFormat::kTracks;
   writeSession(recording.session, recording.camera_rate_hz, views, folder);
+  // Beside the exact truth, as a laboratory would have it: its own clock, world and marker body.
   const Json capture = writeMotionCapture(recording, o.motion_capture, folder, {});
   writeNewFile(folder, "truth/camchain-imucam.yaml", kalibrCamchainText(recording.truth));
   writeNewFile(folder, "truth/trajectory.csv", trajectoryCsv(recording));

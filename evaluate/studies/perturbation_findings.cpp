@@ -91,6 +91,8 @@ double predictedSigma(const PerturbationRecord& record, const PerturbationCase& 
   const bool dropped = c.kind == toString(PerturbationKind::kDroppedFrames) ||
                        c.kind == toString(PerturbationKind::kDroppedImu);
   // As if one per cent were kept at least, so that the root stays small near 100 %.
+  // Hausman (1978): of an efficient estimate from all data and one from a part, the variance of the
+  // difference is the difference of the variances, 1 / (1 - q) - 1 = q / (1 - q).
   if (dropped) return std::sqrt(c.amount / std::max(100 - c.amount, 1.0));
   if (c.kind == toString(PerturbationKind::kCornerNoise)) {
     return c.amount / record.assumptions.pixel_sigma_px;

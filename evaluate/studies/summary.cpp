@@ -32,6 +32,7 @@ std::string fixed(const std::optional<double>& value, double factor, int decimal
 }
 
 void addRow(Text& text, const PerturbationRecord& record, const PerturbationCase& c) {
+  // Cells of a case that failed are empty: its figures would be those of where it stopped, or 0.
   const bool solved = c.problem.empty();
   const OffsetFigures offset = offsetOf(record, c);
   add(text, "{},{},{},{},{},", c.kind, c.amount, c.unit, c.seed, solved ? "yes" : "no");
@@ -46,6 +47,7 @@ void addRow(Text& text, const PerturbationRecord& record, const PerturbationCase
 
 std::string largestChange(const PerturbationRecord& record, const PerturbationCase& c) {
   const auto worst = largestOtherChange(record.parameters, c);
+  // Of all but the offset, which is meant to move.
   if (!worst) return "-";
   const double sigmas = c.changes_sigma[*worst];
   // What two decimals would show as zero.
