@@ -95,6 +95,8 @@ std::vector<Perturbation> perturbationsOf(const PerturbOptions& o) {
     const int draws = isRandom(kKinds[i].kind) ? o.repeats : 1;
     for (const double amount : amountsFrom(kKinds[i].name, o.amounts[i])) {
       for (int draw = 0; draw < draws; ++draw) {
+        // Consecutive seeds: one draw of all amounts is nested or scaled (perturbation.cpp), the
+        // next one is fresh.
         list.push_back({kKinds[i].kind, amount, o.seed + static_cast<std::uint64_t>(draw)});
       }
     }

@@ -177,6 +177,7 @@ int finish(const PreparedNight& night, const StepResults& results, double second
   } else {
     say("{}", nightSummary(outcome, o.out));
   }
+  // A regression has its own code, whatever --fail-on asks: a nightly script tells the two apart.
   return outcome.alarms.empty() ? o.fail_on.exitCode(outcome.level) : kRegression;
 }
 

@@ -126,6 +126,8 @@ Finding endpointFinding(const StudyRecord& record) {
 /// without figures.
 void addFurtherFindings(StudyRecord& record) {
   Finding finding;
+  // Of figures that this night has: one that is missing, as of a run that lost track, raises no
+  // alarm (judgeFigure()); failed steps and sessions are counted above.
   finding.rule = "Regressions";
   finding.value = static_cast<double>(record.alarms.size());
   finding.unit = "1";

@@ -70,6 +70,7 @@ NightLock::NightLock(const fs::path& folder) {
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (file_ < 0) throw unwritable(folder, std::strerror(errno));
   if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    // Before close(), which may set it.
     const int error = errno;
     char holder[512] = "";
     const ssize_t size = read(file_, holder, sizeof holder - 1);

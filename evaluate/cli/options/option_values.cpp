@@ -249,6 +249,7 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) 
   if (member != thresholdMembers().end() && values.size() == 2) {
     const auto caution = number(values[0]);
     const auto bad = number(values[1]);
+    // Of coverage, views and tilt less is worse: the usual bounds tell which way a threshold goes.
     const Bound usual = VerdictThresholds().*(member->second);
     const bool rising = usual.caution <= usual.bad;  // worse the larger
     if (caution && bad && (rising ? *caution <= *bad : *caution >= *bad)) {
