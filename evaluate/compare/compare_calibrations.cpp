@@ -47,6 +47,7 @@ std::vector<std::string> uniqueNames(const std::vector<std::string>& paths) {
     if (std::set(names.begin(), names.end()).size() == names.size()) return names;
   }
   for (std::size_t i = 0; i < names.size(); ++i) {  // the same file twice
+    // From 1, in the order of the command line.
     names[i] = fmt::format("{} #{}", nameOf(fs::path(paths[i]), 0), i + 1);
   }
   return names;

@@ -59,6 +59,7 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   };
   const double half = kPredictionSigmas * p.std_px2;
   double low = rmseChange(p.difference_px2 - half), high = rmseChange(p.difference_px2 + half);
+  // Held out of the first calibration; of the other one it is not asked.
   const std::string corners = score->held_out
                                   ? "held-out corners"
                                   : fmt::format("the corners of {} (not held out)", record.name);

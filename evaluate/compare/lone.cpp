@@ -33,7 +33,8 @@ std::vector<Estimate> estimatesOf(const ComparedParameter& p) {
   return estimates;
 }
 
-/// As if the two estimates were independent.
+/// As if the two estimates were independent; those of one recording share its noise and differ by
+/// less.
 double sigmas(const Estimate& a, const Estimate& b) {
   return std::abs(a.difference - b.difference) / std::hypot(a.std, b.std);
 }

@@ -34,6 +34,8 @@ void addSignificance(const ComparisonThresholds& thresholds, ComparedParameter& 
   for (std::size_t i = 0; i < row.values.size(); ++i) {
     std::optional<double> sigmas;
     if (i > 0 && row.difference[i] && row.std[i] && row.std[0]) {
+      // As of independent estimates. Those of one recording share its noise, and what they differ
+      // by is more significant than this says.
       const double std = std::hypot(*row.std[i], *row.std[0]);
       if (std > 0) sigmas = std::abs(*row.difference[i]) / std;
     }

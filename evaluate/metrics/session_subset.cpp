@@ -26,6 +26,8 @@ Fold foldOf(const Session& session, const FrameOptions& options, const FoldChoic
   // Floors of n index / count: lengths differ by one at most, and no frame falls between two runs.
   const auto first = static_cast<int>(n * index / count);
   const auto end = static_cast<int>(n * (index + 1) / count);
+  // Held out as one run in time: frames next to each other are alike, and single ones would be
+  // predicted by their neighbours.
   std::vector<int> training, held_out;
   for (int f = 0; f < static_cast<int>(n); ++f) {
     (f >= first && f < end ? held_out : training).push_back(f);

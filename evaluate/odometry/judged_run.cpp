@@ -28,6 +28,7 @@ std::optional<SequenceTruth> readTruthOf(const OdometryRequest& request,
   TrajectoryRequest how = request.how;
   how.truth = *path;
   SequenceTruth truth{how.truth, readTruth(how)};
+  // Nothing is cut where the offset of the clocks is yet to be found.
   if (how.metrics.clock) return truth;
   // From the clock of the images to that of the truth.
   const TimeNs offset = toNanoseconds(how.metrics.association.time_offset_s);

@@ -59,6 +59,7 @@ ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
     if (d.stage != stage || d.reason == GuideReason::kFinished) continue;
     entered = true;
     ++s.frames_offered;
+    // Dropped ones are offered ones too: a live guide would have lost them.
     if (d.reason == GuideReason::kBusy) ++s.frames_dropped;
     if (d.reason == GuideReason::kInitialised) s.started = d.t;
     if (d.reason == GuideReason::kInitialiseFailed) s.started.reset();  // it may have begun anew

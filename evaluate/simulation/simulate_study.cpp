@@ -219,6 +219,7 @@ Json timeEffects(const std::vector<Visit>& visits, double limit_s) {
                {"guided_less_free_s", meanOf(method_s)},
                {"second_less_first_s", meanOf(period_s)}};
   if (!log_method.empty()) {
+    // Geometric means, as the study compares times by factors.
     effects["guided_over_free"] = std::exp(meanOf(log_method));
     effects["second_over_first"] = std::exp(meanOf(log_period));
   }

@@ -182,6 +182,8 @@ bool isEndpoint(const std::string& name, const std::vector<CaptureStage>& stages
 
 std::optional<double> figureOf(const StudyRecord& record, const StudySession& session,
                                const std::string& name) {
+  // Who finished beyond the limit keeps the time, while curves and restricted means end at the
+  // limit (timeOf()).
   if (name == "capture_s" && !session.finished) return record.limit_s;
   return findFigure(session, name).value;
 }

@@ -106,6 +106,8 @@ bool ordersVary(const StudyRecord& record) {
         const auto second = periodOf(record, participant, record.methods[b]);
         if (first && second) (*first < *second ? forth : back) = true;
       }
+      // One participant of the other order is enough for this; Quade's test then has the period
+      // among its chance.
       if (!forth || !back) return false;
     }
   }
@@ -208,6 +210,7 @@ StudySurvival survivalOf(const StudyRecord& record, const std::string& method) {
   for (const StudySession& s : record.sessions) {
     const auto time = s.method == method ? timeOf(record, s) : std::nullopt;
     if (!time) continue;
+    // Sessions are the units of the curve, also several of one participant.
     times.push_back(*time);
     tried.insert(s.participant);
     if (time->done) finished.insert(s.participant);
@@ -244,6 +247,8 @@ StudyTimeDifference timeDifferenceOf(const StudyRecord& record, const std::strin
       differences.push_back(p.method - p.baseline);
       method_first += p.method_first ? 1 : 0;
     }
+    // Over all, whatever their order: of groups of n_B and n_M participants it holds (n_B - n_M) /
+    // n of the period's effect (paired_analysis.h), which effectOf() takes out.
     const PermutationResult r = shiftOfPairs(differences, options.permutation);
     // All in one order: the difference is one of method and period together, and has no p-value.
     const bool both = method_first > 0 && method_first < time.participants;

@@ -185,6 +185,8 @@ class Judge {
     std::size_t at = 0;
     for (const auto& [night, values] : changes) {
       // Page's one-sided cumulated sum (1954): slack is the drift a night that is let pass.
+      // After a night that was far off it falls by slack alone, night by night, also where the
+      // figures are back in order: (S - cusum) / slack nights, or until it is accepted.
       sum = std::max(0.0, sum + medians[at++] / scale - t_.slack);
       first = sum == 0 ? 0 : first == 0 ? night : first;
     }

@@ -357,6 +357,7 @@ TrajectoryRecord evaluateRuns(const RunsRequest& request) {
 }
 
 TrajectoryRecord studyOfOne(TrajectoryRun run, double min_coverage) {
+  // By its coverage alone: one run by itself is not called diverged, however large its error.
   run.sequence = nameOfFile(run.truth);
   run.run = nameOfFile(run.estimate);
   const std::string name = run.run;

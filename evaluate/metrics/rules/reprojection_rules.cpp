@@ -21,6 +21,7 @@ Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
   Findings findings;
   for (std::size_t i = 0; i < cameras.size() && i < summary.per_camera.size(); ++i) {
     const std::string& name = cameras[i].name;
+    // sqrt(mean |e|^2) of both components: sqrt(2) times the deviation of one.
     const double rmse = summary.per_camera[i].rmse_px;
     findings.push_back(above(
         {fmt::format("Reprojection error of {} ({})", name, stage), "px", t.rmse_px,

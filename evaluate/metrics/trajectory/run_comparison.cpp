@@ -55,6 +55,7 @@ std::vector<double> resampledMeans(const std::vector<double>& values) {
 std::optional<double> pairsNeeded(const PairedDifference& d) {
   // Normal quantiles of 97.5 % and 80 %: n = (sum times deviation over mean)^2.
   constexpr double kNormal = 1.959964 + 0.841621;
+  // A deviation of two differences is no basis to plan by; no difference needs no number.
   if (d.pairs < 3 || d.mean_m == 0) return std::nullopt;
   const auto n = static_cast<double>(d.pairs);
   const double spread = kNormal * d.std_m / d.mean_m;
