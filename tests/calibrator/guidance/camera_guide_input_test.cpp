@@ -304,16 +304,6 @@ TEST(CameraGuide, StartsAnewWhereARestartFromOtherFramesDisagrees) {
               3);
 }
 
-TEST(CameraGuide, DoesNotStartAnewWhereTheStartWasRight) {
-  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
-    const LiveRig rig("euroc", seed, 0.5);
-    CameraGuide guide(rig.guideRig(), {});
-    const auto decisions = test::playWandering(guide, rig, 150, 10);
-    EXPECT_EQ(test::countOf(decisions, GuideReason::kInitialised), 1) << seed;
-    for (const Decision& d : decisions) EXPECT_TRUE(d.withdrawn.empty()) << seed;
-  }
-}
-
 TEST(CameraGuide, EachAttemptToStartCosts) {
   const LiveRig rig("euroc", 5, 0.3);
   GuideOptions options;

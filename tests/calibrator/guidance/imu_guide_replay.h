@@ -59,4 +59,25 @@ inline const Decision* firstWith(const std::vector<Decision>& decisions, GuideRe
   return nullptr;
 }
 
+inline constexpr double kErrorSigma = 0.2;  // [px]
+
+/// A free motion before rig euroc with corners of that noise.
+inline SimulatedSession flight(double duration_s, std::uint64_t seed) {
+  SimulationOptions options;
+  options.duration_s = duration_s;
+  options.corner_sigma_px = kErrorSigma;
+  options.seed = options.trajectory.seed = seed;
+  return simulateSession(simulatedRig("euroc"), options);
+}
+
+/// The stage by what points will be off, under the noise of flight().
+inline GuideOptions byTrajectoryError() {
+  GuideOptions options;
+  options.trajectories = TrajectoryGuideOptions::patient();
+  options.trajectories.pixel_sigma = kErrorSigma;
+  options.trajectories.cauchy_px = 0;
+  options.trajectories.criterion = ViewCriterion::kPredictedError;
+  return options;
+}
+
 }  // namespace plumbline::test

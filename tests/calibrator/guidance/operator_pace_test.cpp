@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Suggestions by gain per second: the way to a view costs what distance and turn take, nearer views
-// are asked for first, and on no way is the target lost.
+// Suggestions by gain per second: the way to a view costs what distance and turn take.
 #include <limits>
 #include <numbers>
 
@@ -9,12 +8,9 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/guidance/guide_options.h"
-#include "tests/calibrator/guidance/camera_guide_replay.h"
 
 namespace plumbline {
 namespace {
-
-using test::LiveRig;
 
 TEST(OperatorPace, TakesTheLongerOfWalkAndTurn) {
   const OperatorPace pace{0.5, 1.0, 0.4};
@@ -34,77 +30,6 @@ TEST(OperatorPace, OrdersByGainPerSecond) {
   using Order = std::vector<std::size_t>;
   EXPECT_EQ(byGainPerSecond({1, 3, kNan, 2}, {1, 6, 1, 1}), (Order{3, 0, 1}));
   EXPECT_EQ(byGainPerSecond({kInf, 3, kInf}, {5, 1, 2}), (Order{2, 0, 1}));
-}
-
-/// Time and distance to what was suggested, by the pose when it was.
-struct Asked {
-  int count = 0;
-  double way_m = 0;
-};
-
-Asked playedAtPace(double speed_m_s, const std::function<void(const Decision&)>& look = nullptr,
-                   unsigned seed = 3) {
-  const LiveRig rig("euroc", seed, 0.2);
-  GuideOptions options;
-  options.pace.speed_m_s = speed_m_s;
-  CameraGuide guide(rig.guideRig(), options);
-  Asked asked;
-  for (const Decision& d : test::playGuided(guide, rig, 400)) {
-    if (look) look(d);
-    if (!d.opened) continue;
-    ++asked.count;
-    asked.way_m += (d.opened->T_FC0.t - d.T_FC0->t).norm();
-  }
-  return asked;
-}
-
-TEST(CameraGuide, AsksForNearerViewsOfASlowOperator) {
-  // Which views are asked for hangs on rounding, so that one person's few say little.
-  Asked any, slow;
-  for (const unsigned seed : {3U, 4U, 5U}) {
-    for (Asked* sum : {&any, &slow}) {
-      const Asked one = playedAtPace(sum == &slow ? 0.05 : 0, nullptr, seed);
-      sum->count += one.count;
-      sum->way_m += one.way_m;
-    }
-  }
-  ASSERT_GT(any.count, 5);
-  ASSERT_GT(slow.count, 5);
-  EXPECT_LT(slow.way_m / slow.count, 0.8 * any.way_m / any.count);
-}
-
-TEST(CameraGuide, SaysHowLongAViewWillTake) {
-  const OperatorPace pace{0.35};
-  playedAtPace(0.35, [&](const Decision& d) {
-    if (d.round) EXPECT_EQ(d.round->reach_s.empty(), d.event != SuggestionEvent::kOpened);
-    if (!d.opened) return;
-    ASSERT_TRUE(d.opened->reach_s);
-    const double hold_s = ViewGuideOptions().reached_s;
-    EXPECT_DOUBLE_EQ(*d.opened->reach_s, pace.secondsTo(*d.T_FC0, d.opened->T_FC0) + hold_s);
-    // Nothing that is worth asking for gains more per second, unless its way loses the target.
-    EXPECT_GE(d.opened->mi_nats, d.threshold_nats);
-  });
-  playedAtPace(0, [](const Decision& d) {
-    if (d.opened) EXPECT_FALSE(d.opened->reach_s);
-    if (d.round) EXPECT_TRUE(d.round->reach_s.empty());
-  });
-}
-
-TEST(CameraGuide, AsksForNoViewOnWhoseWayTheTargetIsLost) {
-  const LiveRig rig("euroc", 3, 0.2);
-  int checked = 0;
-  playedAtPace(0.35, [&](const Decision& d) {
-    if (!d.opened) return;
-    const Vector6d way = boxminus(d.opened->T_FC0, *d.T_FC0);
-    for (int k = 1; k < 10; ++k) {
-      const GuideFrame there = rig.frame(0, 0, boxplus(*d.T_FC0, Vector6d(way * k / 10)));
-      std::size_t most = 0;
-      for (const auto& corners : there.corners) most = std::max(most, corners.size());
-      EXPECT_GE(most, 4U) << d.opened->candidate << " " << k;
-    }
-    ++checked;
-  });
-  EXPECT_GT(checked, 2);
 }
 
 }  // namespace

@@ -74,17 +74,16 @@ TEST(CommandSimulateStudy, BoardsOfTheStatedSizeAreNotBlamed) {
 // the learning itself; without learning the periods are alike, and what was recorded is all there
 // is.
 TEST(CommandSimulateStudy, TruthHasWhatEverybodyWouldHaveTakenWithEitherMethodInEitherPeriod) {
-  const auto truthWith = [](const std::string& learning) {
+  const auto truthWith = [](const std::string& options) {
     const fs::path study = studyFolder("simulate_study_effects");
-    const Outcome made = plumbline(
-        "simulate study --participants 4 --duration 8 --held-out 0 --sequences 0 --learning " +
-        learning + " --out " + study.string());
+    const Outcome made = plumbline("simulate study --duration 8 --held-out 0 --sequences 0 " +
+                                   options + " --out " + study.string());
     EXPECT_EQ(made.exit_code, 0) << made.text;
     const auto truth = nlohmann::json::parse(read(study / "truth.json"));
     fs::remove_all(study);
     return truth;
   };
-  const auto learned = truthWith("0.8");
+  const auto learned = truthWith("--participants 4 --learning 0.8");
   const auto& effects = learned.at("effects").at("capture_s");
   ASSERT_EQ(effects.at("outcomes").size(), 16U);
   std::map<std::string, double> recorded, free_first, free_second;
@@ -101,7 +100,7 @@ TEST(CommandSimulateStudy, TruthHasWhatEverybodyWouldHaveTakenWithEitherMethodIn
   for (const auto& [name, first] : free_first) {
     EXPECT_NEAR(free_second.at(name), 0.8 * first, 2.0 / 15) << "a frame at either end";
   }
-  const auto alike = truthWith("1").at("effects").at("capture_s");
+  const auto alike = truthWith("--participants 1 --learning 1").at("effects").at("capture_s");
   EXPECT_EQ(alike.at("second_less_first_s"), 0);
   EXPECT_EQ(alike.at("second_over_first"), 1);
 }
