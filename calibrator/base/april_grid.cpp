@@ -176,11 +176,6 @@ FittedShape fitShape(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& 
 
 }  // namespace
 
-TargetTerms fitTargetTerms(const AprilGrid& grid,
-                           const std::vector<Eigen::Vector3d>& displacement) {
-  return fitShape(grid, displacement, false).shape.terms;
-}
-
 TargetShape fitTargetShape(const AprilGrid& grid,
                            const std::vector<Eigen::Vector3d>& displacement) {
   // What the twelve terms leave by less than rounding needs no others.

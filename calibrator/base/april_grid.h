@@ -127,9 +127,8 @@ class HigherBasis {
 };
 
 /// The terms that come closest to the given displacements of all corners [m], by least squares, a
-/// small similarity besides (translation, rotation, scale) being free.
-TargetTerms fitTargetTerms(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& displacement);
-/// The same with the higher terms, where the twelve leave more than rounding.
+/// small similarity besides (translation, rotation, scale) being free; with the higher terms where
+/// the twelve leave more than rounding.
 TargetShape fitTargetShape(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& displacement);
 
 /// All corners of a board in F [m], by corner_id, tag_edge at tagEdgeScale() 1.

@@ -70,8 +70,7 @@ Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int fr
                                    const ResampleOptions& options, const std::string& stage,
                                    const DrawSolver& solve) {
   options.check();
-  std::vector<std::optional<Eigen::VectorXd>> solved(
-      static_cast<std::size_t>(std::max(0, options.draws)));
+  std::vector<std::optional<Eigen::VectorXd>> solved(static_cast<std::size_t>(options.draws));
   // Draws side by side rather than threads within a draw: they share nothing.
   forChunks(static_cast<int>(solved.size()), 1, options.threads, [&](const Chunk& chunk) {
     solved[static_cast<std::size_t>(chunk.index)] =

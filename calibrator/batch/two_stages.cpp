@@ -25,13 +25,6 @@ std::optional<Eigen::MatrixXd> responseTo(const CameraImuStageResult& stage, Eig
 
 }  // namespace
 
-std::optional<Eigen::Matrix<double, 7, 7>> covarianceOfCameras(const CameraImuStageResult& stage,
-                                                               const Eigen::MatrixXd& C) {
-  const auto J = responseTo(stage, C.rows());
-  if (!J) return std::nullopt;
-  return *J * C * J->transpose();
-}
-
 std::optional<RobustDeviations> robustDeviationsOfBothStages(
     const CameraStageResult& camera, const CameraImuStageResult& camera_imu) {
   if (!camera.robust_covariance) return std::nullopt;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -13,21 +12,17 @@
 
 namespace plumbline {
 
-/// What the uncertainty of cameras and board, which the camera-IMU batch holds, adds to the
-/// covariance of T_SC0 (3 m, 3 rad) and the time offset [s], to first order:
-///   J C J',   J = d(T_SC0, offset)/d(cameras, terms)  (FaultDiagnosis::by_cameras),
-/// C the covariance of the cameras' parameters, or of these and the board's terms. It adds to the
-/// batch's own without cross terms: corners reach T_SC0 through the poses of the target alone,
-/// while cameras and board are estimated from what poses leave of the same corners, so that white
-/// noise in the two is uncorrelated (two-step estimation: Murphy and Topel 1985).
-/// Empty where J is, or is of other cameras.
-std::optional<Eigen::Matrix<double, 7, 7>> covarianceOfCameras(const CameraImuStageResult& stage,
-                                                               const Eigen::MatrixXd& C);
-
-/// Standard deviations of T_SC0 and the offset through both stages, cluster-robust in both:
+/// Standard deviations of T_SC0 (3 m, 3 rad) and the time offset [s] through both stages,
+/// cluster-robust in both:
 ///   sqrt(v_1 + v_2),   v_1 = robust_std^2 of the camera-IMU batch,   v_2 = diag(J C J'),
-/// with the degrees of freedom of such a sum (sumOf()); those of v_2 are of the rows of J as
-/// combinations of cameras and board. Empty where either stage has no robust deviations.
+/// v_2 to first order what the uncertainty of cameras and board adds, which the camera-IMU batch
+/// holds: J = d(T_SC0, offset)/d(cameras, terms) (FaultDiagnosis::by_cameras), C the covariance of
+/// the cameras' parameters, or of these and the board's terms. It adds without cross terms: corners
+/// reach T_SC0 through the poses of the target alone, while cameras and board are estimated from
+/// what poses leave of the same corners, so that white noise in the two is uncorrelated (two-step
+/// estimation: Murphy and Topel 1985). The degrees of freedom are those of such a sum (sumOf()), of
+/// v_2 those of the rows of J as combinations of cameras and board. Empty where either stage has no
+/// robust deviations, or J is empty or of other cameras.
 std::optional<RobustDeviations> robustDeviationsOfBothStages(
     const CameraStageResult& camera, const CameraImuStageResult& camera_imu);
 

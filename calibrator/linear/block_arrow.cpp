@@ -2,7 +2,6 @@
 #include "calibrator/linear/block_arrow.h"
 
 #include <Eigen/Cholesky>
-#include <cmath>
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/linear/dense.h"
@@ -26,7 +25,6 @@ constexpr int filledUp(int columns) { return (columns + kRowLanes - 1) / kRowLan
 struct Carry {
   explicit Carry(int columns) : gram(RowMatrix::Zero(columns, columns)) {}
   RowMatrix gram;
-  double log_det = 0;
   bool positive = true;
 };
 
@@ -58,7 +56,6 @@ class Elimination {
     if (!front.positive || !back.positive) return std::nullopt;
     // Both neighbours of the middle block write to it: their carries add up in its rows as well.
     front.gram += back.gram;
-    front.log_det += back.log_det;
     if (system_.blocks() > 0) eliminate(middle_, 0, front);
     if (!front.positive) return std::nullopt;
     return front;
@@ -129,7 +126,6 @@ class Elimination {
     if (released_) released_->to_border[at].resize(kB, 0);
     carry.positive = factoriseRows(rows);
     if (!carry.positive) return;
-    carry.log_det += 2 * rows.diagonal().array().log().sum();
     // Rows of the first part were this block's own and are used up; from here on they are the
     // neighbour's. Those of the border go on summing.
     carry.gram.topRows<kPart>().setZero();
@@ -151,8 +147,6 @@ class Elimination {
     if (llt.info() != Eigen::Success) return std::nullopt;
     out.border_step = -llt.solve(s);
     if (!out.border_step.allFinite()) return std::nullopt;
-    out.chain_log_det = carry.log_det;
-    out.border_log_det = 2 * llt.matrixLLT().diagonal().array().log().sum();
     // b' H^-1 b: the eliminated blocks' share has been summed as the gradient column went along;
     // the border adds s' S^-1 s = -s' x_B.
     out.decrement = handed_on(m, m) - s.dot(out.border_step);
@@ -259,14 +253,6 @@ BlockArrow::BlockArrow(int blocks, int border)
       to_border(static_cast<std::size_t>(blocks), ChainBorderRows::Zero(kB, border + 1)),
       border_block(Eigen::MatrixXd::Zero(border, border)),
       border_gradient(Eigen::VectorXd::Zero(border)) {}
-
-void BlockArrow::setZero() {
-  for (ChainMatrix& D : diagonal) D.setZero();
-  for (ChainMatrix& N : next) N.setZero();
-  for (ChainBorderRows& C : to_border) C.setZero();
-  border_block.setZero();
-  border_gradient.setZero();
-}
 
 std::optional<ChainSolution> solveChain(const BlockArrow& system, const ChainOptions& options) {
   return Elimination(system, options).run();

@@ -29,7 +29,6 @@ struct BlockArrow {
 
   int blocks() const { return static_cast<int>(diagonal.size()); }
   int border() const { return static_cast<int>(border_gradient.size()); }
-  void setZero();
 
   std::vector<ChainMatrix> diagonal;       ///< D_i, n
   std::vector<ChainMatrix> next;           ///< N_i = H(i, i + 1), n (the last one is unused)
@@ -48,9 +47,7 @@ struct ChainSolution {
   Eigen::VectorXd border_step;                              ///< x of the border, m
   /// Information of the border with the chain marginalised: B - C' (chain)^-1 C, m x m symmetric.
   Eigen::MatrixXd border_information;
-  double chain_log_det = 0;   ///< log det of the chain's part of H (damped), nats
-  double border_log_det = 0;  ///< log det of border_information; log det H is their sum
-  double decrement = 0;       ///< b' H^-1 b: twice the decrease of the cost that H and b predict
+  double decrement = 0;  ///< b' H^-1 b: twice the decrease of the cost that H and b predict
 };
 
 /// Solves by a block Cholesky factorisation that starts at both ends and meets in the middle

@@ -356,7 +356,6 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   start.time_offsets = {{offset->offset_s}};
   start.T_SC0.R = alignment.R_SC0;
   start.bias.gyro = alignment.gyro_bias;
-  start.excitation = alignment.excitation;
   // It stands where too few triples are left for the alignment below.
   start.gravity_direction = downFromMeanForce(poses, samples, start);
   InertialAlignmentOptions inertial_options;

@@ -70,7 +70,6 @@ struct CameraImuStart {
   TimeOffsets time_offsets{TimeOffset()};
   Eigen::Vector3d gravity_direction = -Eigen::Vector3d::UnitZ();
   ImuBias bias;
-  Eigen::Vector3d excitation = Eigen::Vector3d::Zero();  ///< see RateAlignment
   InertialCheck check;
   std::optional<PartOffsets> parts;  ///< time offsets of parts of the recording, by rates alone
 };

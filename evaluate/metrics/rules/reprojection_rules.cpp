@@ -81,19 +81,13 @@ Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& 
 }
 
 Findings judgeConvergence(const StageSummary& summary, const std::string& stage) {
-  Findings findings;
+  // A stage that has not converged is a failure, and leaves nothing to judge (calibrateSession()).
   Finding f;
   f.rule = fmt::format("Convergence ({})", stage);
-  f.level = summary.converged ? VerdictLevel::kGood : VerdictLevel::kBad;
-  f.evidence =
-      fmt::format("{} after {} iterations", summary.converged ? "converged" : "did not converge",
-                  summary.iterations);
-  if (!summary.converged) {
-    f.advice = "The numbers are those of the last iteration and not an optimum: do not use them.";
-  }
+  f.level = VerdictLevel::kGood;
+  f.evidence = fmt::format("converged after {} iterations", summary.iterations);
   f.value = summary.iterations;  // no unit: nothing is compared with a threshold
-  findings.push_back(f);
-  return findings;
+  return {f};
 }
 
 Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t) {

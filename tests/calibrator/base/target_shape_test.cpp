@@ -136,7 +136,7 @@ TEST(TargetBasis, FittedTermsAreThoseThatMovedTheCorners) {
     auto moved = cornerPoints(board);
     const auto flat = cornerPoints(grid);
     for (std::size_t id = 0; id < moved.size(); ++id) moved[id] -= flat[id];
-    EXPECT_LT((fitTargetTerms(grid, moved) - board.shape.terms).norm(), 1e-15);
+    EXPECT_LT((fitTargetShape(grid, moved).terms - board.shape.terms).norm(), 1e-15);
   }
 }
 

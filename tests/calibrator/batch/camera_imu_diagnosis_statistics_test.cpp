@@ -185,7 +185,7 @@ TEST(CameraImuDiagnosis, ATargetThatIsNotFlatOrNotEven) {
       const double r2 = (grid.corner(id) - centre).squaredNorm() / centre.squaredNorm();
       bowed.emplace_back(0, 0, 1e-3 * (1 - r2));
     }
-    const TargetTerms truth = fitTargetTerms(grid, bowed);
+    const TargetTerms truth = fitTargetShape(grid, bowed).terms;
     EXPECT_LT((bow->estimate - truth.head<kTargetTerms - 1>()).cwiseAbs().maxCoeff(), 5e-5);
     Fault stretch = faultOf(FaultKind::kStretch, 5e-3);
     stretch.axis = 0;

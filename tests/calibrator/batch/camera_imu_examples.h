@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/simulate/simulate_session.h"
 
@@ -47,6 +49,15 @@ inline Eigen::Matrix<double, 7, 1> calibrationError(const SimulatedSession& simu
   error << boxminus(simulated.truth.imu->T_SC0, result.imu.T_SC0),
       simulated.truth.imu->timeOffset() - result.imu.timeOffset();
   return error;
+}
+
+/// What a covariance C of the cameras, or of these and the board's terms, adds to that of T_SC0 and
+/// the time offset, to first order (batch/two_stages.h).
+inline Eigen::Matrix<double, 7, 7> addedByCameras(const CameraImuStageResult& result,
+                                                  const Eigen::MatrixXd& C) {
+  const Eigen::MatrixXd& J = result.faults->by_cameras;  // without tag_edge, the last term
+  const Eigen::Index n = std::min(J.cols(), C.cols());
+  return J.leftCols(n) * C.topLeftCorner(n, n) * J.leftCols(n).transpose();
 }
 
 }  // namespace plumbline::test

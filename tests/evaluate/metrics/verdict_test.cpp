@@ -99,12 +99,6 @@ TEST(Verdict, NotANumberIsBad) {
   EXPECT_EQ(judge(cameraRecord(std::nan(""), 0.8)).level, VerdictLevel::kBad);
 }
 
-TEST(Verdict, DidNotConvergeIsBadWhateverTheFigures) {
-  CalibrationRecord record = cameraRecord(0.3, 0.8);
-  record.camera->summary.converged = false;
-  EXPECT_EQ(judge(record).level, VerdictLevel::kBad);
-}
-
 TEST(Verdict, ResampledSpreadOverrulesAFormalDeviation) {
   CalibrationRecord record = cameraRecord(0.3, 0.8);
   auto& covariance = record.camera->summary.covariance;
