@@ -119,16 +119,8 @@ PoseGram frameGram(const std::vector<FrameView>& views, const Transform& T_C0F,
 
 double countUsed(const std::vector<FrameView>& views) {
   double count = 0;
-  for (const FrameView& v : views) {
-    for (int i = 0; i < v.view.count; ++i) count += v.view.w[i] > 0 ? 1 : 0;
-  }
+  for (const FrameView& v : views) count += v.view.used();
   return count;
-}
-
-/// p' = Exp(phi) p + rho: to first order the twist p + rho + phi x p of poseGram().
-Transform twisted(const Transform& T, const Vector6d& x) {
-  const Eigen::Matrix3d turn = expSO3(x.tail<3>());
-  return {Eigen::Quaterniond(turn * T.R), turn * T.t + x.head<3>()};
 }
 
 Eigen::Vector2d centreOf(const PackedView& view) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <numeric>
 
 namespace plumbline {
 namespace {
@@ -57,29 +58,26 @@ class EdgeScales {
   std::vector<double> scales_;
 };
 
-/// Corners of a board as seen by a detector that does not widen the tags, and by how much it does:
-/// that differs from view to view with the size at which a tag is seen.
-struct PlacedBoard {
-  explicit PlacedBoard(AprilGrid board) : tag_edge(board.shape.terms[kTargetTerms - 1]) {
-    board.shape.terms[kTargetTerms - 1] = 0;
-    points = cornerPoints(board);
-  }
-  /// Corner `id` moved outward by half of what the tag seems wider: 1 and 2 lie to the right, 2 and
-  /// 3 at the top.
-  Eigen::Vector3d point(int id, double edge_scale) const {
-    constexpr double kRight[] = {-1, 1, 1, -1};
-    constexpr double kUp[] = {-1, -1, 1, 1};
-    const double half = 0.5 * tag_edge * edge_scale;
-    Eigen::Vector3d p = points[static_cast<std::size_t>(id)];
-    p.x() += half * kRight[id % 4];
-    p.y() += half * kUp[id % 4];
-    return p;
-  }
-  std::vector<Eigen::Vector3d> points;
-  double tag_edge;
-};
-
 }  // namespace
+
+double PackedView::used() const { return std::accumulate(w, w + count, 0.); }
+
+PlacedBoard::PlacedBoard(AprilGrid board) : tag_edge_(board.shape.terms[kTargetTerms - 1]) {
+  board.shape.terms[kTargetTerms - 1] = 0;
+  points_ = cornerPoints(board);
+}
+
+/// Moved outward by half of what the tag seems wider: corners 1 and 2 lie to the right, 2 and 3 at
+/// the top.
+Eigen::Vector3d PlacedBoard::point(int corner_id, double edge_scale) const {
+  constexpr double kRight[] = {-1, 1, 1, -1};
+  constexpr double kUp[] = {-1, -1, 1, 1};
+  const double half = 0.5 * tag_edge_ * edge_scale;
+  Eigen::Vector3d p = points_[static_cast<std::size_t>(corner_id)];
+  p.x() += half * kRight[corner_id % 4];
+  p.y() += half * kUp[corner_id % 4];
+  return p;
+}
 
 PackedCorners::PackedCorners(const AprilGrid& target, const std::vector<ImageView>& views) {
   for (const ImageView& view : views) {

@@ -23,6 +23,21 @@ struct PackedView {
   const double* edge = nullptr;  ///< tagEdgeScale() of the corner's tag, as measured
   const double* w = nullptr;     ///< weight: 1 used, 0 rejected or padding
   const int* id = nullptr;       ///< corner_id
+
+  double used() const;  ///< corners with weight: their sum
+};
+
+/// Corners of a board as seen by a detector that does not widen the tags, and by how much it does:
+/// that differs from view to view with the size at which a tag is seen.
+class PlacedBoard {
+ public:
+  explicit PlacedBoard(AprilGrid board);
+  /// Place of a corner where tagEdgeScale() is `edge_scale` [m].
+  Eigen::Vector3d point(int corner_id, double edge_scale) const;
+
+ private:
+  std::vector<Eigen::Vector3d> points_;
+  double tag_edge_;
 };
 
 /// All views of one camera in one block of memory, 64-byte aligned at every view.

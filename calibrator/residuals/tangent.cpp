@@ -27,6 +27,11 @@ Matrix6d twistFromTangent(const Transform& T) {
   return A;
 }
 
+Transform twisted(const Transform& T, const Vector6d& x) {
+  const Eigen::Matrix3d turn = expSO3(x.tail<3>());
+  return {Eigen::Quaterniond(turn * T.R), turn * T.t + x.head<3>()};
+}
+
 CameraImuChain cameraImuChain(const Transform& T_FS, const Transform& T_SC0,
                               const Transform& T_C0Ci) {
   const Transform T_CiC0 = T_C0Ci.inverse();

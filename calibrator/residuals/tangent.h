@@ -17,6 +17,10 @@ Matrix6d adjoint(const Transform& T_AB);
 /// rho = dt + t x da, phi = da.
 Matrix6d twistFromTangent(const Transform& T);
 
+/// T after the twist x on its left: p' = Exp(phi) p + rho, to first order p + rho + phi x p.
+/// Orthonormal.
+Transform twisted(const Transform& T, const Vector6d& x);
+
 /// Derivatives of T_CiF = T_C0Ci^-1 * T_SC0^-1 * T_FS^-1 (camera-IMU calibration).
 struct CameraImuChain {
   Transform T_CiF;

@@ -91,11 +91,7 @@ bool allFinite(const Intrinsics& camera, const Transform& T_CF) {
 }
 
 // Every used corner is charged as one that cannot be projected.
-double chargeAll(const PackedView& view) {
-  double used = 0;
-  for (int j = 0; j < view.count; ++j) used += view.w[j];
-  return used * kInvalidSquaredError;
-}
+double chargeAll(const PackedView& view) { return view.used() * kInvalidSquaredError; }
 
 /// Calls job(Version<Model, kRobust>{}) for the version, model and loss at hand. False, and no
 /// call, for a model that the kernel is not compiled for: it goes the plain way (plain_gram.h).

@@ -101,24 +101,15 @@ struct HigherBoard {
       : basis(model.basis),
         higher(model.grid),
         columns(model.grid, detail),
-        tag_edge(terms[kTargetTerms - 1]) {
-    AprilGrid board = model.grid;
+        placed(withTerms(model.grid, terms)) {}
+  static AprilGrid withTerms(AprilGrid board, const TargetTerms& terms) {
     board.shape.terms = terms;
-    board.shape.terms[kTargetTerms - 1] = 0;
-    points = cornerPoints(board);
-  }
-  Eigen::Vector3d point(int id, double edge_scale) const {
-    const auto& f = basis.functions(id);
-    Eigen::Vector3d p = points[static_cast<std::size_t>(id)];
-    p.x() += tag_edge * edge_scale * f[TargetBasis::kEdgeX];
-    p.y() += tag_edge * edge_scale * f[TargetBasis::kEdgeY];
-    return p;
+    return board;
   }
   TargetBasis basis;
   HigherBasis higher;
   HigherColumns columns;
-  std::vector<Eigen::Vector3d> points;
-  double tag_edge;
+  PlacedBoard placed;
 };
 
 /// What one camera's view adds to its frame: P in the camera's twist, and the terms' gradient.
@@ -135,7 +126,7 @@ ViewShare addHigherView(const HigherBoard& board, const Intrinsics& lens, const 
   for (int k = 0; k < view.count; ++k) {
     if (!(view.w[k] > 0)) continue;
     const int id = view.id[k];
-    const auto rows = rowsOf(lens, T_CF, view, k, board.point(id, view.edge[k]), cauchy_px);
+    const auto rows = rowsOf(lens, T_CF, view, k, board.placed.point(id, view.edge[k]), cauchy_px);
     if (!rows) continue;
     const auto& phi = board.higher.functions(id);
     const Eigen::Matrix<double, 2, 3> weighted = frame_weight * rows->weight * rows->J_F;

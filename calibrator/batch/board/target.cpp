@@ -228,8 +228,7 @@ double noiseRatio(const CameraProblem& problem, const CameraEstimate& estimate) 
     const std::vector<int>& views = problem.frames[static_cast<std::size_t>(f)].view;
     for (std::size_t c = 0; c < views.size(); ++c) {
       if (views[c] < 0) continue;
-      const PackedView view = problem.corners[c].view(views[c]);
-      for (int k = 0; k < view.count; ++k) corners += problem.weight(f) * view.w[k];
+      corners += problem.weight(f) * problem.corners[c].view(views[c]).used();
     }
   }
   // The cost has half of a corner's squares, which is their mean over its two axes.

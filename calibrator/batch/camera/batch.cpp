@@ -112,10 +112,7 @@ std::vector<int> framesWithCorners(const CameraProblem& problem) {
     double most = 0;
     for (std::size_t c = 0; c < frame.view.size(); ++c) {
       if (frame.view[c] < 0) continue;
-      const PackedView view = problem.corners[c].view(frame.view[c]);
-      double used = 0;
-      for (int k = 0; k < view.count; ++k) used += view.w[k];
-      most = std::max(most, used);
+      most = std::max(most, problem.corners[c].view(frame.view[c]).used());
     }
     if (most >= kMinUsedCorners) keep.push_back(f);
   }

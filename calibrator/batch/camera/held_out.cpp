@@ -20,8 +20,7 @@ double usedCorners(const CameraProblem& problem, std::size_t f) {
   for (std::size_t c = 0; c < problem.frames[f].view.size(); ++c) {
     const int index = problem.frames[f].view[c];
     if (index < 0) continue;
-    const PackedView view = problem.corners[c].view(index);
-    for (int k = 0; k < view.count; ++k) corners += view.w[k];
+    corners += problem.corners[c].view(index).used();
   }
   return corners;
 }

@@ -12,19 +12,18 @@ namespace {
 constexpr double kTolerance = 1e-6;  // [standard deviations], as the batch's own
 constexpr int kIterations = 50;
 
-std::vector<FrameView> viewsOf(const CameraProblem& problem, const CameraEstimate& estimate,
-                               std::size_t f) {
+}  // namespace
+
+std::vector<FrameView> frameViews(const Frame& frame, std::span<const PackedCorners> corners,
+                                  const CameraEstimate& cameras) {
   std::vector<FrameView> views;
-  for (std::size_t c = 0; c < estimate.intrinsics.size(); ++c) {
-    const int index = problem.frames[f].view[c];
-    if (index < 0) continue;
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    if (frame.view[c] < 0) continue;
     views.push_back(
-        {&estimate.intrinsics[c], problem.corners[c].view(index), estimate.T_C0Ci[c].inverse()});
+        {&cameras.intrinsics[c], corners[c].view(frame.view[c]), cameras.T_C0Ci[c].inverse()});
   }
   return views;
 }
-
-}  // namespace
 
 double RefinedPoses::total(double pixel_sigma) const {
   return 0.5 * std::accumulate(cost.begin(), cost.end(), 0.) / (pixel_sigma * pixel_sigma);
@@ -39,8 +38,8 @@ RefinedPoses refinePoses(const CameraProblem& problem, CameraEstimate& estimate)
   forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
     for (int i = chunk.begin; i < chunk.end; ++i) {
       const auto f = static_cast<std::size_t>(i);
-      const PoseRefinement refined =
-          refinePose(viewsOf(problem, estimate, f), estimate.T_C0F[f], options);
+      const PoseRefinement refined = refinePose(
+          frameViews(problem.frames[f], problem.corners, estimate), estimate.T_C0F[f], options);
       estimate.T_C0F[f] = refined.T_C0F;
       out.cost[f] = refined.cost;
       settled[f] = refined.converged ? 1 : 0;

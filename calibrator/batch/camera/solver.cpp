@@ -8,6 +8,7 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/problem.h"
+#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {
@@ -97,13 +98,6 @@ class StepSolver {
   Eigen::MatrixXd W_;
   Eigen::VectorXd y_;
 };
-
-/// T after the left twist (rho, phi), to first order p' = p + rho + phi x p; orthonormal.
-Transform twisted(const Transform& T, const Vector6d& x) {
-  const Eigen::Matrix3d turn = expSO3(x.tail<3>());
-  const Eigen::Quaterniond q(turn * T.R);
-  return {q, turn * T.t + x.head<3>()};
-}
 
 CameraEstimate moved(const CameraEstimate& from, const Step& step) {
   CameraEstimate to = from;

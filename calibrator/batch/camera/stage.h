@@ -10,6 +10,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
+#include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {
 
@@ -59,6 +60,10 @@ CameraStageResult resultFrom(const Session& session, const CameraProblem& proble
 enum class ResidualList { kKeep, kDrop };
 void addResiduals(const Session& session, const CameraProblem& problem,
                   const CameraEstimate& estimate, ResidualList list, CameraStageResult& result);
+
+/// What the cameras see in a frame.
+std::vector<FrameView> frameViews(const Frame& frame, std::span<const PackedCorners> corners,
+                                  const CameraEstimate& cameras);
 
 /// Every frame's pose where its own corners want it, cameras and board fixed.
 struct RefinedPoses {

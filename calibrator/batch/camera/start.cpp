@@ -174,17 +174,6 @@ CameraPoses ownPoses(const Intrinsics& camera, const PackedCorners& corners,
   return poses;
 }
 
-std::vector<FrameView> viewsOf(const Frame& frame, std::span<const PackedCorners> corners,
-                               const CameraEstimate& cameras) {
-  std::vector<FrameView> views;
-  for (std::size_t c = 0; c < corners.size(); ++c) {
-    if (frame.view[c] < 0) continue;
-    views.push_back(
-        {&cameras.intrinsics[c], corners[c].view(frame.view[c]), cameras.T_C0Ci[c].inverse()});
-  }
-  return views;
-}
-
 /// Cameras that have a pose of their own in a frame, the one with most corners first.
 std::vector<std::size_t> camerasWithPose(const Frame& frame, std::size_t f,
                                          std::span<const PackedCorners> corners,
@@ -205,7 +194,7 @@ std::optional<Transform> bestPose(const Frame& frame, std::size_t f,
                                   std::span<const PackedCorners> corners,
                                   const CameraEstimate& cameras,
                                   const std::vector<CameraPoses>& own, double max_error) {
-  const std::vector<FrameView> views = viewsOf(frame, corners, cameras);
+  const std::vector<FrameView> views = frameViews(frame, corners, cameras);
   const Resolution& resolution = cameras.intrinsics[0].resolution;
   const double width = resolution.width;
   // One camera alone has refined its pose already.

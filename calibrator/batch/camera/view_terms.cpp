@@ -173,8 +173,7 @@ ViewTerms ViewTermsMaker::seen(const RigView& frame, std::span<const double> cel
   for (std::size_t c = 0; c < frame.views.size(); ++c) {
     PackedView view = frame.views[c];
     if (view.count == 0) continue;
-    double used = 0;
-    for (int k = 0; k < view.count; ++k) used += view.w[k];
+    const double used = view.used();
     if (!cell_weights.empty()) {
       // A view's weights multiply residuals: squares get the cell's weight by its root.
       roots.assign(view.w, view.w + view.padded);

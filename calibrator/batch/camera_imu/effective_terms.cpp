@@ -178,23 +178,18 @@ class LinkRows {
     const CameraImuEstimate& e = solution_.estimate;
     const ImuState& i = e.states[k];
     const ImuWindow window{problem_.frames[k].t, problem_.frames[k + 1].t, e.timeOffset()};
-    const ImuBias bias{i.gyro_bias, i.accel_bias};
-    const auto exact = preintegrate(problem_.samples, window, bias);
-    const auto faults = sampleFaultDerivatives(problem_.samples, window, bias);
-    if (!exact || !faults) return false;
-    // As in informationAt().
-    const Preintegration motion = withSmoothOffset(problem_.samples, window, bias, *exact);
-    const Gravity gravity{e.gravity_direction, problem_.gravity_m_s2};
-    const ImuResidual r = imuResidual(motion, i, e.states[k + 1], gravity);
-    const Matrix9d& W = solution_.weights[k].sqrt_information;
-    out.r.head<9>() = W * r.r;
-    out.J_i.topRows<9>() = W * r.J_i;
-    out.J_j.topLeftCorner<9, 9>() = W * r.J_j;
+    const auto rows = motionRows(problem_, e, solution_.weights, k, OffsetDerivative::kSmooth);
+    const auto faults =
+        sampleFaultDerivatives(problem_.samples, window, {i.gyro_bias, i.accel_bias});
+    if (!rows || !faults) return false;
+    out.r.head<9>() = rows->col(27);
+    out.J_i.topRows<9>() = rows->leftCols<15>();
+    out.J_j.topLeftCorner<9, 9>() = rows->middleCols<9>(15);
     auto J_B = out.J_B.topRows<9>();
-    J_B.middleCols<2>(BorderLayout::kGravity) = W * r.J_gravity;
-    J_B.col(BorderLayout::kOffset) = W * r.J_offset;
+    J_B.middleCols<3>(BorderLayout::kGravity) = rows->middleCols<3>(24);  // and the offset
     // Minus, as the motion stands in the residual with a minus.
-    J_B.middleCols<SampleFaults::kCount>(columns_.samples) = -W * *faults;
+    J_B.middleCols<SampleFaults::kCount>(columns_.samples) =
+        -solution_.weights[k].sqrt_information * *faults;
     // About the middle, so that drift and offset do not stand for each other.
     // Both ends of a window move alike: that it also gets longer, by the drift's own share (1e-4 or
     // so) of the motion, is left out.

@@ -24,8 +24,7 @@ FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate
       H_d += view.H(kDelay, kDelay);
       b_d += view.b(kDelay);
       squares += view.squared_error;
-      const PackedView packed = problem.corners[c].view(problem.frames[i].view[c]);
-      for (int k = 0; k < packed.count; ++k) corners += packed.w[k];
+      corners += problem.corners[c].view(problem.frames[i].view[c]).used();
     }
     // Twice what the cost falls by with the pose free, and below with its stamp alone free.
     free += b.dot(H.ldlt().solve(b));

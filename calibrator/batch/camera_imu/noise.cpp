@@ -35,30 +35,6 @@ struct Link {
   Vector6d walk_weight = Vector6d::Zero();  ///< Jacobian: - and + this
 };
 
-/// Of the motion by t_d: exact for residuals, smooth for information (smoothOffsetDerivative()).
-enum class OffsetDerivative { kExact, kSmooth };
-
-/// Whitened rows (J | r) of an inertial link, columns as in LinkGram. Empty where the samples do
-/// not cover it.
-std::optional<Eigen::Matrix<double, 9, 28>> motionRows(const CameraImuProblem& problem,
-                                                       const CameraImuEstimate& estimate,
-                                                       const ImuWeights& weights, std::size_t k,
-                                                       OffsetDerivative derivative) {
-  const ImuState& i = estimate.states[k];
-  const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.timeOffset()};
-  const ImuBias bias{i.gyro_bias, i.accel_bias};
-  auto motion = preintegrate(problem.samples, window, bias);
-  if (!motion) return std::nullopt;
-  if (derivative == OffsetDerivative::kSmooth) {
-    motion = withSmoothOffset(problem.samples, window, bias, *motion);
-  }
-  const Gravity gravity{estimate.gravity_direction, problem.gravity_m_s2};
-  const ImuResidual r = imuResidual(*motion, i, estimate.states[k + 1], gravity);
-  Eigen::Matrix<double, 9, 28> J;
-  J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;
-  return weights[k].sqrt_information.lazyProduct(J).eval();
-}
-
 Vector6d walkWeight(const ImuWeight& weight) {
   Vector6d rows;
   rows << Eigen::Vector3d::Constant(weight.gyro_walk), Eigen::Vector3d::Constant(weight.accel_walk);

@@ -332,6 +332,24 @@ std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
   return weights;
 }
 
+std::optional<MotionRows> motionRows(const CameraImuProblem& problem,
+                                     const CameraImuEstimate& estimate, const ImuWeights& weights,
+                                     std::size_t k, OffsetDerivative derivative) {
+  const ImuState& i = estimate.states[k];
+  const ImuWindow window{problem.frames[k].t, problem.frames[k + 1].t, estimate.timeOffset()};
+  const ImuBias bias{i.gyro_bias, i.accel_bias};
+  auto motion = preintegrate(problem.samples, window, bias);
+  if (!motion) return std::nullopt;
+  if (derivative == OffsetDerivative::kSmooth) {
+    motion = withSmoothOffset(problem.samples, window, bias, *motion);
+  }
+  const Gravity gravity{estimate.gravity_direction, problem.gravity_m_s2};
+  const ImuResidual r = imuResidual(*motion, i, estimate.states[k + 1], gravity);
+  MotionRows J;
+  J << r.J_i, r.J_j, r.J_gravity, r.J_offset, r.r;
+  return weights[k].sqrt_information.lazyProduct(J).eval();
+}
+
 std::optional<CameraImuNormals> normalsAt(const CameraImuProblem& problem,
                                           const CameraImuEstimate& estimate,
                                           const ImuWeights& weights) {

@@ -155,6 +155,16 @@ struct MovedView {
 MovedView movedView(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
                     const GramOptions& gram, const ViewIndex& index);
 
+/// Of the motion by t_d: exact for residuals, smooth for information (smoothOffsetDerivative()).
+enum class OffsetDerivative { kExact, kSmooth };
+
+/// Whitened rows of an inertial link k. Columns: state i (15), state j without biases (9), gravity
+/// (2), t_d (1), residual (1). Empty where the samples do not cover it.
+using MotionRows = Eigen::Matrix<double, 9, 28>;
+std::optional<MotionRows> motionRows(const CameraImuProblem& problem,
+                                     const CameraImuEstimate& estimate, const ImuWeights& weights,
+                                     std::size_t k, OffsetDerivative derivative);
+
 /// Camera c's view of the target in frame i, at its exposure.
 Transform targetInCamera(const CameraImuProblem& problem, const CameraImuEstimate& estimate,
                          std::size_t i, std::size_t c);
