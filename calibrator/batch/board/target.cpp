@@ -70,35 +70,6 @@ TargetFinding findingOf(const TargetFit& fit, const CameraStageOptions& options)
   return better ? TargetFinding::kBent : TargetFinding::kAsStated;
 }
 
-/// The shape of a solution, with its deviations; false where it has none.
-bool describe(const Solved& own, TargetFit& fit) {
-  const CameraSolution& bent = own.solution;
-  const TargetModel& model = *own.problem.target;
-  fit.shape.terms = *bent.estimate.target;
-  fit.shape.higher = model.grid.shape.higher;
-  fit.shape.corners = model.grid.shape.corners;
-  if (fit.shape.corners) {
-    // The prior's: information = noise / variance and scatter = noise information (HigherPrior).
-    const auto std = [&](Eigen::Index j) {
-      return std::sqrt(model.higher->scatter[j]) / model.higher->information[j];
-    };
-    fit.corners_plane_std = std(kHigherTerms);
-    fit.corners_height_std = std(model.higher->scatter.size() - 1);
-  }
-  const auto share = higherShare(own.problem, bent.estimate);
-  auto formal = covarianceOf(reducedInformation(bent.normals));
-  if (!bent.converged || !formal) return false;
-  if (share) *formal += share->covariance;
-  fit.shape.covariance = formal->bottomRightCorner<kTargetTerms, kTargetTerms>();
-  fit.std = fit.shape.covariance->diagonal().cwiseSqrt();
-  if (const auto robust = robustCovariance(own.problem, bent, share)) {
-    fit.blocks = robust->blocks;
-    // The larger of both: of few blocks the robust one may be small by chance.
-    fit.std = fit.std.cwiseMax(robust->matrix.diagonal().tail<kTargetTerms>().cwiseSqrt());
-  }
-  return true;
-}
-
 /// The board with terms of its own against the one without, or with those that are known; and the
 /// error of unseen frames with its own.
 struct Judgement {
@@ -109,7 +80,7 @@ Judgement judge(const Solved& own, const Solved& stated, const CameraStageOption
   const CameraSolution& bent = own.solution;
   Judgement out;
   TargetFit& fit = out.fit;
-  if (!describe(own, fit)) return out;
+  if (!describeBoard(own.problem, bent, fit)) return out;
   const HeldOut& with = out.with = heldOut(own.problem, bent.estimate);
   if (with.cost.size() < 4) return out;  // two blocks a side: fewer have no scatter
   const HeldOut without = heldOut(stated.problem, stated.solution.estimate);
@@ -150,7 +121,7 @@ bool addDetail(BoardDetail detail, const MinimiserOptions& solver, BentBoard& bo
   CameraProblem own = board.problem;
   CameraSolution solution = withHigherTerms(own, board.solution, solver, {detail});
   TargetFit better = fit;
-  if (!describe({own, solution}, better)) return false;
+  if (!describeBoard(own, solution, better)) return false;
   board.problem.target = own.target;
   board.solution = std::move(solution);
   fit = std::move(better);
@@ -275,6 +246,33 @@ CameraSolution solveAgain(const Session& session, const CameraStageResult& earli
   if (!higher || !solution.converged) return solution;
   const BoardDetail detail = earlier.target.corners ? BoardDetail::kCorners : BoardDetail::kHigher;
   return withHigherTerms(problem, std::move(solution), solver, {detail, 1});
+}
+
+bool describeBoard(const CameraProblem& problem, const CameraSolution& bent, TargetFit& fit) {
+  const TargetModel& model = *problem.target;
+  fit.shape.terms = *bent.estimate.target;
+  fit.shape.higher = model.grid.shape.higher;
+  fit.shape.corners = model.grid.shape.corners;
+  if (fit.shape.corners) {
+    // The prior's: information = noise / variance and scatter = noise information (HigherPrior).
+    const auto std = [&](Eigen::Index j) {
+      return std::sqrt(model.higher->scatter[j]) / model.higher->information[j];
+    };
+    fit.corners_plane_std = std(kHigherTerms);
+    fit.corners_height_std = std(model.higher->scatter.size() - 1);
+  }
+  const auto share = higherShare(problem, bent.estimate);
+  auto formal = covarianceOf(reducedInformation(bent.normals));
+  if (!bent.converged || !formal) return false;
+  if (share) *formal += share->covariance;
+  fit.shape.covariance = formal->bottomRightCorner<kTargetTerms, kTargetTerms>();
+  fit.std = fit.shape.covariance->diagonal().cwiseSqrt();
+  if (const auto robust = robustCovariance(problem, bent, share)) {
+    fit.blocks = robust->blocks;
+    // The larger of both: of few blocks the robust one may be small by chance.
+    fit.std = fit.std.cwiseMax(robust->matrix.diagonal().tail<kTargetTerms>().cwiseSqrt());
+  }
+  return true;
 }
 
 TargetSolution estimateTarget(AprilGrid board, CameraProblem& problem, CameraSolution flat,

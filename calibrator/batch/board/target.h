@@ -35,6 +35,10 @@ CameraSolution solveAgain(const Session& session, const CameraStageResult& earli
                           const CameraStageOptions& options, CameraProblem& problem,
                           CameraEstimate estimate);
 
+/// Fills a fit's shape, with its deviations, from a solution with the board's terms. False where it
+/// has no deviations: it has not converged, or does not determine cameras and board.
+bool describeBoard(const CameraProblem& problem, const CameraSolution& bent, TargetFit& fit);
+
 /// A solution, and what it says of the board where that was asked for.
 struct TargetSolution {
   CameraSolution solution;

@@ -257,10 +257,14 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
   place();
   // Of all solutions, not of the last alone.
   int iterations = solution.iterations;
+  // Of a known board the fit describes another solution, with terms of the recording's own.
+  const bool fit_follows =
+      stage.fit && solution.estimate.target && options.target != TargetMode::kKnown;
   const auto again = [&] {
     dropBareFrames(problem, solution.estimate);
     solution = solveCameraProblem(problem, solution.estimate, solverOptions(options));
     place();
+    if (fit_follows) describeBoard(problem, solution, *stage.fit);
     iterations += solution.iterations;
   };
   // After model and board: under wrong ones the corners to cut off would be those at the border of

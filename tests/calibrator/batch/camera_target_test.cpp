@@ -125,6 +125,22 @@ TEST(CameraTarget, FindsABentBoardBentAndAFlatOneFlat) {
   EXPECT_EQ(kept->summary.covariance.matrix, stated->summary.covariance.matrix);
 }
 
+// The filter's further solutions move the board too.
+TEST(CameraTarget, TheFitIsOfTheBoardThatAFilterLeaves) {
+  SimulationOptions recording = recordingOf(bentTerms(), 0.2);
+  recording.duration_s = 3;
+  const auto s = simulateSession(simulatedRig("euroc"), recording);
+  CameraStageOptions options = estimating(TargetMode::kEstimate, 0.2);
+  const auto all = calibrateCameras(s.session, options);
+  options.filter = CornerFilter::kSigma;
+  options.filter_sigmas = 2.5;
+  const auto filtered = calibrateCameras(s.session, options);
+  ASSERT_TRUE(all.ok() && filtered.ok() && filtered->target_fit);
+  EXPECT_NE(filtered->target.terms, all->target.terms);
+  EXPECT_EQ(filtered->target.terms, filtered->target_fit->shape.terms);
+  EXPECT_NE(filtered->target_fit->std, all->target_fit->std);
+}
+
 TEST(CameraTarget, AKnownShapeGivesTheCamerasBack) {
   auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0));
   s.session.target.shape.terms = bentTerms();
