@@ -20,7 +20,9 @@ using PatchErrors = Eigen::Matrix<double, kPatchCorners, 2>;
 using PatchBasis = Eigen::Matrix<double, kPatchCorners, 3>;
 
 /// Orthonormal columns of the affine functions of the corners' places; the same in every patch.
+/// Zero for a board that has none.
 PatchBasis affineBasis(const AprilGrid& board) {
+  if (board.cols < kPatchTags || board.rows < kPatchTags) return PatchBasis::Zero();
   PatchBasis A;
   for (int k = 0; k < kPatchCorners; ++k) {
     const int tag = k / 4;

@@ -262,9 +262,10 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
       stage.fit && solution.estimate.target && options.target != TargetMode::kKnown;
   const auto again = [&] {
     dropBareFrames(problem, solution.estimate);
+    if (problem.frames.empty()) return;
     solution = solveCameraProblem(problem, solution.estimate, solverOptions(options));
-    place();
     if (fit_follows) describeBoard(problem, solution, *stage.fit);
+    place();
     iterations += solution.iterations;
   };
   // After model and board: under wrong ones the corners to cut off would be those at the border of
@@ -277,7 +278,7 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
       again();
     }
   }
-  if (options.select_views) {
+  if (options.select_views && !problem.frames.empty()) {
     keepFrames(selectFrames(problem, solution.estimate, *options.select_views), problem,
                solution.estimate);
     again();
@@ -295,6 +296,9 @@ Result<CameraStageResult> solveAndReport(const Session& session, std::vector<Pac
   StageSolution solved =
       solveStage(session, corners, problem, start.estimate, options, most_parameters);
   const double solve_s = watch.lap();
+  if (problem.frames.empty()) {
+    return Failure{FailureCode::kNoFramePose, {{"frames", start.frames.size()}}};
+  }
   auto result = stageResult(session, problem, solved.solution, ResidualList::kKeep);
   if (!result) return result;
   result.value().target_fit = solved.fit;

@@ -38,25 +38,30 @@ Eigen::VectorXd worthlessErrors(const std::vector<CameraCalibration>& cameras,
   return sizes;
 }
 
-bool contains(const std::string& text, const char* part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// What a free direction led by this parameter means.
-FailureCode codeOfFree(const std::string& name) {
-  if (contains(name, ".fu") || contains(name, ".fv")) return FailureCode::kFocalLengthFree;
-  if (contains(name, ".pu") || contains(name, ".pv")) return FailureCode::kPrincipalPointFree;
-  return contains(name, "T_C0C") ? FailureCode::kExtrinsicsFree : FailureCode::kDistortionFree;
+FailureCode codeOfFree(int parameter, const std::vector<CameraCalibration>& cameras,
+                       const CameraLayout& layout) {
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const int k = parameter - layout.intrinsics[c];
+    if (k < 0 || k >= layout.intrinsics_size[c]) continue;
+    const auto from_fu = k - (cameras[c].intrinsics.projection.size() - 4);
+    if (from_fu < 0 || from_fu >= 4) return FailureCode::kDistortionFree;
+    return from_fu < 2 ? FailureCode::kFocalLengthFree : FailureCode::kPrincipalPointFree;
+  }
+  return FailureCode::kExtrinsicsFree;
 }
 
-Failure notObservable(const FreeDirection& direction, const ParameterCovariance& parameters) {
+Failure notObservable(const FreeDirection& direction, const CameraStageResult& result,
+                      const CameraLayout& layout) {
   std::vector<std::string> names;
   for (const int i : direction.leading) {
-    names.push_back(parameters.names[static_cast<std::size_t>(i)]);
+    names.push_back(result.summary.covariance.names[static_cast<std::size_t>(i)]);
   }
   assert(!names.empty());
-  const std::string camera = names.front().substr(0, names.front().find('.'));
-  return {codeOfFree(names.front()), {{"camera", camera}, {"direction", names}}};
+  // A camera's name may have points of its own; a parameter's has none.
+  const std::string camera = names.front().substr(0, names.front().rfind('.'));
+  return {codeOfFree(direction.leading.front(), result.cameras, layout),
+          {{"camera", camera}, {"direction", names}}};
 }
 
 /// Corners of all views that take part.
@@ -123,7 +128,7 @@ std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
   }
   // Before the covariance: a weak direction has one as well, only a large one.
   const auto free = freeDirections(information, worthlessErrors(result.cameras, layout));
-  if (!free.empty()) return notObservable(free.front(), out);
+  if (!free.empty()) return notObservable(free.front(), result, layout);
   const auto covariance = covarianceOf(information);
   const auto entropy = entropyNats(information);
   if (!covariance || !entropy) {

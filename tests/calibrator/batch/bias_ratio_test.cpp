@@ -56,6 +56,17 @@ TEST(BiasRatio, SaysNothingOnFewPatches) {
   EXPECT_EQ(biasRatios(AprilGrid(), stage).at(0).patches, 0);
 }
 
+TEST(BiasRatio, ABoardOfOneRowHasNoPatches) {
+  AprilGrid row;
+  row.rows = 1;
+  CameraStageResult stage = residualsOf(0.2, 0);
+  std::erase_if(stage.residuals,
+                [&](const CornerResidual& r) { return r.corner_id >= row.cornerCount(); });
+  const BiasRatio bias = biasRatios(row, stage).at(0);
+  EXPECT_EQ(bias.patches, 0);
+  EXPECT_NEAR(bias.error_px, 0.2, 0.02);
+}
+
 CameraStageResult calibratedAs(DistortionModel distortion) {
   SimulationOptions recording;
   recording.duration_s = 15;

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/calibration.h"
 #include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera/stage.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
@@ -98,6 +100,40 @@ TEST(CameraFailures, AScoreOfWhichAFilterLeavesNoFrameIsNone) {
   const auto result = scoreCameras(s.session, s.truth.cameras, options);
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.failure().code, FailureCode::kNoFramePose);
+}
+
+TEST(CameraFailures, ACalibrationOfWhichAFilterLeavesNoFrameIsNone) {
+  const SimulatedSession s = recording();
+  CameraStageOptions options;
+  options.filter = CornerFilter::kSigma;
+  options.filter_sigmas = 1e-6;
+  const auto result = calibrateCameras(s.session, options);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.failure().code, FailureCode::kNoFramePose);
+}
+
+TEST(CameraFailures, AFreeDirectionIsNamedByItsParameterWhateverTheCamerasName) {
+  CameraStageResult stage;
+  stage.cameras = recording().truth.cameras;
+  stage.cameras[0].name = "rig.fused";
+  const auto n = static_cast<Eigen::Index>(cameraParameters(stage.cameras).size());
+  const Eigen::MatrixXd information = 1e8 * Eigen::MatrixXd::Identity(n, n);
+  const auto codeWithout = [&](Eigen::Index k) {
+    Eigen::MatrixXd without = information;
+    without(k, k) = 0;
+    const auto failure = addCovariance(without, stage);
+    EXPECT_TRUE(failure);
+    EXPECT_EQ(std::get<std::string>(failure->values.at("camera").content()), k < 8    ? "rig.fused"
+                                                                             : k < 16 ? "cam1"
+                                                                                      : "T_C0C1");
+    return failure->code;
+  };
+  EXPECT_EQ(codeWithout(1), FailureCode::kFocalLengthFree);
+  EXPECT_EQ(codeWithout(3), FailureCode::kPrincipalPointFree);
+  EXPECT_EQ(codeWithout(4), FailureCode::kDistortionFree);
+  EXPECT_EQ(codeWithout(8), FailureCode::kFocalLengthFree);
+  EXPECT_EQ(codeWithout(15), FailureCode::kDistortionFree);
+  EXPECT_EQ(codeWithout(16), FailureCode::kExtrinsicsFree);
 }
 
 TEST(CameraFailures, ATargetOfAnotherLayoutDoesNotPassAsCalibrated) {
