@@ -213,7 +213,9 @@ struct TargetFit {
   /// Of the terms [m]: the larger of formal and cluster-robust, where `blocks` of time sufficed.
   TargetTerms std = TargetTerms::Zero();
   int blocks = 0;
-  double held_out_px = 0;       ///< RMS of frames that cameras and board were not fitted to
+  /// RMS, after the loss (sqrt(mean rho(|e|^2))), of frames that cameras and board were not fitted
+  /// to.
+  double held_out_px = 0;
   double flat_held_out_px = 0;  ///< the same with the board as stated, or as it was given
   double gain_px2 = 0;          ///< mean over blocks of time: by how much the squares are smaller
   double gain_std_px2 = 0;      ///< standard deviation of that mean
@@ -238,9 +240,10 @@ struct ModelCandidate {
   ProjectionModel projection = ProjectionModel::kPinhole;
   DistortionModel distortion = DistortionModel::kNone;
   int parameters = 0;
-  int frames = 0;          ///< on which it was tried; fewer where that was enough to rule it out
-  double held_out_px = 0;  ///< RMS of frames that it was not fitted to; NaN: no solution
-  double excess_px2 = 0;   ///< mean over blocks of time: by how much its squares exceed the best's
+  int frames = 0;  ///< on which it was tried; fewer where that was enough to rule it out
+  /// RMS, after the loss, of frames that it was not fitted to; NaN: no solution.
+  double held_out_px = 0;
+  double excess_px2 = 0;  ///< mean over blocks of time: by how much its squares exceed the best's
   double excess_std_px2 = 0;  ///< standard deviation of that mean
 };
 
@@ -259,6 +262,7 @@ enum class ModelReason {
   kNotTested,  ///< too short a recording, or no other model has a solution
   kStated,     ///< the recording states it, and no model predicts unseen frames better
   kSmallest,   ///< the fewest parameters of those that predict unseen frames as well as the best
+  kCommon,     ///< the one for all cameras together; by itself the camera would have another
 };
 
 /// The lens model of one camera, chosen by the error of unseen frames.

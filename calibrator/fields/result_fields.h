@@ -116,7 +116,8 @@ void fields(V& v, TargetFit& t) {
   v("shape", t.shape, "terms estimated with the cameras, formal covariance");
   v.group("std", [&](auto& g) { targetTermFields(g, t.std); });
   v("blocks", t.blocks, "1", "of time, over which `std` is cluster-robust; 0: formal");
-  v("held_out_px", t.held_out_px, "px", "RMS of frames that cameras and board were not fitted to");
+  v("held_out_px", t.held_out_px, "px",
+    "RMS, after the loss, of frames that cameras and board were not fitted to");
   v("flat_held_out_px", t.flat_held_out_px, "px", "the same with the board as stated or given");
   v("gain_px2", t.gain_px2, "px^2",
     "mean over blocks of time: by how much the squares are smaller");
@@ -143,14 +144,15 @@ void fields(V& v, ModelCandidate& m) {
   v("parameters", m.parameters, "1", "of the lens");
   v("frames", m.frames, "1",
     "frames of the comparison: fewer where they were enough to reject the model");
-  v("held_out_px", m.held_out_px, "px", "RMS of frames that it was not fitted to; null: none");
+  v("held_out_px", m.held_out_px, "px",
+    "RMS, after the loss, of frames that it was not fitted to; null: none");
   v("excess_px2", m.excess_px2, "px^2",
     "mean over blocks of time: by how much its squares exceed the best model's");
   v("excess_std_px2", m.excess_std_px2, "px^2", "standard deviation of that mean");
 }
 
-constexpr std::array<const char*, 3> enumWords(ModelReason /*of*/) {
-  return {"not tested", "stated", "smallest"};
+constexpr std::array<const char*, 4> enumWords(ModelReason /*of*/) {
+  return {"not tested", "stated", "smallest", "common"};
 }
 
 template <class V>
@@ -159,7 +161,9 @@ void fields(V& v, ModelChoice& m) {
   v("camera_model", m.projection, "the chosen projection");
   v("distortion_model", m.distortion, "its distortion");
   v("reason", m.reason,
-    "why: within one standard error of the best, `stated` or `smallest`; or `not tested`");
+    "why: within one standard error of the best, `stated` or `smallest`; `common` to all cameras "
+    "at "
+    "less than 1 % of the squares; or `not tested`");
   v("candidates", m.candidates, "models that were tried, the best first");
 }
 

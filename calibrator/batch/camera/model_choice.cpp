@@ -292,10 +292,12 @@ ModelChoice choiceOf(const CameraTrial& trial, const std::optional<CameraModelPa
                      const std::optional<CameraModelPair>& common, Intrinsics& lens) {
   ModelChoice choice;
   if (!trial.open.empty()) {
-    const Trialled& chosen =
-        common ? *find(trial.open, *common) : trial.open[chosenOf(trial.open, stated)];
-    const bool as_stated = stated && isSame(chosen.model, *stated);
-    choice.reason = as_stated ? ModelReason::kStated : ModelReason::kSmallest;
+    const Trialled& own = trial.open[chosenOf(trial.open, stated)];
+    const Trialled& chosen = common ? *find(trial.open, *common) : own;
+    const bool as_stated = stated && isSame(own.model, *stated);
+    choice.reason = !isSame(chosen.model, own.model) ? ModelReason::kCommon
+                    : as_stated                      ? ModelReason::kStated
+                                                     : ModelReason::kSmallest;
     lens = *chosen.lens;
     for (const Trialled& t : trial.open) {
       choice.candidates.push_back(candidateOf(t, trial.open.front()));

@@ -16,11 +16,11 @@ namespace plumbline {
 /// round, only poses moving.
 struct HeldOut {
   std::vector<double> cost;  ///< per block, per corner, after the loss [px^2]
-  double squared = 0;        ///< sum of all [px^2]
+  double squared = 0;        ///< sum of all, after the loss [px^2]
   double corners = 0;
   int frames = 0;
 
-  double rms() const;
+  double rms() const;  ///< sqrt(squared / corners): after the loss, sqrt(mean rho(|e|^2)) [px]
 };
 
 /// Every n-th frame says as much (0.04 px in EuRoC's cameras).

@@ -28,6 +28,11 @@ std::string reasonText(const ModelChoice& choice) {
           "well "
           "as the best, within one standard error.",
           choice.camera, nameOf(choice));
+    case ModelReason::kCommon:
+      return fmt::format(
+          "{}: {}, the model chosen for all cameras together, at less than 1 % of this camera's "
+          "squared error; by itself it would have another.",
+          choice.camera, nameOf(choice));
     case ModelReason::kNotTested:
       break;
   }

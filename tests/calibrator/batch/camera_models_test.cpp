@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every model that can be calibrated, on simulated cameras; and the choice among them.
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -154,6 +155,35 @@ TEST(ModelChoice, LeavesAStatedModelThatMisfits) {
   ASSERT_TRUE(result.ok()) << result.failure();
   EXPECT_EQ(result->models[0].reason, ModelReason::kSmallest);
   EXPECT_NEAR(result->summary.reprojection.rmse_px, 0.2 * std::sqrt(2), 0.01);
+}
+
+// Under this noise the stated models of both cameras are as good as any; together they get one.
+TEST(ModelChoice, AModelForTheSakeOfAllCamerasIsSaidToBeThat) {
+  SimulatedRig rig = simulatedRig("euroc");
+  for (CameraCalibration& camera : rig.calibration.cameras) {
+    camera.intrinsics.distortion << -0.1, 0.01, 0, 0;
+  }
+  SimulationOptions simulation;
+  simulation.duration_s = 10;
+  simulation.camera_rate_hz = 5;
+  simulation.corner_sigma_px = 0.3;
+  SimulatedSession s = simulateSession(rig, simulation);
+  const std::array<DistortionModel, 2> stated{DistortionModel::kRadtan,
+                                              DistortionModel::kEquidistant};
+  for (std::size_t c = 0; c < 2; ++c) {
+    s.session.cameras[c].camera_model = "pinhole";
+    s.session.cameras[c].distortion_model = toString(stated[c]);
+  }
+  const auto result = calibrateCameras(s.session, chosen());
+  ASSERT_TRUE(result.ok()) << result.failure();
+  const auto& models = result->models;
+  ASSERT_EQ(models.size(), 2U);
+  ASSERT_EQ(models[0].distortion, models[1].distortion);
+  for (std::size_t c = 0; c < 2; ++c) {
+    const bool as_stated =
+        models[c].projection == ProjectionModel::kPinhole && models[c].distortion == stated[c];
+    EXPECT_EQ(models[c].reason, as_stated ? ModelReason::kStated : ModelReason::kCommon);
+  }
 }
 
 TEST(ModelChoice, DoesNotDependOnTheNumberOfThreads) {
