@@ -51,7 +51,9 @@ struct Trial {
 struct MinimiserSummary {
   MinimiserEnd end = MinimiserEnd::kOutOfIterations;
   int iterations = 0;
-  double last_step = std::numeric_limits<double>::infinity();  ///< length [standard deviations]
+  /// Length of the last step that was tried with little damping (Damping::isFaithful()): how far
+  /// the minimum is, by the model [standard deviations].
+  double last_step = std::numeric_limits<double>::infinity();
 
   bool converged() const { return end == MinimiserEnd::kConverged; }
 };
@@ -133,14 +135,14 @@ MinimiserSummary minimise(Problem& problem, const MinimiserOptions& options) {
     }
     const double cost = problem.cost();
     const Trial trial = problem.attempt();
-    out.last_step = std::sqrt(std::max(0.0, *decrement));
+    const double length = std::sqrt(std::max(0.0, *decrement));
+    if (damping.isFaithful()) out.last_step = length;
     if (trial.left_domain) {
       out.end = MinimiserEnd::kLeftDomain;
       return out;
     }
-    const bool last =
-        damping.isFaithful() && !trial.renewed &&
-        (out.last_step < options.tolerance || *decrement <= options.cost_tolerance * cost);
+    const bool last = damping.isFaithful() && !trial.renewed &&
+                      (length < options.tolerance || *decrement <= options.cost_tolerance * cost);
     const bool better = trial.cost <= cost * (1 + kRoundingOfCost);  // false for NaN
     if (better) {
       damping.ease(*decrement, cost, trial.cost);

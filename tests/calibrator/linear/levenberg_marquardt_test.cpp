@@ -87,6 +87,15 @@ TEST(LevenbergMarquardt, TakesNoStepThatRaisesTheCost) {
   EXPECT_TRUE(minimise(steps, {}).converged());
 }
 
+// Much damping makes every step short.
+TEST(LevenbergMarquardt, AStepThatDampingMadeShortSaysNothingOfTheMinimum) {
+  Steps steps{linear, {100, 100}};
+  steps.judge = [&](const Eigen::Vector2d&, double) { return Trial{}; };  // refused
+  const MinimiserSummary summary = minimise(steps, {});
+  EXPECT_EQ(summary.end, MinimiserEnd::kNoStep);
+  EXPECT_GT(summary.last_step, 100);
+}
+
 TEST(LevenbergMarquardt, NaNIsRefused) {
   Steps steps{linear, {1, 1}};
   steps.judge = [](const Eigen::Vector2d&, double) {
