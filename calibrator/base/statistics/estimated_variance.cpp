@@ -10,6 +10,7 @@ namespace plumbline {
 
 EstimatedVariance sumOf(const EstimatedVariance& a, const EstimatedVariance& b) {
   const double v = a.value + b.value;
+  if (v == 0) return {};  // it is known that neither varies
   return {v, v * v / (a.value * a.value / a.dof + b.value * b.value / b.dof)};
 }
 

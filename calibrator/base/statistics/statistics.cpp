@@ -9,13 +9,14 @@ namespace plumbline {
 namespace {
 
 /// The q-quantile of ascending values (type 7). A position on a value needs no neighbour, which may
-/// be infinite.
+/// be infinite; between two infinite values there is no difference to take a share of.
 double quantileOfSorted(const std::vector<double>& sorted, double q) {
   const double position = q * static_cast<double>(sorted.size() - 1);
   const auto low = static_cast<std::size_t>(position);
   // 0 also at the last value, which has no neighbour.
   const double share = position - static_cast<double>(low);
-  return share == 0 ? sorted[low] : sorted[low] + share * (sorted[low + 1] - sorted[low]);
+  if (share == 0 || sorted[low] == sorted[low + 1]) return sorted[low];
+  return sorted[low] + share * (sorted[low + 1] - sorted[low]);
 }
 
 /// Of SampleStatistics what no order is needed for.

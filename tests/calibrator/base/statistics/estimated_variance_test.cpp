@@ -44,6 +44,8 @@ TEST(EstimatedVariance, SumsHaveWelchsAndSatterthwaitesDegreesOfFreedom) {
   EXPECT_DOUBLE_EQ(sumOf({1, 6}, {0, 3}).dof, 6);           // nothing is added
   EXPECT_DOUBLE_EQ(sumOf({1, 6}, {1, kInfinity}).dof, 24);  // what is known adds no doubt
   EXPECT_EQ(sumOf({1, kInfinity}, {1, kInfinity}).dof, kInfinity);
+  EXPECT_EQ(sumOf({0, 5}, {0, 5}).value, 0);
+  EXPECT_EQ(sumOf({0, 5}, {0, 5}).dof, kInfinity);
 }
 
 // Two blocks of one parameter each say half: (I - G)^(-1/2) = sqrt(2), W = [0.5 -0.5; -0.5 0.5].

@@ -71,7 +71,8 @@ TEST(Quantile, InterpolatesBetweenNeighboursAndNeedsNoneOnAValue) {
   EXPECT_DOUBLE_EQ(quantile({5}, 0.9), 5);
   const double never = std::numeric_limits<double>::infinity();
   EXPECT_DOUBLE_EQ(quantile({never, 1, 2}, 0.5), 2);
-  EXPECT_FALSE(std::isfinite(quantile({never, never, 1}, 0.5)));
+  EXPECT_EQ(quantile({never, never, 1}, 0.5), never);
+  EXPECT_EQ(quantile({never, never, 1}, 0.75), never);
 }
 
 TEST(MiddleOf, IsTheUpperOfTwo) {
