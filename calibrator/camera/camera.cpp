@@ -21,10 +21,12 @@ std::optional<Eigen::Vector2d> projectAs(Model, const Intrinsics& camera,
 // d uv = diag(fu, fv) dm + (m_x dfu, m_y dfv) + (dpu, dpv).
 template <CameraModel Model>
 std::optional<Projection> projectWithJacobiansAs(Model, const Intrinsics& camera,
-                                                 const Eigen::Vector3d& p_C) {
+                                                 const Eigen::Vector3d& p_C, bool beyond_fold) {
   const CameraValues lens(camera);
   const double* k = lens.k.data();
-  if (!Model::isInDomain(k, p_C.x(), p_C.y(), p_C.z())) return std::nullopt;
+  const bool defined = beyond_fold ? Model::isProjectable(k, p_C.x(), p_C.y(), p_C.z())
+                                   : Model::isInDomain(k, p_C.x(), p_C.y(), p_C.z());
+  if (!defined) return std::nullopt;
   const auto m = Model::image(k, p_C.x(), p_C.y(), p_C.z());
   Projection out;
   out.uv << lens.fu * m.x + lens.pu, lens.fv * m.y + lens.pv;
@@ -59,7 +61,12 @@ std::optional<Eigen::Vector2d> project(const Intrinsics& camera, const Eigen::Ve
 
 std::optional<Projection> projectWithJacobians(const Intrinsics& camera,
                                                const Eigen::Vector3d& p_C) {
-  return std::visit([&](auto model) { return projectWithJacobiansAs(model, camera, p_C); },
+  return std::visit([&](auto model) { return projectWithJacobiansAs(model, camera, p_C, false); },
+                    cameraModelOf(camera));
+}
+
+std::optional<Projection> projectBeyondFold(const Intrinsics& camera, const Eigen::Vector3d& p_C) {
+  return std::visit([&](auto model) { return projectWithJacobiansAs(model, camera, p_C, true); },
                     cameraModelOf(camera));
 }
 

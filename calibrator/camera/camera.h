@@ -31,6 +31,10 @@ std::optional<Eigen::Vector2d> project(const Intrinsics& camera, const Eigen::Ve
 std::optional<Projection> projectWithJacobians(const Intrinsics& camera,
                                                const Eigen::Vector3d& p_C);
 
+/// The same beyond the fold of the distortion as well: by the rule of the Gram kernels
+/// (residuals/view_gram.h), for sums that must have the corners that theirs have.
+std::optional<Projection> projectBeyondFold(const Intrinsics& camera, const Eigen::Vector3d& p_C);
+
 /// Pixels per radian along u on the optical axis: d u / d X of project() at (0, 0, 1). It is fu for
 /// pinholes (but fov) and eucm, fu / (1 + xi) for omni and ds, whose fu alone is no scale of the
 /// image. fu where the axis itself is not projected.

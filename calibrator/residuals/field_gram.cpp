@@ -89,7 +89,7 @@ FieldGram plainFieldGram(const Intrinsics& camera, const Transform& T_CF, const 
     if (!(w2 > 0)) continue;
     const Eigen::Vector3d p = T_CF * Eigen::Vector3d(view.x[i], view.y[i], view.z[i]);
     const Eigen::Vector2d uv(view.u[i], view.v[i]);
-    const auto at = projectWithJacobians(camera, p);
+    const auto at = projectBeyondFold(camera, p);
     const double squared = at ? (at->uv - uv).squaredNorm() : kInvalidSquaredError;
     out.squared_error += w2 * std::min(squared, kInvalidSquaredError);
     if (!(squared < kInvalidSquaredError)) continue;

@@ -30,7 +30,7 @@ std::optional<CornerRows> rowsOf(const Intrinsics& lens, const Transform& T_CF,
                                  const PackedView& view, int k, const Eigen::Vector3d& p_F,
                                  double cauchy_px) {
   const Eigen::Vector3d p = T_CF * p_F;
-  const auto projection = projectWithJacobians(lens, p);
+  const auto projection = projectBeyondFold(lens, p);
   if (!projection) return std::nullopt;
   CornerRows out;
   out.projection = *projection;

@@ -102,7 +102,7 @@ class ViewRows {
     for (int i = 0; i < corners.count; ++i) {
       if (!(corners.w[i] > 0)) continue;
       const Eigen::Vector3d p = T_CF * Eigen::Vector3d(corners.x[i], corners.y[i], corners.z[i]);
-      const auto image = projectWithJacobians(lens, p);
+      const auto image = projectBeyondFold(lens, p);
       if (!image) continue;
       const Eigen::Vector2d error = image->uv - Eigen::Vector2d(corners.u[i], corners.v[i]);
       // By the measured row: it is the row that was exposed then.

@@ -11,7 +11,6 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/stage.h"
-#include "calibrator/camera/camera.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/initialise/imu_sanity.h"
 #include "calibrator/linear/dense.h"
@@ -35,20 +34,17 @@ void frameResiduals(const CameraImuProblem& problem, const CameraImuEstimate& es
   const Frame& f = problem.frames[at];
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     if (f.view[c] < 0) continue;
-    const CameraCalibration& camera = estimate.cameras[c];
     const Transform T_CF = targetInCamera(problem, estimate, at, c);
     const PackedView view = problem.corners[c].view(f.view[c]);
+    const auto errors = viewErrors(estimate.cameras[c].intrinsics, T_CF, view);
     for (int k = 0; k < view.count; ++k) {
-      CornerResidual& r = *out++;
-      r.camera = static_cast<int>(c);
-      r.frame = frame;
-      r.corner_id = view.id[k];
       const Eigen::Vector2d uv(view.u[k], view.v[k]);
-      const auto p =
-          project(camera.intrinsics, T_CF * Eigen::Vector3d(view.x[k], view.y[k], view.z[k]));
-      r.uv = uv.cast<float>();
-      r.used = view.w[k] > 0 && p.has_value();
-      if (p) r.error = (uv - *p).cast<float>();
+      *out++ = {static_cast<int>(c),
+                frame,
+                view.id[k],
+                uv.cast<float>(),
+                errors[static_cast<std::size_t>(k)].cast<float>(),
+                view.w[k] > 0};
     }
   }
 }
@@ -103,6 +99,9 @@ Eigen::MatrixXd listedCovariance(const ParameterList& list, const Eigen::MatrixX
   return 0.5 * (out + out.transpose());
 }
 
+/// Of a variance that rounding may have made negative. One that is no number stays so.
+double deviationOf(double variance) { return std::sqrt(std::max(variance, 0.0)); }
+
 /// The worst direction of a 3 x 3 covariance and its deviation, where that exceeds the limit or is
 /// no number.
 struct Loose {
@@ -112,7 +111,7 @@ struct Loose {
 /// Not axis by axis: what a turn about one axis leaves free seldom lies along x, y or z.
 std::optional<Loose> looseDirection(const Eigen::Matrix3d& covariance, double limit) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
-  const double deviation = std::sqrt(std::max(0.0, eigen.eigenvalues()(2)));
+  const double deviation = deviationOf(eigen.eigenvalues()(2));
   if (deviation <= limit && covariance.allFinite()) return std::nullopt;
   return Loose{eigen.eigenvectors().col(2), deviation};
 }
@@ -129,7 +128,7 @@ std::optional<Failure> unobservable(const Eigen::MatrixXd& covariance,
     failure.values.emplace("rotation_axis", r->axis);
     failure.values.emplace("rotation_std_rad", r->deviation);
   }
-  const double offset = std::sqrt(std::max(0.0, covariance(6, 6)));
+  const double offset = deviationOf(covariance(6, 6));
   if (!(offset <= options.max_offset_std_s)) failure.values.emplace("offset_std_s", offset);
   if (failure.values.empty()) return std::nullopt;
   return failure;

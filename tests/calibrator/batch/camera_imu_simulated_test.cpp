@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
+#include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/camera/camera.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 
 namespace plumbline {
@@ -104,6 +106,38 @@ TEST(CameraImu, ReportsWhatItUsed) {
 
 // What was read differs from the truth by its stated deviation, and from the prediction by the
 // residual; of rotations that to first order in the angle turned (a tenth of a radian here).
+// The cost has them (view_gram.h).
+TEST(CameraImu, CornersBeyondTheFoldOfALensAreListedAsUsed) {
+  const SimulatedSession s = simulate(exactRecording(200, 1));
+  CameraImuProblem problem = makeProblem(s.session, matchedOptions(s, 0.2));
+  problem.frames = {pairFrames(s.session.cameras, {}).front()};
+  CameraImuEstimate estimate;
+  estimate.states = {s.stateAt(problem.frames[0].t)};
+  estimate.T_SC0 = s.truth.imu->T_SC0;
+  estimate.gravity_direction = s.gravity_F.normalized();
+  estimate.time_offsets = s.truth.imu->time_offsets;
+  estimate.cameras = s.truth.cameras;
+  double cost = 0;
+  int beyond = 0;
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    Intrinsics& lens = estimate.cameras[c].intrinsics;
+    lens.distortion << -6, 0, 0, 0;
+    const Transform T_CF = targetInCamera(problem, estimate, 0, c);
+    const PackedView view = problem.corners[c].view(problem.frames[0].view[c]);
+    cost += viewCost(lens, T_CF, view);
+    for (int k = 0; k < view.count; ++k) {
+      beyond += project(lens, T_CF * Eigen::Vector3d(view.x[k], view.y[k], view.z[k])) ? 0 : 1;
+    }
+  }
+  ASSERT_GT(beyond, 0);
+  double squares = 0;
+  for (const CornerResidual& r : cornerResiduals(problem, estimate)) {
+    EXPECT_TRUE(r.used);
+    squares += r.error.cast<double>().squaredNorm();
+  }
+  EXPECT_NEAR(squares, cost, 1e-5 * cost);
+}
+
 TEST(CameraImu, ReadingsSpreadAboutTheTruthByTheirDeviation) {
   const SimulatedSession s = simulate(noisyRecording(3, 20));
   const CameraImuStageResult r = solved(s, matchedOptions(s, 0.2));

@@ -102,6 +102,26 @@ TEST(FieldGram, ChargesACornerBehindTheCameraByItsWeight) {
   }
 }
 
+/// The plain way, too, has the corners beyond the fold of the distortion, as viewGram() has.
+TEST(FieldGram, HasTheCornersBeyondTheFold) {
+  Intrinsics camera = test::everyModel()[6];  // omni-radtan
+  const AprilGrid target;
+  const Transform T_CF = test::examplePose();
+  const PackedCorners packed(target, {test::noisyView(target, camera, T_CF, 144, 0.5, 4)});
+  const PackedView view = packed.view(0);
+  camera.distortion[0] = -12;
+  int beyond = 0;
+  for (int i = 0; i < view.count; ++i) {
+    beyond += project(camera, T_CF * Eigen::Vector3d(view.x[i], view.y[i], view.z[i])) ? 0 : 1;
+  }
+  ASSERT_GT(beyond, 10);
+  const ViewGram whole = viewGram(camera, T_CF, view, {0, 0});
+  const FieldGram g = fieldGram(camera, T_CF, view, kBox, FieldSquares::kDrop);
+  EXPECT_NEAR(g.squared_error, whole.squared_error, 1e-9 * whole.squared_error);
+  EXPECT_LT((g.H - whole.H).norm(), 1e-9 * whole.H.norm());
+  EXPECT_LT((g.H_k - whole.H_k).norm(), 1e-9 * whole.H_k.norm());
+}
+
 class FieldGramOf : public ::testing::TestWithParam<double> {};
 
 TEST_P(FieldGramOf, IsTheSumOverCorners) {
