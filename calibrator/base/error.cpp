@@ -70,6 +70,7 @@ constexpr CodeRow kCodes[] = {
     {Code::kCameraCountDiffers, "CameraCountDiffers", Reason::kTooFewViews},
     {Code::kTooFewPosedFrames, "TooFewPosedFrames", Reason::kTooFewViews},
     {Code::kTooFewCoveredFrames, "TooFewCoveredFrames", Reason::kNoOverlap},
+    {Code::kTooFewJoinedFrames, "TooFewJoinedFrames", Reason::kNoOverlap},
     {Code::kTooFewLinkedFrames, "TooFewLinkedFrames", Reason::kTooFewViews},
     {Code::kOffsetLeftSamples, "OffsetLeftSamples", Reason::kNotConverged},
     {Code::kNoDescent, "NoDescent", Reason::kNotConverged},

@@ -98,6 +98,7 @@ enum class FailureCode {
   kCameraCountDiffers,         ///< calibrated, session
   kTooFewPosedFrames,          ///< frames, needed
   kTooFewCoveredFrames,        ///< covered, frames, offset_s, needed
+  kTooFewJoinedFrames,         ///< joined, covered, frames, longest_s, needed
   kTooFewLinkedFrames,         ///< segments without two linked frames
   kOffsetLeftSamples,          ///< the time offset ran off the samples
   kNoDescent,                  ///< no step lowers the cost

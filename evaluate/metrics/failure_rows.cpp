@@ -168,6 +168,11 @@ const FailureRow kRows[] = {
      "IMU samples cover {covered} of {frames} frames (time offset {offset_s:.3f} s); at least "
      "{needed} are needed",
      kOneClock},
+    {Code::kTooFewJoinedFrames,
+     "IMU samples cover {covered} of {frames} frames, but only {joined} of these have a neighbour "
+     "within {longest_s:g} s and no pause of the IMU in between; at least {needed} are needed",
+     "record more frames a second, keep the target in view, and turn more slowly where the IMU "
+     "reads the end of its range: readings that are cut off count as a pause"},
     {Code::kTooFewLinkedFrames, "the segments contain fewer than two linked frames",
      "use longer segments"},
     {Code::kOffsetLeftSamples,

@@ -21,8 +21,9 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMostSelections = 3;  // attempts to choose frames that stay on the samples
-constexpr int kFilterRounds = 2;    // of CornerFilter::kSigma
+constexpr int kMostSelections = 3;      // attempts to choose frames that stay on the samples
+constexpr double kLeastMargin = 0.005;  // [s], from which it is widened
+constexpr int kFilterRounds = 2;        // of CornerFilter::kSigma
 constexpr int kFewestFrames = 10;
 
 std::optional<Failure> checkInputs(const Session& session,
@@ -41,10 +42,19 @@ Failure tooFewFrames(std::size_t frames) {
   return {FailureCode::kTooFewPosedFrames, {{"frames", frames}, {"needed", kFewestFrames}}};
 }
 
-Failure uncovered(std::size_t frames, std::size_t chosen, double offset_s) {
-  return {
-      FailureCode::kTooFewCoveredFrames,
-      {{"covered", chosen}, {"frames", frames}, {"offset_s", offset_s}, {"needed", kFewestFrames}}};
+/// Why a selection leaves too few frames.
+Failure tooFewSelected(const FrameSelection& selection, std::size_t frames,
+                       const FrameSelectionOptions& choice) {
+  Failure failure{FailureCode::kTooFewCoveredFrames,
+                  {{"covered", selection.covered}, {"frames", frames}, {"needed", kFewestFrames}}};
+  if (selection.covered < kFewestFrames) {
+    failure.values.emplace("offset_s", choice.time_offset_s);
+  } else {
+    failure.code = FailureCode::kTooFewJoinedFrames;
+    failure.values.emplace("joined", selection.chosen.size());
+    failure.values.emplace("longest_s", choice.max_interval_s);
+  }
+  return failure;
 }
 
 struct SelectedSolution {
@@ -95,15 +105,15 @@ Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFr
                                         const CameraImuOptions& options) {
   const auto gaps = imuGaps(problem.samples, options.max_gap_intervals);
   const auto stamps = posed.stamps();
-  const double offset_s = start.time_offsets.front().s;
-  FrameSelectionOptions choice = selectionOptions(options, offset_s);
+  FrameSelectionOptions choice = selectionOptions(options, start.time_offsets.front().s);
   SelectedSolution out;
   // A wider margin leaves out the frames at the ends, which an offset that moved takes off the
   // samples: better a few frames less than no result.
-  for (int attempt = 0; attempt < kMostSelections; ++attempt, choice.margin_s *= 4) {
+  for (int attempt = 0; attempt < kMostSelections; ++attempt) {
+    if (attempt > 0) choice.margin_s = 4 * std::max(choice.margin_s, kLeastMargin);
     const FrameSelection selection = selectFrames(stamps, problem.samples, gaps, choice);
     if (selection.chosen.size() < kFewestFrames) {
-      return uncovered(stamps.size(), selection.chosen.size(), offset_s);
+      return tooFewSelected(selection, stamps.size(), choice);
     }
     const auto poses = take(selection, posed, problem);
     out.frames_without_imu = static_cast<int>(stamps.size() - selection.chosen.size());

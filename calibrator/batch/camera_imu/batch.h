@@ -43,7 +43,7 @@ struct CameraImuOptions : MeasurementModel {
 
   /// scoreCameraImu(): also report what the session tells of T_SC0 and the time offset at their
   /// given values (StageSummary::covariance, entropy_nats), the corners weighted by a Cauchy loss
-  /// of this scale [px]; 0: all alike. Unset: no covariance.
+  /// of this scale [px], at least 1e-3; 0: all alike. Unset: no covariance.
   std::optional<double> score_information_px;
 
   /// Judge the assumed densities by the inertial residuals: a fifth of the batch's time. Without it

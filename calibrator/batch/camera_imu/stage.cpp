@@ -88,7 +88,10 @@ void CameraImuOptions::check() const {
   requirePositive("max_translation_std_m", max_translation_std_m);
   requirePositive("max_rotation_std_rad", max_rotation_std_rad);
   requirePositive("max_offset_std_s", max_offset_std_s);
-  requireAtLeast(0, "score_information_px", score_information_px.value_or(0));
+  // As cauchy_px (MeasurementModel).
+  if (score_information_px.value_or(0) != 0) {
+    requireAtLeast(1e-3, "score_information_px", *score_information_px);
+  }
   requireAtLeast(1, "threads", threads);
   requireAtLeast(1, "max_iterations", max_iterations);
   requirePositive("tolerance", tolerance);

@@ -261,6 +261,7 @@ FrameSelection selectFrames(std::span<const TimeNs> stamps, std::span<const ImuS
     if (after_first < options.margin_s || before_last < options.margin_s) continue;
     covered.push_back(static_cast<int>(i));
   }
+  out.covered = static_cast<int>(covered.size());
   const auto stamp = [&](int index) { return stamps[static_cast<std::size_t>(index)]; };
   const auto isJoined = [&](std::size_t a, std::size_t b) {
     return linkBetween(stamp(covered[a]), stamp(covered[b]), gaps, options) == FrameLink::kInertial;
@@ -274,7 +275,6 @@ FrameSelection selectFrames(std::span<const TimeNs> stamps, std::span<const ImuS
     const TimeNs from = stamp(out.chosen[k]);
     const TimeNs to = stamp(out.chosen[k + 1]);
     out.links.push_back(linkBetween(from, to, gaps, options));
-    if (gapBetween(from, to, gaps, options)) ++out.gaps_used;
   }
   return out;
 }

@@ -37,7 +37,7 @@ struct FrameSelectionOptions {
 struct FrameSelection {
   std::vector<int> chosen;       ///< indices into the candidates, ascending
   std::vector<FrameLink> links;  ///< chosen.size() - 1
-  int gaps_used = 0;             ///< gaps that lie between chosen frames
+  int covered = 0;               ///< candidates that samples cover, linked or not
 };
 
 /// Chooses the frames (stamps in the camera's clock, ascending) that the samples cover, and how

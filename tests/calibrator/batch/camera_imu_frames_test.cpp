@@ -57,7 +57,7 @@ TEST(SelectFrames, TakesThoseThatSamplesCoverAfterTheOffset) {
   EXPECT_EQ(stamps[static_cast<std::size_t>(s.chosen.front())], -50 * kMs);
   EXPECT_EQ(stamps[static_cast<std::size_t>(s.chosen.back())], 850 * kMs);
   EXPECT_EQ(s.links.size(), s.chosen.size() - 1);
-  EXPECT_EQ(s.gaps_used, 0);
+  EXPECT_EQ(s.covered, static_cast<int>(s.chosen.size()));
 }
 
 TEST(SelectFrames, AGapBreaksOneLinkAndDropsTheFramesInside) {
@@ -67,7 +67,7 @@ TEST(SelectFrames, AGapBreaksOneLinkAndDropsTheFramesInside) {
   const FrameSelection s = selectFrames(stamps, samples, gaps, {});
   // 450 and 500 ms lie in the gap; 400 and 550 ms are joined across it by the biases alone.
   EXPECT_EQ(s.chosen.size(), stamps.size() - 2);
-  EXPECT_EQ(s.gaps_used, 1);
+  EXPECT_EQ(s.covered, static_cast<int>(stamps.size()));
   int walks = 0;
   for (std::size_t k = 0; k < s.links.size(); ++k) {
     if (s.links[k] != FrameLink::kBiasWalk) continue;

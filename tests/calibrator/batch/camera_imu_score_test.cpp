@@ -159,5 +159,26 @@ TEST(CameraImuScore, NeedsAnImu) {
   EXPECT_EQ(scored.failure().reason(), FailureReason::kNoOverlap);
 }
 
+TEST(CameraImuScore, FramesThatSamplesDoNotCoverAndFramesThatNothingJoinsAreToldApart) {
+  Case c;
+  c.options.max_interval_s = 0.01;  // frames are 50 ms apart
+  auto scored = c.score(*c.simulated.truth.imu);
+  ASSERT_FALSE(scored);
+  EXPECT_EQ(scored.failure().code, FailureCode::kTooFewJoinedFrames);
+  EXPECT_EQ(scored.failure().number("joined"), 0);
+  EXPECT_GT(scored.failure().number("covered"), 90);
+  c.simulated.session.imu->samples.resize(60);  // 0.3 s
+  scored = c.score(*c.simulated.truth.imu);
+  ASSERT_FALSE(scored);
+  EXPECT_EQ(scored.failure().code, FailureCode::kTooFewCoveredFrames);
+  EXPECT_LT(scored.failure().number("covered"), 10);
+}
+
+TEST(CameraImuScore, AScaleBelowAThousandthOfAPixelIsRefused) {
+  Case c;
+  c.options.score_information_px = 1e-4;
+  EXPECT_THROW((void)c.score(*c.simulated.truth.imu), InputError);
+}
+
 }  // namespace
 }  // namespace plumbline
