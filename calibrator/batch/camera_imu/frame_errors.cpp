@@ -9,6 +9,8 @@ namespace plumbline {
 
 FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate& estimate) {
   constexpr int kDelay = MovedView::kDelay;
+  // Re-weighted, as all else that is said of the optimum.
+  const GramOptions gram{problem.gram.cauchy_px, 0};
   FrameErrors out;
   // (free: sum of b' H^-1 b, along: sum of b_d^2 / H_dd.)
   double squares = 0, corners = 0, free = 0, along = 0, weight = 0, products = 0, before = 0;
@@ -18,7 +20,7 @@ FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate
     double H_d = 0, b_d = 0;
     for (std::size_t c = 0; c < problem.corners.size(); ++c) {
       if (problem.frames[i].view[c] < 0) continue;
-      const MovedView view = movedView(problem, estimate, problem.gram, {i, c});
+      const MovedView view = movedView(problem, estimate, gram, {i, c});
       H += view.H.topLeftCorner<6, 6>();
       b += view.b.head<6>();
       H_d += view.H(kDelay, kDelay);

@@ -213,7 +213,8 @@ class VarianceComponents {
   }
 
   /// Standard deviation of the corners that the poses show, in units of pixel_sigma. The poses have
-  /// 6 rows a frame, and all redundancies add up to the number of rows less that of unknowns.
+  /// 6 rows a frame, and all redundancies add up to the number of rows less that of unknowns. What
+  /// is freed of the cameras does not count: it takes its own from what corners leave beside poses.
   double pixelFactor(const Evaluation& e) const {
     const double redundancy = (e.rows - e.redundancy).sum() -
                               (kChainBlock - 6.0) * cameras_.blocks() - BorderLayout::kFixed;

@@ -134,6 +134,7 @@ SolvedCameraImu solvedBatch(const Session& session, const CameraImuStageResult& 
                             const CameraImuOptions& options) {
   SolvedCameraImu solved{makeProblem(session, options), calibrationEstimate(result)};
   CameraImuProblem& problem = solved.problem;
+  problem.corners = usedCorners(session, result.frames, result.residuals);
   std::vector<TimeNs> stamps;
   for (const Frame& frame : result.frames) stamps.push_back(frame.t);
   // Results do not keep their links: they are found again, by the same rule.

@@ -25,8 +25,7 @@ struct SolvedCameraImu {
   CameraImuProblem problem;
   CameraImuEstimate estimate;
 };
-/// `session` and `options` are those that gave the result. Corners that a filter rejected count
-/// again.
+/// `session` and `options` are those that gave the result.
 SolvedCameraImu solvedBatch(const Session& session, const CameraImuStageResult& result,
                             const CameraImuOptions& options);
 

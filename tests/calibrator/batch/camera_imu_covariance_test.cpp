@@ -96,5 +96,26 @@ TEST(CameraImuCovariance, FollowsTheShareOfTheBiases) {
                 [](double factor) { return NoiseFactors{1, 1, 1, factor, factor, 0}; });
 }
 
+TEST(SolvedBatch, LeavesOutTheCornersThatTheResultLeftOut) {
+  const SimulatedSession s = test::simulate(test::noisyRecording(3, 3));
+  CameraImuOptions options = test::matchedOptions(s, 0.2);
+  options.filter = CornerFilter::kSigma;
+  options.filter_sigmas = 2;
+  options.diagnose_faults = options.noise_check = false;
+  const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
+  ASSERT_TRUE(result);
+  const CameraImuProblem problem = solvedBatch(s.session, *result, options).problem;
+  double used = 0, all = 0;
+  for (const Frame& frame : problem.frames) {
+    for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+      if (frame.view[c] < 0) continue;
+      used += problem.corners[c].view(frame.view[c]).used();
+      all += problem.corners[c].view(frame.view[c]).count;
+    }
+  }
+  EXPECT_EQ(used, static_cast<double>(result->summary.corners_used));
+  EXPECT_LT(used, 0.95 * all);
+}
+
 }  // namespace
 }  // namespace plumbline

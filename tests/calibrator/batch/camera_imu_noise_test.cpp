@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/simulate/faults/fault.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 
@@ -93,6 +94,25 @@ TEST(ImuNoiseCheck, AWrongPixelSigmaDoesNotMatter) {
   EXPECT_LT(wrong.gyro.expected_rms, 0.5 * right.gyro.expected_rms);  // but that it does
 }
 
+// Their 22 parameters take up errors of the corners, but not of the poses.
+TEST(ImuNoiseCheck, FreedCamerasLeaveTheCornersNoiseAsItIs) {
+  double fixed = 0, free = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SimulatedSession s = test::simulate(test::noisyRecording(seed, 1.5));
+    CameraImuOptions options = test::matchedOptions(s, 0.2);
+    options.diagnose_faults = false;
+    const auto sigma = [&] {
+      const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
+      if (!result) throw std::runtime_error(toString(result.failure()));
+      return result->imu_summary.noise.pose_pixel_sigma;
+    };
+    fixed += sigma() / 3;
+    options.free_cameras = true;
+    free += sigma() / 3;
+  }
+  EXPECT_NEAR(free, fixed, 0.01);
+}
+
 FrameErrors frameErrorsWith(const std::vector<Fault>& faults) {
   SimulationOptions simulation = test::noisyRecording(3, 12);
   simulation.faults = faults;
@@ -119,6 +139,20 @@ TEST(FrameErrors, TellTheJitterOfStamps) {
     EXPECT_GT(e.along / e.across, 20);
     EXPECT_LT(e.neighbours, 0.2);
   }
+}
+
+// That clamp is the solver's.
+TEST(FrameErrors, DoNotDependOnHowTheSolverTakesTheLoss) {
+  const SimulatedSession s = test::simulate(test::noisyRecording(3, 3));
+  CameraImuOptions options = test::matchedOptions(s, 0.2);
+  options.cauchy_px = 0.5;
+  options.diagnose_faults = options.noise_check = false;
+  const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
+  ASSERT_TRUE(result);
+  SolvedCameraImu solved = solvedBatch(s.session, *result, options);
+  const FrameErrors as_solved = frameErrors(solved.problem, solved.estimate);
+  solved.problem.gram.triggs_clamp = 0;
+  EXPECT_EQ(frameErrors(solved.problem, solved.estimate).across, as_solved.across);
 }
 
 }  // namespace
