@@ -222,7 +222,7 @@ void CameraGuide::State::consider(const GuideFrame& frame, const FrameCorners& c
   }
   if (!judge.score(*window, corners, d)) return;  // the corners leave the pose free
   // Scored before it takes part: with the window's estimate as it is, a view below the threshold
-  // costs no solve (paper, section IV).
+  // costs no solve (as in the paper).
   d.reason = GuideReason::kNotInformative;
   if (judge.isWorthKeeping(d)) d.accepted = accept(corners, d);
   if (d.accepted) {

@@ -44,7 +44,7 @@ class Guide {
   std::unique_ptr<State> state_;
 };
 
-/// The camera stage of the Guide: next best view (paper, section IV).
+/// The camera stage of the Guide: next best view of the paper.
 ///
 /// Start: a batch over the first frames that moved against each other; where it fails (too few
 /// views, not observable), again with more, and the decision says why it failed. A start under
@@ -85,8 +85,8 @@ class CameraGuide {
   std::unique_ptr<State> state_;
 };
 
-/// The camera-IMU stage of the Guide: next best trajectory (paper, section V). The cameras stay as
-/// they are given.
+/// The camera-IMU stage of the Guide: next best trajectory of the paper. The cameras stay as they
+/// are given.
 class CameraImuGuide {
  public:
   /// What the stage before leaves.

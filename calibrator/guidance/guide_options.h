@@ -41,10 +41,10 @@ struct OperatorPace {
 std::vector<std::size_t> byGainPerSecond(const std::vector<double>& gains,
                                          const std::vector<double>& seconds);
 
-/// 0.2 bits in nats: the threshold of Kalibr and of the paper (section IV).
+/// 0.2 bits in nats: the threshold of Kalibr and of the paper.
 inline constexpr double kGuideThresholdNats = 0.2 * 0.693147180559945309;
 
-/// Next best view (paper, section IV).
+/// Next best view of the paper.
 struct ViewGuideOptions : MeasurementModel {
   int start_frames = 5;       ///< the first N frames with the target in view start the estimate ...
   double start_move_px = 15;  ///< ... that moved by this mean corner distance since the one before
@@ -86,7 +86,7 @@ constexpr std::array<const char*, 2> enumWords(FirstTrajectory /*of*/) {
   return {"at-once", "scored"};
 }
 
-/// Next best trajectory (paper, section V). The defaults make operators fast
+/// Next best trajectory of the paper. The defaults make operators fast
 /// (docs/counterfactuals.md); patient() is closer to the paper's program.
 struct TrajectoryGuideOptions : MeasurementModel {
   int start_frames = 20;  ///< frames that start the estimate; as many more as it takes

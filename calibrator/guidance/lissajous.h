@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-/// A curve in front of the target (paper, section V-D): with theta from 0 to 1,
+/// A curve in front of the target (the paper's trajectories): with theta from 0 to 1,
 ///   x = A sin(2 pi a theta + delta),  y = B sin(2 pi b theta),  z = sqrt(R^2 - x^2 - y^2),
 /// about the target's centre, along the axes of F; A = width_ratio * w, B = height_ratio * h, with
 /// w and h the target's size.

@@ -80,12 +80,12 @@ struct WindowKnowledge {
   Eigen::MatrixXd corners{};
 };
 
-/// Fixed-lag estimator of the camera-IMU problem (paper, section V-C): poses, velocities and biases
-/// of the last few frames, T_SC0 and gravity's direction; every earlier frame stands in a linear
-/// prior (CameraImuPrior). Cameras and the time offset are held. With every frame the oldest state
-/// is marginalised at its last estimate, and the window is solved with the pre-integration redone
-/// at each step. The time offset's column is carried along at its value, so that what is known of
-/// it can be asked for.
+/// Fixed-lag estimator of the camera-IMU problem (the paper's, for its next best trajectory):
+/// poses, velocities and biases of the last few frames, T_SC0 and gravity's direction; every
+/// earlier frame stands in a linear prior (CameraImuPrior). Cameras and the time offset are held.
+/// With every frame the oldest state is marginalised at its last estimate, and the window is solved
+/// with the pre-integration redone at each step. The time offset's column is carried along at its
+/// value, so that what is known of it can be asked for.
 class CameraImuWindow {
  public:
   /// From a batch over first frames at its solution; of the problem only the last frames stay.

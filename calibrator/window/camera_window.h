@@ -27,7 +27,7 @@ struct CameraWindowOptions : MeasurementModel {
 Displacement displacementOf(const CameraEstimate& to, const CameraEstimate& from);
 
 /// A camera calibration over the last frames and a linear prior that stands for all earlier ones
-/// (paper, section IV, "real-time estimation"). It minimises
+/// (paper, "real-time estimation"). It minimises
 ///   0.5 sum rho(|measured - projected|^2) / pixel_sigma^2 + prior(cameras)
 /// over the cameras (intrinsics, then T_C0Ci, as in CameraLayout) and T_C0F of the frames held.
 /// Given the cameras the frames' poses are independent, so that a frame that leaves is one 6x6

@@ -67,8 +67,8 @@ struct CameraImuOptions : MeasurementModel {
 /// Calibrates cameras to IMU in one batch: per frame pose, velocity and biases of the sensor in the
 /// target's frame; T_SC0, the time offset and the direction of gravity (and the cameras, if freed).
 /// Cost: 0.5 sum rho(|e|^2) / pixel_sigma^2 over corners + 0.5 |normalised inertial residual|^2,
-/// with the pre-integration redone at every step (paper, section VI, in the target's frame, so that
-/// no gauge freedom remains). Deterministic, whatever the number of threads.
+/// with the pre-integration redone at every step (as the paper's, but in the target's frame, so
+/// that no gauge freedom remains). Deterministic, whatever the number of threads.
 ///
 /// `cameras` in the session's order. The covariance lists T_SC0 (6), time_offset, if freed the
 /// cameras as their own stage does (all intrinsics, then all T_C0Ci), and time_offset.cam<i> of

@@ -58,9 +58,9 @@ struct ViewGainOptions : MeasurementModel {
 /// Scores views by their expected information gain: the mutual information with the cameras'
 /// parameters g (CameraLayout), given the information I that is there already,
 ///   gain = 0.5 (log |I + S| - log |I|) [nats],   S = G - P^T H^-1 P,
-/// S the information of the view with its own pose marginalised (paper, eq. for MI, and section
-/// IV). From one Cholesky factor of [H P; P^T G + I], pose first: the pivots of the pose are those
-/// of H, the rest |I + S|. Cost: two of viewGram() and a factor of 28 x 28 for a stereo rig.
+/// S the information of the view with its own pose marginalised (the paper's mutual information).
+/// From one Cholesky factor of [H P; P^T G + I], pose first: the pivots of the pose are those of H,
+/// the rest |I + S|. Cost: two of viewGram() and a factor of 28 x 28 for a stereo rig.
 class ViewScorer {
  public:
   /// `cameras`: intrinsics and T_C0Ci at which all is linearised (poses are not read);
