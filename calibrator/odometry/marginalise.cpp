@@ -58,7 +58,7 @@ void dropFrame(Window& window, int leaving) {
 
 }  // namespace
 
-void marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::int64_t>& landmarks,
+bool marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::int64_t>& landmarks,
                       const RigModel& rig, const WindowModel& model) {
   const int leaving = window.indexOf(serial);
   Window part = leavingPart(window, leaving, landmarks);
@@ -66,8 +66,10 @@ void marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::i
   const QuadraticCost all = WindowProblem(part, rig, model).reduced();
 
   std::vector<int> used, keep;
+  Eigen::Index leaves = 0;  // first row of the frame that leaves, among those used
   WindowPrior prior;
   for (const int frame : frames) {
+    if (frame == leaving) leaves = static_cast<Eigen::Index>(used.size());
     for (int k = 0; k < kState; ++k) {
       if (frame != leaving) keep.push_back(static_cast<int>(used.size()));
       used.push_back(kState * frame + k);
@@ -80,28 +82,27 @@ void marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::i
   }
   std::optional<QuadraticCost> remaining;
   if (all.H.size() > 0) {
-    QuadraticCost cost{all.H(used, used), all.b(used), 0};
+    QuadraticCost cost{all.H(used, used), all.b(used), all.c};
     // What the states alone cannot tell (a velocity without a link) must not stop the elimination.
-    cost.H.diagonal().array() += 1e-6;
+    cost.H.diagonal().segment<kState>(leaves).array() += 1e-6;
     remaining = marginalised(cost, keep);
   }
   for (const std::int64_t id : landmarks) window.landmarks.erase(id);
   dropFrame(window, leaving);
-  // The states that leave are not determined, and what the prior knew through them goes with them.
   if (!remaining) {
     window.prior = {};
-    return;
+    return false;
   }
-  prior.cost = *remaining;
-  // The gradient belongs to where the states are; the prior's point is their first estimate.
+  // The cost is about where the states are; the prior's points are their first estimates.
   Eigen::VectorXd d(static_cast<Eigen::Index>(keep.size()));
   for (std::size_t i = 0; i < prior.frames.size(); ++i) {
     const int frame = window.indexOf(prior.frames[i]);
     d.segment<kState>(kState * static_cast<Eigen::Index>(i)) =
         boxminus(window.frames[static_cast<std::size_t>(frame)].state, prior.points[i]);
   }
-  prior.cost.b -= prior.cost.H * d;
+  prior.cost = remaining->at(-d);
   window.prior = std::move(prior);
+  return true;
 }
 
 }  // namespace plumbline

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 
@@ -20,14 +21,6 @@ constexpr double kFastest = 50;         // [m/s]
 constexpr double kLargestGyroBias = 1, kLargestAccelBias = 5;  // [rad/s], [m/s^2]
 constexpr double kRelinkGyro = 2e-3, kRelinkAccel = 0.05;  // change of bias after which a link is
                                                            // integrated anew
-
-/// The upper one of an even number; 0 of none.
-double medianOf(std::vector<float> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
-}
 
 }  // namespace
 
@@ -83,14 +76,16 @@ void Odometry::step(const FrameTracks& frame) {
   placeLandmarks();
   optimise(options_.iterations);
   gate();
-  if (const auto cause = isLost(frame)) {
-    // The frame that shows the loss has no pose, so that begin() may start with it.
-    result_.poses.pop_back();
-    lose(frame.t, *cause);
-    return begin(frame);
+  auto cause = isLost(frame);
+  if (!cause) {
+    remember();
+    if (!shrink()) cause = OdometryLoss::kDiverged;
   }
-  remember();
-  shrink();
+  if (!cause) return;
+  // The frame that shows the loss has no pose, so that begin() may start with it.
+  result_.poses.pop_back();
+  lose(frame.t, *cause);
+  begin(frame);
 }
 
 void Odometry::lose(TimeNs t, OdometryLoss cause) {
@@ -310,7 +305,8 @@ void Odometry::rememberCovariances() {
   }
 }
 
-void Odometry::shrink() {
+/// False where the window has lost its prior.
+bool Odometry::shrink() {
   const auto recent = static_cast<std::size_t>(options_.recent_frames);
   // From the second: a frame that is dropped needs a link to it and one from it.
   for (std::size_t i = 1; i + recent < window_.frames.size();) {
@@ -323,8 +319,9 @@ void Odometry::shrink() {
     }
   }
   while (window_.frames.size() > static_cast<std::size_t>(options_.keyframes) + recent) {
-    marginaliseOldest();
+    if (!marginaliseOldest()) return false;
   }
+  return true;
 }
 
 /// A frame that is no keyframe: the IMU is integrated over it, its sightings are given up.
@@ -345,7 +342,7 @@ void Odometry::dropFrame(int index) {
 
 /// With it go the landmarks that it saw and that are no longer tracked: nothing will be added to
 /// what they say. Those that are tracked lose its sighting.
-void Odometry::marginaliseOldest() {
+bool Odometry::marginaliseOldest() {
   const std::int64_t oldest = window_.frames.front().serial;
   const std::int64_t newest = window_.frames.back().serial;
   std::set<std::int64_t> leaving;
@@ -360,17 +357,21 @@ void Odometry::marginaliseOldest() {
     return !frame.keyframe && !frame.first_estimate;
   };
   for (const std::int64_t id : leaving) std::erase_if(window_.landmarks[id].sightings, passes);
-  marginaliseFrame(window_, oldest, leaving, rig_, options_.model);
+  const bool determined = marginaliseFrame(window_, oldest, leaving, rig_, options_.model);
   for (auto& [id, landmark] : window_.landmarks) {
     if (landmark.sightings.size() < 2) landmark.p_W.reset();
   }
+  return determined;
 }
 
 OdometryResult Odometry::result() const {
   OdometryResult out = result_;
   out.mean_landmarks = landmark_sum_ / static_cast<double>(std::max<std::size_t>(1, remembered_));
-  out.stereo_px = medianOf(epipolar_px_);
-  out.innovation_px = medianOf(innovations_px_);
+  const auto middle = [](const auto& v) {
+    return v.empty() ? 0 : static_cast<double>(middleOf(v));
+  };
+  out.stereo_px = middle(epipolar_px_);
+  out.innovation_px = middle(innovations_px_);
   return out;
 }
 

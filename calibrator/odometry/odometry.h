@@ -44,7 +44,8 @@ struct OdometryOptions {
 enum class OdometryLoss {
   kImuGap,    ///< no samples between two frames
   kBlind,     ///< too few tracks for too long
-  kDiverged,  ///< tracks that no longer fit, a velocity or bias beyond what can be
+  kDiverged,  ///< tracks that no longer fit, a velocity or bias beyond what can be, states that
+              ///< nothing determines
 };
 constexpr std::array<const char*, 3> enumWords(OdometryLoss /*of*/) {
   return {"imu-gap", "blind", "diverged"};
@@ -124,9 +125,9 @@ class Odometry {
   bool isKeyframe(const FrameTracks& frame) const;
   bool stands() const;
   bool stoodWhileWaiting() const;
-  void shrink();
+  bool shrink();
   void dropFrame(int index);
-  void marginaliseOldest();
+  bool marginaliseOldest();
   void remember();
   void rememberCovariances();
   bool isSane() const;

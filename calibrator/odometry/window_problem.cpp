@@ -278,8 +278,9 @@ Trial WindowProblem::attempt() {
   for (const LandmarkTerm& term : terms_) {
     points_.push_back(term.p_W);
     // At most four times nearer in one step, and never behind the camera or beyond infinity.
-    const double inverse_range = std::clamp(term.inverse_range + term.step.z(), kLeastInverseRange,
-                                            std::min(1 / kRange, 4 * term.inverse_range));
+    const double most = std::max(kLeastInverseRange, std::min(1 / kRange, 4 * term.inverse_range));
+    const double inverse_range =
+        std::clamp(term.inverse_range + term.step.z(), kLeastInverseRange, most);
     const Eigen::Vector3d towards =
         term.direction + tangentBasis(term.direction) * term.step.head<2>();
     window_.landmarks.at(term.id).p_W = term.centre + towards / inverse_range;
@@ -306,6 +307,8 @@ QuadraticCost WindowProblem::reduced() {
   if (!linearised_) linearise();
   QuadraticCost out;
   if (!eliminate(0, out.H, out.b)) return {};
+  out.c = cost_;
+  for (const LandmarkTerm& term : terms_) out.c -= 0.5 * term.b.dot(term.V_inverse * term.b);
   out.H.triangularView<Eigen::StrictlyUpper>() = out.H.transpose();
   return out;
 }

@@ -28,9 +28,9 @@ class WindowProblem {
   void accept();
   bool refuse() { return false; }
 
-  /// The normal equations of the frames' states, landmarks eliminated; after the last solve() or
-  /// accept(). Information of the states: its inverse is their covariance. Empty where a landmark
-  /// cannot be eliminated.
+  /// The cost about the frames' states to second order, landmarks eliminated; after the last
+  /// solve() or accept(). H is the information of the states: its inverse is their covariance.
+  /// Empty where a landmark cannot be eliminated.
   QuadraticCost reduced();
 
  private:
@@ -74,8 +74,10 @@ class WindowProblem {
 /// Takes the frame `serial` out of the window, whose states are at their optimum: its terms - the
 /// links beside it, its part of the prior, and `landmarks` with all their sightings - become part
 /// of the prior, linearised here, and leave with it. Its sightings of other landmarks are dropped.
-/// Frames that the prior comes to speak of keep this point as their first estimate.
-void marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::int64_t>& landmarks,
-                      const RigModel& rig, const WindowModel& model);
+/// Frames that the prior comes to speak of keep this point as their first estimate. False where the
+/// states that leave are not determined: the prior is lost, position and yaw of the window with it.
+[[nodiscard]] bool marginaliseFrame(Window& window, std::int64_t serial,
+                                    const std::set<std::int64_t>& landmarks, const RigModel& rig,
+                                    const WindowModel& model);
 
 }  // namespace plumbline

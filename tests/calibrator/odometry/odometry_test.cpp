@@ -255,6 +255,54 @@ TEST(Sighting, DerivativesAgreeWithDifferences) {
   }
 }
 
+/// Two frames of which the prior knows this of the first.
+Window windowOfTwo(const Eigen::Matrix<double, 15, 15>& H) {
+  Window window;
+  for (std::int64_t serial : {0, 1}) {
+    OdometryFrame frame;
+    frame.serial = frame.t = serial;
+    window.frames.push_back(frame);
+    window.prior.frames.push_back(serial);
+    window.prior.points.push_back(frame.state);
+  }
+  window.prior.cost = {Eigen::MatrixXd::Zero(30, 30), Eigen::VectorXd::Zero(30), 0};
+  window.prior.cost.H.topLeftCorner<15, 15>() = H;
+  return window;
+}
+
+TEST(Marginalise, AFrameThatNothingLinksTellsNothingOfTheOthers) {
+  const RigModel rig = RigModel::of(simulatedRig("euroc").calibration);
+  Window window = windowOfTwo(Eigen::Matrix<double, 15, 15>::Identity());
+  ASSERT_TRUE(marginaliseFrame(window, 0, {}, rig, {}));
+  EXPECT_EQ(window.prior.frames, std::vector<std::int64_t>{1});
+  EXPECT_EQ(window.prior.cost.H.norm(), 0);
+}
+
+TEST(Marginalise, SaysThatThePriorIsLost) {
+  const RigModel rig = RigModel::of(simulatedRig("euroc").calibration);
+  Eigen::Matrix<double, 15, 15> H = Eigen::Matrix<double, 15, 15>::Identity();
+  H.topLeftCorner<2, 2>().setConstant(1e12);  // two coordinates that are known by their sum alone
+  Window window = windowOfTwo(H);
+  EXPECT_FALSE(marginaliseFrame(window, 0, {}, rig, {}));
+  EXPECT_TRUE(window.prior.frames.empty());
+}
+
+TEST(Odometry, TheWindowsCostIsASumOfSquares) {
+  const SimulatedRig rig = simulatedRig("euroc");
+  const RoomFlight flight(rig, shortFlight(0.5));
+  const RigModel model = RigModel::of(rig.calibration);
+  Odometry odometry(model, flight.samples);
+  double last = 0;
+  for (std::size_t n = 0; n < 100; ++n) {
+    odometry.step(flight.frames[n]);
+    if (!odometry.isRunning()) continue;
+    Window window = odometry.window();
+    last = WindowProblem(window, model, OdometryOptions().model).cost();
+    EXPECT_GT(last, 0) << n;
+  }
+  EXPECT_GT(last, 1000);  // with what left: thousands of sightings
+}
+
 // What nothing observes stays so: moving and turning all frames about gravity costs the prior no
 // more than the gauge that the first frame was given, whatever has been marginalised since.
 TEST(Odometry, ThePriorKnowsNoPositionAndNoYaw) {
