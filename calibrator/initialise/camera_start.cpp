@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -23,7 +24,6 @@ constexpr double kDefault = 0.7;    // about 70 degrees
 constexpr std::size_t kViews = 16;  // as many decide
 constexpr double kFlat = 1.02;      // errors closer than this ratio are alike
 constexpr double kLoss = 0.02;      // of the image's width: the scale of the Cauchy loss
-constexpr double kNoiseFloorPx = 1e-3;
 constexpr double kMiddleOfFov =
     0.9;  // w [rad]; 0 would be a saddle point, the model being even in w
 
@@ -177,11 +177,29 @@ Failure noOverlap(const std::vector<std::string>& names, const std::vector<bool>
   return {FailureCode::kCamerasShareNoFrame, {{"apart", apart}, {"together", together}}};
 }
 
+/// Of some of them, the one with the least sum of distances to all.
+Transform mostCentral(const std::vector<Transform>& transforms) {
+  constexpr std::size_t kTried = 16;  // evenly: with gross errors in fewer than half, one is good
+  const std::size_t tried = std::min(kTried, transforms.size());
+  Transform best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < tried; ++i) {
+    const Transform& candidate = transforms[i * transforms.size() / tried];
+    double sum = 0;
+    for (const Transform& T : transforms) sum += boxminus(T, candidate).norm();
+    if (!(sum < least)) continue;
+    least = sum;
+    best = candidate;
+  }
+  return best;
+}
+
 }  // namespace
 
 Transform medianTransform(const std::vector<Transform>& transforms) {
   assert(!transforms.empty());
-  Transform middle = transforms.front();
+  // Beside a gross error near half a turn the median of rotation vectors would mean nothing.
+  Transform middle = mostCentral(transforms);
   // Rotation vectors add like vectors only about a common reference that is close: the median
   // itself, found anew from its own tangent.
   for (int round = 0; round < 3; ++round) {

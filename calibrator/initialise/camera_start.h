@@ -13,6 +13,10 @@
 
 namespace plumbline {
 
+/// Errors below this [px] mean nothing: what a solver leaves of corners without noise. A floor for
+/// ratios of errors.
+inline constexpr double kNoiseFloorPx = 1e-3;
+
 /// A point in the camera's frame and where the image shows it.
 struct SeenPoint {
   Eigen::Vector3d p_C;  ///< [m], or a direction of any length

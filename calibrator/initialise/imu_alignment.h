@@ -71,7 +71,9 @@ struct RatePair {
 std::vector<RatePair> pairRates(std::span<const CameraRate> camera, const GyroIntegral& gyro,
                                 double offset_s);
 
-/// What the accelerometer and the camera's motion say together, by linear least squares.
+/// What the accelerometer and the camera's motion say together, by linear least squares. Standard
+/// deviations take the triples as independent: those of short recordings overlap, and what their
+/// noise has in common is not seen.
 struct InertialAlignment {
   double scale = 1;      ///< metres per metre of the stated target; 0.5: tags stated 2 x too large
   double scale_std = 0;  ///< from the residuals
@@ -81,8 +83,10 @@ struct InertialAlignment {
   Eigen::Vector3d accel_bias = Eigen::Vector3d::Zero();
   double residual_rms = 0;  ///< per component [m/s^2], over windows of about 2 span_s
   double fixed_rms = 0;     ///< the same with the scale held at 1
-  double noise_rms = 0;     ///< the same as noise of poses and IMU explains it; 0: not known
-  int equations = 0;        ///< vector equations used
+  /// What noise of poses and IMU explains of it, in metres of the stated target: times the scale
+  /// comparable with residual_rms (residualRatio()); 0: not known.
+  double noise_rms = 0;
+  int equations = 0;  ///< vector equations used
 };
 
 struct InertialAlignmentOptions {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -52,17 +53,29 @@ std::vector<Triple> chooseTriples(std::span<const CameraPose> poses,
 struct Equation {
   Rows A;
   Eigen::Vector3d rhs;
+  std::array<Rows, 3> turned;            ///< the part of A that the attitude of a, b and c turns
+  std::array<double, 3> attitudes = {};  ///< its variance, per axis [rad^2]
   double positions = 0;  ///< variance per component by the poses' positions [(m/s^2)^2]
-  double forces = 0;     ///< by attitudes and samples, which the inverse scale multiplies
+  double samples = 0;    ///< by the samples, which the inverse scale multiplies
+
+  /// Variance per component at x. An attitude off by alpha moves the equation by alpha x (turned
+  /// x), by two of three axes.
+  double variance(const Unknowns& x) const {
+    double sum = positions + x(0) * x(0) * samples;
+    for (std::size_t i = 0; i < 3; ++i) {
+      sum += 2.0 / 3 * attitudes[i] * (turned[i] * x).squaredNorm();
+    }
+    return sum;
+  }
 };
 
 constexpr double kGravity = 9.8;     // [m/s^2] by which a wrong attitude turns into a force
 constexpr double kTripleSigmas = 6;  // beyond which a triple is left out
 constexpr int kTripleRounds = 5;
 
-/// Variances of a triple's equation: the second difference of three positions; attitudes that turn
-/// gravity, white noise of the accelerometer under a triangle of length 2 T, and the attitude that
-/// the gyroscope's noise leaves after T.
+/// Variances of a triple's equation but for the attitudes': the second difference of three
+/// positions; white noise of the accelerometer under a triangle of length 2 T, and the gyroscope's,
+/// whose attitude walks from a to b and anew from b to c, under the same triangle.
 void addVariances(const CameraPose& a, const CameraPose& b, const CameraPose& c,
                   const ImuNoise& noise, Equation& e) {
   const double T1 = secondsBetween(a.t, b.t);
@@ -70,13 +83,14 @@ void addVariances(const CameraPose& a, const CameraPose& b, const CameraPose& c,
   const double mean = 0.5 * (T1 + T2);
   const double positions = c.position_variance / (T2 * T2) + a.position_variance / (T1 * T1) +
                            b.position_variance * std::pow(1 / T1 + 1 / T2, 2);
-  const double attitude = 0.5 * (a.rotation_variance + b.rotation_variance);
-  // Of the mean over T of a walk that begins at zero: q T / 3. Of white noise weighted by a
-  // triangle of base 2 T and area 1: q times 2 int_0^T (s / T^2)^2 ds = 2 q / (3 T).
-  const double gyro = noise.gyro_density * noise.gyro_density * mean / 3;
+  // A walk under a weight w is white noise under int_u^T w: of the triangle's rise s / T^2 and fall
+  // (T - s) / T^2 that is q T (2 / 15 + 1 / 20). It turns gravity, on two of three axes.
+  const double gyro = noise.gyro_density * noise.gyro_density * mean * 11 / 60;
+  // Of white noise weighted by the triangle: q times 2 int_0^T (s / T^2)^2 ds = 2 q / (3 T).
   const double accel = noise.accel_density * noise.accel_density * 2 / (3 * mean);
   e.positions = positions / (mean * mean);
-  e.forces = kGravity * kGravity * (attitude + gyro) + accel;
+  e.samples = kGravity * kGravity * 2 / 3 * gyro + accel;
+  e.attitudes = {a.rotation_variance, b.rotation_variance, c.rotation_variance};
 }
 
 /// Whether IMU samples pause for longer than `longest_s` between two instants of the camera's
@@ -114,15 +128,22 @@ std::optional<Equation> equationOf(const Triple& triple, std::span<const CameraP
   const Eigen::Matrix3d R_b = b.T_FC0.R * R_SC0.transpose();
   const Eigen::Matrix3d R_c = c.T_FC0.R * R_SC0.transpose();
   Equation e;
-  e.A.col(0) = R_b * bc->p / T2 - R_a * ab->p / T1 + R_a * ab->v;
-  e.A.middleCols<3>(1) = (R_c - R_b) / T2 - (R_b - R_a) / T1;
+  for (Rows& turned : e.turned) turned.setZero();
+  e.turned[0].col(0) = R_a * (ab->v - ab->p / T1);
+  e.turned[0].middleCols<3>(1) = R_a / T1;
+  e.turned[0].middleCols<3>(7) = R_a * (ab->v_ba - ab->p_ba / T1);
+  e.turned[1].col(0) = R_b * bc->p / T2;
+  e.turned[1].middleCols<3>(1) = -R_b * (1 / T1 + 1 / T2);
+  e.turned[1].middleCols<3>(7) = R_b * bc->p_ba / T2;
+  e.turned[2].middleCols<3>(1) = R_c / T2;
+  e.A = e.turned[0] + e.turned[1] + e.turned[2];
   e.A.middleCols<3>(4) = mean * Eigen::Matrix3d::Identity();
-  e.A.middleCols<3>(7) = R_b * bc->p_ba / T2 - R_a * ab->p_ba / T1 + R_a * ab->v_ba;
   e.rhs = (c.T_FC0.t - b.T_FC0.t) / T2 - (b.T_FC0.t - a.T_FC0.t) / T1;
   // Rows as accelerations, whatever the spans of their triple: otherwise long ones would count
   // more, and a limit on residuals would mean nothing.
   e.A /= mean;
   e.rhs /= mean;
+  for (Rows& turned : e.turned) turned /= mean;
   addVariances(a, b, c, noise, e);
   return e;
 }
@@ -193,7 +214,7 @@ InertialAlignment solve(const std::vector<Equation>& all, const InertialAlignmen
   double variance = 0;
   bool known = true;
   for (const Equation& e : equations) {
-    variance += (e.positions + x(0) * x(0) * e.forces) / static_cast<double>(equations.size());
+    variance += e.variance(x) / static_cast<double>(equations.size());
     known = known && e.positions > 0;
   }
   out.noise_rms = known ? std::sqrt(variance) : 0;

@@ -135,8 +135,8 @@ double residualRatio(const InertialAlignment& alignment) {
 std::optional<Failure> checkInertial(const InertialAlignment& alignment, const AprilGrid& target,
                                      const SanityOptions& options) {
   const double g = alignment.gravity_F.norm();
-  // First, for axes that do not fit spoil gravity and scale as well.
-  if (alignment.residual_rms > options.max_residual_m_s2) {
+  // First, for axes that do not fit spoil gravity and scale as well. NaN is no residual that fits.
+  if (!(alignment.residual_rms <= options.max_residual_m_s2)) {
     return Failure{FailureCode::kAccelerometerAxes, {{"rms", alignment.residual_rms}}};
   }
   if (alignment.scale < 0) return Failure{FailureCode::kAccelerometerReversed};

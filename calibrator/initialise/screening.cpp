@@ -105,7 +105,8 @@ constexpr std::size_t kNextLevels = 10;    // of the next levels
 constexpr std::size_t kBeside = 2;         // samples left out beside one that is cut off
 constexpr double kMostCutOff = 0.4;        // of all samples
 
-/// The largest count of equal values among the levels that follow the first, in descending order.
+/// The largest count of equal values among the ten levels that follow the first, in descending
+/// order; 0 where there are fewer.
 std::size_t mostOfNextLevels(std::vector<double> sizes) {
   std::sort(sizes.rbegin(), sizes.rend());
   std::size_t most = 0;
@@ -117,7 +118,7 @@ std::size_t mostOfNextLevels(std::vector<double> sizes) {
     count = same ? count + 1 : 1;
     if (level > 0) most = std::max(most, count);
   }
-  return most;
+  return level >= kNextLevels ? most : 0;
 }
 
 // ---- repeated views
@@ -237,7 +238,8 @@ std::vector<CutOff> findCutOff(std::span<const ImuSample> samples) {
       if (!found.samples.empty() && found.samples.back() + 1 == k) ++neighbours;
       found.samples.push_back(k);
     }
-    const std::size_t below = mostOfNextLevels(std::move(sizes));  // 0: a channel that is dead
+    // 0: a channel that is dead, or rests on one of few levels.
+    const std::size_t below = mostOfNextLevels(std::move(sizes));
     if (found.samples.size() >= kFewestRepeats && neighbours >= kFewestNeighbours && below > 0 &&
         found.samples.size() > kTimesMore * below) {
       out.push_back(std::move(found));

@@ -37,7 +37,7 @@ struct CutOff {
 };
 /// Channels whose largest reading (magnitude, to 1e-9) repeats at least five times, twice in a row,
 /// and more than three times as often as any of the ten levels below it: those of a coarse
-/// converter repeat as well, but the largest of them the least.
+/// converter repeat as well, but the largest of them the least. One of fewer levels may rest there.
 std::vector<CutOff> findCutOff(std::span<const ImuSample> samples);
 
 /// The samples without those that are cut off, and two on either side, so that what is missing

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // First guesses of the camera-IMU stage from exact poses and samples of an analytic trajectory.
+#include <cmath>
+#include <limits>
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
 #include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/initialise/imu_sanity.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
@@ -119,6 +124,40 @@ TEST(InertialAlignment, FindsScaleGravityTranslationAndBias) {
     EXPECT_LT((a->accel_bias - bias.accel).norm(), 0.02);
     EXPECT_LT(a->residual_rms, 0.02);
   }
+}
+
+// Attitudes turn gravity, and with a long lever arm the way from camera to sensor.
+TEST(InertialAlignment, NoiseOfAttitudesIsWhatTheResidualsShow) {
+  constexpr double kAttitude_rad = 0.01;
+  const Recording exact = exactRecording(0, 20);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal(0, kAttitude_rad);
+  for (const Eigen::Vector3d& further : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.3, 0, -0.2)}) {
+    double noise = 0, residual = 0;
+    for (int draw = 0; draw < 5; ++draw) {
+      auto poses = exact.poses;
+      for (CameraPose& p : poses) {
+        p.T_FC0.t += p.T_FC0.R * further;  // the camera is elsewhere on the rig
+        p.T_FC0.R = expSO3({normal(random), normal(random), normal(random)}) * p.T_FC0.R;
+        p.rotation_variance = kAttitude_rad * kAttitude_rad;
+        p.position_variance = 1e-16;
+      }
+      const auto a = alignInertially(poses, exact.samples(), exact.truth().T_SC0.R,
+                                     exact.simulated.biases.front().gyro, 0);
+      ASSERT_TRUE(a);
+      noise += a->noise_rms * a->noise_rms;
+      residual += std::pow(a->residual_rms / a->scale, 2);
+    }
+    EXPECT_NEAR(std::sqrt(noise / residual), 1, 0.1) << further.transpose();
+  }
+}
+
+TEST(CheckInertial, AnAlignmentThatIsNoNumberDoesNotPass) {
+  InertialAlignment a;
+  a.gravity_F = {0, 0, -9.81};
+  EXPECT_FALSE(checkInertial(a, AprilGrid()));
+  a.residual_rms = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(checkInertial(a, AprilGrid()));
 }
 
 TEST(InertialAlignment, IsEmptyForTooFewFrames) {

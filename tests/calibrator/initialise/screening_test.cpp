@@ -85,6 +85,14 @@ TEST(CutOff, IsFoundAndLeavesAGap) {
   EXPECT_EQ(withoutCutOff(samples, findCutOff(samples)).size(), samples.size());
 }
 
+TEST(CutOff, IsNotWhereACoarseSensorRests) {
+  std::vector<ImuSample> samples = swinging(0, 0);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    samples[k].accel.z() = k % 20 == 0 ? -9.7 : -9.8;
+  }
+  EXPECT_TRUE(findCutOff(samples).empty());
+}
+
 SimulatedSession recorded(double duration_s, const char* rig = "euroc") {
   SimulationOptions options;
   options.duration_s = duration_s;
