@@ -21,6 +21,7 @@ using Eigen::VectorXd;
 constexpr double kKnownBefore = 1e-6;
 // Of the mean square of the field's columns in a view.
 constexpr double kFieldRidge = 1e-3;
+constexpr double kFreeRidge = 1e-11;  // of the parameters' own information
 constexpr double kLeastNoiseShare = 0.2;
 // |M|^2 over sum |D_v|^2 below which few views cannot part their own misfit from a common one: V
 // views that see alike have V.
@@ -130,7 +131,8 @@ ErrorComponents errorComponents(std::span<const ViewTerms> views) {
   out.mean_squared_px = sum.squared_px / sum.corners;
   out.sigma2 = sum.sigma2();
   if (!(sum.D_squared > 0)) return out;
-  sum.H += 1e-9 * MatrixXd(sum.H.diagonal().asDiagonal()) / sum.corners;
+  // Parameters that few views leave free; above the pivots that scaledCholesky() asks for.
+  sum.H.diagonal() *= 1 + kFreeRidge;
   const auto L = lowerFactor(sum.H);
   // C^T H^-1 C is what the parameters take of a common field. Where H is singular they are taken to
   // have had nothing of it.

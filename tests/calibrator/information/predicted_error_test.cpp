@@ -189,6 +189,23 @@ TEST(ErrorComponents, OneViewCannotTellACommonFieldFromItsOwn) {
   EXPECT_GT(found.b2, 0);
 }
 
+// Two parameters that do the same take of a common field what one takes, however many corners.
+TEST(ErrorComponents, ParametersThatViewsLeaveFreeTakeNothingMore) {
+  const LinearViews views(20, 0.3, 0.1, 0.3, 11);
+  auto once = views.terms, twice = views.terms;
+  for (std::size_t v = 0; v < once.size(); ++v) {
+    once[v].corners = twice[v].corners = 4000;
+    MatrixXd doubled = MatrixXd::Identity(kErrorParameters + 1, kErrorParameters);
+    doubled.bottomRows(1) = doubled.topRows(1);
+    twice[v].I = doubled * once[v].I * doubled.transpose();
+    twice[v].C = doubled * once[v].C;
+  }
+  const ErrorComponents one = errorComponents(once), both = errorComponents(twice);
+  EXPECT_GT(one.b2, 0);
+  EXPECT_NEAR(both.b2 / one.b2, 1, 1e-3);
+  EXPECT_NEAR(both.tau2 / one.tau2, 1, 1e-3);
+}
+
 TEST(ErrorComponents, GuardsKeepTheMisfitBelowTheNoise) {
   const ErrorComponents raised = guarded({1, 0.001, 0.002, 2, true});
   EXPECT_DOUBLE_EQ(raised.tau2, 0.016);
