@@ -30,7 +30,7 @@ void displaceCorners(ImageView& view, const Resolution& size, const AprilGrid& t
   }
 }
 
-/// Returns whether any tag was exchanged.
+/// Returns whether any tag has another's place in the end: a later exchange may undo one.
 bool swapIds(ImageView& view, const AprilGrid& target, const Fault& fault, RandomStream& random) {
   std::vector<int> seen;
   for (const Corner& corner : view.corners) {
@@ -38,7 +38,6 @@ bool swapIds(ImageView& view, const AprilGrid& target, const Fault& fault, Rando
   }
   std::vector<int> id_of_tag(static_cast<std::size_t>(target.tagCount()));
   std::iota(id_of_tag.begin(), id_of_tag.end(), 0);
-  bool swapped = false;
   for (int tag = 0; tag < target.tagCount(); ++tag) {
     // Both for every tag, struck and seen or not.
     const bool is_struck = random.uniform() < fault.value;
@@ -51,7 +50,6 @@ bool swapIds(ImageView& view, const AprilGrid& target, const Fault& fault, Rando
     const auto place = (own - seen.begin() + step) % static_cast<std::ptrdiff_t>(seen.size());
     const int other = seen[static_cast<std::size_t>(place)];
     std::swap(id_of_tag[static_cast<std::size_t>(tag)], id_of_tag[static_cast<std::size_t>(other)]);
-    swapped = true;
   }
   for (Corner& corner : view.corners) {
     corner.id = 4 * id_of_tag[static_cast<std::size_t>(corner.id / 4)] + corner.id % 4;
@@ -59,7 +57,7 @@ bool swapIds(ImageView& view, const AprilGrid& target, const Fault& fault, Rando
   // Ids ascend in every view, with wrong ids as well.
   std::sort(view.corners.begin(), view.corners.end(),
             [](const Corner& a, const Corner& b) { return a.id < b.id; });
-  return swapped;
+  return !std::is_sorted(id_of_tag.begin(), id_of_tag.end());
 }
 
 /// The mean time between frames [s].

@@ -30,6 +30,9 @@ RigSensors::RigSensors(const SimulatedRig& rig, const SimulationOptions& options
   if (options_.camera_rate_hz || options_.imu_rate_hz || options_.time_offset_s) {
     throw InputError("an operated rig has its own rates and time offset; omit the others");
   }
+  if (!options_.faults.empty()) {
+    throw InputError("an operated rig has no faults; simulate a session with them");
+  }
   // At rest a sensor's readings are its noise, its bias and gravity.
   TrajectoryOptions resting;
   resting.kind = MotionKind::kStatic;

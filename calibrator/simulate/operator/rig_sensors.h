@@ -43,8 +43,8 @@ std::vector<std::vector<Corner>> cornersAt(const SimulatedRig& rig, const Transf
 /// What a rig measures along a motion of camera 0 that is not known beforehand, frame by frame: the
 /// measurements are those that simulateSession() would make along it, with the same random numbers
 /// (corners with noise and outliers, IMU samples with noise and bias walk). All cameras expose at
-/// the frame's stamp; faults, dropped frames and jitter are not made. Throws InputError for options
-/// with rates or a time offset, which are the rig's own.
+/// the frame's stamp; dropped frames and jitter are not made. Throws InputError for options with
+/// faults, rates or a time offset: the latter are the rig's own.
 class RigSensors {
  public:
   /// `options.duration_s`: the longest recording.

@@ -250,6 +250,20 @@ TEST(ViewFaults, SwappedTagsKeepTheirCornersAndChangeTheirIds) {
   EXPECT_NEAR(swapped, 2 * 0.05 * tags, 0.02 * tags);
 }
 
+TEST(ViewFaults, TagsThatAreSwappedBackAreNoFault) {
+  SimulationOptions o = soundRecording();
+  o.target = AprilGrid{.rows = 1, .cols = 2};
+  const SimulatedSession clean = withFaults(o, {});
+  const SimulatedSession s = withFaults(o, {{.kind = kSwappedIds, .value = 0.5}});
+  const CornersById exact = cornersById(clean);
+  std::set<TimeNs> struck;
+  for (const auto& [key, uv] : cornersById(s)) {
+    if (exact.at(key) != uv) struck.insert(std::get<1>(key));
+  }
+  EXPECT_FALSE(struck.empty());
+  EXPECT_EQ(std::vector<TimeNs>(struck.begin(), struck.end()), s.faults.front().stamps);
+}
+
 TEST(ViewFaults, FalseCornersAreAsManyAndAsFarAsStated) {
   const SimulatedSession s =
       withFaults(soundRecording(), {{.kind = kFalseCorners, .value = 0.1, .extent = 8}});

@@ -125,8 +125,11 @@ TEST(RigSensors, MeasureTheSpline) {
   const double g = rig.calibration.imu->gravity_m_s2;
   EXPECT_NEAR((samples.back().accel - o.initial_accel_bias).norm(), g, 0.05);
   EXPECT_TRUE(sensors.samplesUntil(motion, o.start_ns + toNanoseconds(1.0)).empty()) << "taken";
-  o.imu_rate_hz = 100;
-  EXPECT_THROW(RigSensors(rig, o), InputError) << "its rates are the rig's";
+  SimulationOptions rates = o, faults = o;
+  rates.imu_rate_hz = 100;
+  EXPECT_THROW(RigSensors(rig, rates), InputError) << "its rates are the rig's";
+  faults.faults = {{.kind = FaultKind::kGyroDelay, .value = 0.005}};
+  EXPECT_THROW(RigSensors(rig, faults), InputError) << "of a sensor at rest they would be others";
 }
 
 }  // namespace
