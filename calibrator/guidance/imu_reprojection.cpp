@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
+#include "calibrator/information/projection_uncertainty.h"
 #include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
@@ -16,22 +16,13 @@ namespace {
 Matrix6d meanTwistGram(const Intrinsics& camera, const ImuUse& use) {
   Matrix6d sum = Matrix6d::Zero();
   int count = 0;
-  for (int k = 0; k < use.columns * use.rows; ++k) {
-    const int column = k % use.columns;
-    const int row = k / use.columns;
-    const Eigen::Vector2d uv(
-        column * (camera.resolution.width - 1.0) / std::max(1, use.columns - 1),
-        row * (camera.resolution.height - 1.0) / std::max(1, use.rows - 1));
+  for (const Eigen::Vector2d& uv : pixelGrid(camera.resolution, use.columns, use.rows)) {
     const auto ray = unproject(camera, uv);
     if (!ray) continue;
     for (const double range_m : use.ranges_m) {
-      const Eigen::Vector3d p = range_m * *ray;
-      const auto projection = projectWithJacobians(camera, p);
-      if (!projection) continue;
-      // By the twist (rho, phi), p' = p + rho + phi x p: d(phi x p) = -[p]x dphi.
-      Eigen::Matrix<double, 2, 6> J;
-      J << projection->J_point, -projection->J_point * skew(p);
-      sum += J.transpose() * J;
+      const auto J = pixelJacobian(camera, *ray, range_m);
+      if (!J) continue;
+      sum += J->leftCols<6>().transpose() * J->leftCols<6>();
       ++count;
     }
   }

@@ -53,9 +53,6 @@ ScalarMotion arcTangent(const ScalarMotion& f, const ScalarMotion& g) {
   return {std::atan2(f.x, g.x), numerator / r2.x, (slope - numerator * r2.dx / r2.x) / r2.x};
 }
 
-/// Orientation of a camera (x right, y down, z forward) that faces the target squarely.
-Eigen::Matrix3d facingTarget() { return Eigen::Vector3d(1, -1, -1).asDiagonal(); }
-
 /// sin^2(pi t / 2T) = (1 - cos(pi t / T)) / 2; at rest outside [0, T].
 ScalarMotion progress(double t_s, double duration_s) {
   if (t_s < 0) return {0, 0, 0};

@@ -53,8 +53,20 @@ std::optional<ImpliedShift> crossReprojection(const std::vector<Matrix6d>& H,
   return shift;
 }
 
-/// d uv / d (rho, phi, dk), 2 x (6 + K), for the point at `ray` (unit length) times `range_m`. At
-/// infinity the ray itself is projected, which gives the same pixel.
+}  // namespace
+
+// To the very border, where lenses are known worst.
+std::vector<Eigen::Vector2d> pixelGrid(const Resolution& image, int columns, int rows) {
+  std::vector<Eigen::Vector2d> pixels;
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < columns; ++c) {
+      pixels.emplace_back(c * (image.width - 1.0) / std::max(1, columns - 1),
+                          r * (image.height - 1.0) / std::max(1, rows - 1));
+    }
+  }
+  return pixels;
+}
+
 std::optional<Eigen::MatrixXd> pixelJacobian(const Intrinsics& camera, const Eigen::Vector3d& ray,
                                              double range_m) {
   const bool finite = std::isfinite(range_m);
@@ -70,8 +82,6 @@ std::optional<Eigen::MatrixXd> pixelJacobian(const Intrinsics& camera, const Eig
   J.rightCols(projection->J_intrinsics.cols()) = projection->J_intrinsics;
   return J;
 }
-
-}  // namespace
 
 std::optional<ImpliedShift> impliedShift(const std::vector<Matrix6d>& H, const Eigen::MatrixXd& P,
                                          FrameAlignment alignment) {
@@ -99,20 +109,14 @@ ImageFitSums imageFitSums(const Intrinsics& camera, Eigen::Index parameters,
   ImageFitSums sums;
   sums.H_k = Rows6::Zero(6, parameters);
   sums.K = Eigen::MatrixXd::Zero(parameters, parameters);
-  for (int r = 0; r < options.rows; ++r) {
-    for (int c = 0; c < options.columns; ++c) {
-      // From the first pixel's centre to the last one's: lenses are known worst at the border.
-      const Eigen::Vector2d uv(
-          c * (camera.resolution.width - 1.0) / std::max(1, options.columns - 1),
-          r * (camera.resolution.height - 1.0) / std::max(1, options.rows - 1));
-      const auto ray = unproject(camera, uv);
-      const auto J = ray ? pixelJacobian(camera, *ray, options.range_m) : std::nullopt;
-      if (!J) continue;
-      sums.H += J->leftCols<6>().transpose() * J->leftCols<6>();
-      sums.H_k += J->leftCols<6>().transpose() * J->rightCols(parameters);
-      sums.K.noalias() += J->rightCols(parameters).transpose() * J->rightCols(parameters);
-      ++sums.pixels;
-    }
+  for (const Eigen::Vector2d& uv : pixelGrid(camera.resolution, options.columns, options.rows)) {
+    const auto ray = unproject(camera, uv);
+    const auto J = ray ? pixelJacobian(camera, *ray, options.range_m) : std::nullopt;
+    if (!J) continue;
+    sums.H += J->leftCols<6>().transpose() * J->leftCols<6>();
+    sums.H_k += J->leftCols<6>().transpose() * J->rightCols(parameters);
+    sums.K.noalias() += J->rightCols(parameters).transpose() * J->rightCols(parameters);
+    ++sums.pixels;
   }
   return sums;
 }

@@ -45,6 +45,15 @@ struct ImpliedShift {
 std::optional<ImpliedShift> impliedShift(const std::vector<Matrix6d>& H, const Eigen::MatrixXd& P,
                                          FrameAlignment alignment);
 
+/// Pixels of a grid over an image, row by row, from the first pixel's centre to the last one's.
+std::vector<Eigen::Vector2d> pixelGrid(const Resolution& image, int columns, int rows);
+
+/// d uv / d (rho, phi, dk), 2 x (6 + K), for the point at `ray` (unit length) times `range_m`; at
+/// infinity the ray itself is projected, which gives the same pixel. Empty where the point has no
+/// image.
+std::optional<Eigen::MatrixXd> pixelJacobian(const Intrinsics& camera, const Eigen::Vector3d& ray,
+                                             double range_m);
+
 /// Covariance of x = (rho [m], phi [rad], dk): twist of the points in a camera's own frame, and
 /// change of its stacked intrinsics. (6 + K) squared.
 using ProjectionCovariance = Eigen::MatrixXd;

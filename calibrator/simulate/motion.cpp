@@ -44,4 +44,13 @@ MotionState attached(const MotionState& body, const Transform& T_BX) {
   return x;
 }
 
+Transform lookingAt(const Eigen::Vector3d& p, const Eigen::Vector3d& aim) {
+  const Eigen::Vector3d z = (aim - p).normalized();
+  // Across z and F's y, so that the image stays level; y down follows.
+  const Eigen::Vector3d x = Eigen::Vector3d(-z.z(), 0, z.x()).normalized();
+  Eigen::Matrix3d R;
+  R << x, z.cross(x), z;
+  return {R, p};
+}
+
 }  // namespace plumbline

@@ -57,6 +57,13 @@ struct MotionState {
 /// v_X = v_B + R_FB (w x t),  a_X = a_B + R_FB (alpha x t + w x (w x t)).
 MotionState attached(const MotionState& body, const Transform& T_BX);
 
+/// Orientation of a camera (x right, y down, z forward) that faces the target squarely.
+inline Eigen::Matrix3d facingTarget() { return Eigen::Vector3d(1, -1, -1).asDiagonal(); }
+
+/// T_FC of a camera at p that looks at `aim`, its x axis in the x-z plane of F. The line of sight
+/// is not along y of F.
+Transform lookingAt(const Eigen::Vector3d& p, const Eigen::Vector3d& aim);
+
 /// How a rig flies through a room.
 struct FlightOptions {
   std::uint64_t seed = 1;           ///< of the motion

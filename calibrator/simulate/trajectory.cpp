@@ -11,9 +11,6 @@
 namespace plumbline {
 namespace {
 
-/// Orientation of a camera (x right, y down, z forward) that faces the target squarely.
-Eigen::Matrix3d facingTarget() { return Eigen::Vector3d(1, -1, -1).asDiagonal(); }
-
 /// Draws channels one after the other from the trajectory's stream of random numbers.
 class ChannelMaker {
  public:

@@ -9,6 +9,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/simulate/motion.h"
 
 namespace plumbline {
 namespace {
@@ -32,17 +33,6 @@ double tangentOf(const Intrinsics& camera, double share) {
     return std::tan(std::min(angle, kWidestRay));
   }
   return 1;
-}
-
-/// A camera at p_F that looks at `centre`: x to the right along x of F as far as it goes, then
-/// turned by `roll` about the line of sight.
-Transform lookingAt(const Eigen::Vector3d& centre, const Eigen::Vector3d& p_F, double roll) {
-  const Eigen::Vector3d z = (centre - p_F).normalized();
-  // z points at the board, against z of F: z x y of F is then x of F, the image upright.
-  const Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitY()).normalized();
-  Eigen::Matrix3d R;
-  R << x, z.cross(x), z;
-  return {Eigen::Matrix3d(R * expSO3(roll * Eigen::Vector3d::UnitZ())), p_F};
 }
 
 /// Makes the candidates of one camera.
@@ -101,7 +91,8 @@ class Maker {
     std::string name = fmt::format("cam{} {}", index_, where);
     if (depth != options_.depths.front()) name += fmt::format(" depth {:.2f}", depth);
     if (roll != 0) name += fmt::format(" roll {:.0f}", roll);
-    const Transform T_FCi = lookingAt(centre, centre + offset, roll * kDegree);
+    Transform T_FCi = lookingAt(centre + offset, centre);
+    T_FCi.R *= expSO3(roll * kDegree * Eigen::Vector3d::UnitZ());
     views_.push_back({std::move(name), index_, T_FCi * T_CiC0_});
   }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "calibrator/base/transform.h"
+#include "calibrator/simulate/motion.h"
 #include "calibrator/simulate/operator/simulated_operator.h"
 
 namespace plumbline {
@@ -18,15 +19,6 @@ constexpr double kAdvance = 0.3;
 constexpr double kRoll_rad = 0.9;
 
 }  // namespace
-
-Transform lookingAt(const Eigen::Vector3d& p, const Eigen::Vector3d& aim) {
-  const Eigen::Vector3d z = (aim - p).normalized();
-  // Across z and F's y, so that the image stays level; y down follows.
-  const Eigen::Vector3d x = Eigen::Vector3d(-z.z(), 0, z.x()).normalized();
-  Eigen::Matrix3d R;
-  R << x, z.cross(x), z;
-  return {R, p};
-}
 
 OwnViews::OwnViews(const OperatorSkill& skill, const AprilGrid& target, double distance_m)
     : skill_(skill),

@@ -6,6 +6,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/simulate/motion.h"
 
 namespace plumbline {
 namespace {

@@ -85,10 +85,6 @@ void fields(V& v, OperatorSkill& s) {
   v("own_views", s.own_views, "views taken between suggestions, or without a guide");
 }
 
-/// A camera (x right, y down, z forward) at p that looks at `aim`, its x axis in the x-z plane of
-/// F; poses T_FC0.
-Transform lookingAt(const Eigen::Vector3d& p, const Eigen::Vector3d& aim);
-
 /// The views T_FC0 that a person chooses himself, one after the other (OwnViewsKind).
 class OwnViews {
  public:
