@@ -190,6 +190,7 @@ void CameraGuide::State::startWasWrong(Decision& d, const std::string& why) {
   kept.clear();
   // What was seen, it was seen by these cameras.
   judge.forget();
+  d.T_FC0.reset();
   window.reset();
   entropy.reset();
   rmse.reset();
@@ -313,9 +314,12 @@ std::size_t CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
     // To get there and to hold it: both are the operator's time.
     round.reach_s.push_back(options.pace.secondsTo(*d.T_FC0, T) + options.views.reached_s);
   }
-  for (const std::size_t i : byGainPerSecond(judge.worthwhileGains(round), round.reach_s)) {
+  const auto worthwhile = byGainPerSecond(judge.worthwhileGains(round), round.reach_s);
+  for (const std::size_t i : worthwhile) {
     if (judge.seesTargetBetween(*d.T_FC0, round.T_FC0[i])) return i;
   }
+  // With fewer than min_views kept, one that is not worth asking for is asked for as well.
+  if (worthwhile.empty()) return best;
   note(d, "the target goes out of view on the path to every candidate: the best one is suggested");
   return best;
 }

@@ -86,6 +86,7 @@ struct CameraImuGuide::State {
   std::optional<double> entropy_nats;
   std::optional<double> asked_error_px;   // predicted when trajectories were scored last
   std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
+  TimeNs samples_came = 0;                // stamp of the frame that brought samples last
   std::vector<double> squared_px;  // mean squared residual of a corner [px^2], frame by frame
   NoiseWatch watch;
   FrameGate gate;
@@ -112,9 +113,11 @@ bool CameraImuGuide::State::showsTarget(const GuideFrame& frame) const {
 bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
   if (!gate.hasTarget(showsTarget(frame), d)) return false;
   // A frame later than the samples by more than a pause of theirs: the IMU has stopped, and only
-  // the biases' walk would join the frame to the others.
+  // the biases' walk would join the frame to the others. By their stamps or, since nothing is known
+  // of the clocks' offset before the start, by the frame that brought them.
   const bool none = recording.samples().empty();
-  const double since_s = none ? 0 : secondsBetween(recording.samples().back().t, frame.t);
+  const double since_s =
+      none ? 0 : secondsBetween(std::max(recording.samples().back().t, samples_came), frame.t);
   if (!none && since_s <= recording.longestInterval()) return true;
   d.reason = GuideReason::kNoImu;
   note(d, none ? "no IMU sample has arrived"
@@ -347,6 +350,7 @@ void CameraImuGuide::State::follow(const GuideFrame& frame, Decision& d) {
 
 void CameraImuGuide::State::takeSamples(const GuideFrame& frame) {
   const auto taken = static_cast<std::size_t>(recording.addSamples(frame.imu));
+  if (taken > 0) samples_came = frame.t;
   if (tracker) tracker->addSamples(std::span(recording.samples()).last(taken));
 }
 

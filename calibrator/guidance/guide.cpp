@@ -34,6 +34,9 @@ void TrajectoryGuideOptions::check() const {
   MeasurementModel::check();
   requireOption(start_frames >= 3, "trajectories.start_frames", start_frames, "3 or more");
   requireOption(window >= 2, "trajectories.window", window, "2 or more");
+  // Without a frame that leaves the window there would be no prior to begin with.
+  requireOption(start_frames > window, "trajectories.start_frames", start_frames,
+                "more than trajectories.window");
   requireOption(min_corners >= 4, "trajectories.min_corners", min_corners, "4 or more");
   requireOption(threshold_nats >= 0, "trajectories.threshold_nats", threshold_nats, "0 or more");
   requireOption(least_lowering > 0 && least_lowering < 1, "trajectories.least_lowering",

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/frame_gate.h"
+#include "calibrator/initialise/camera_start.h"
 
 namespace plumbline {
 namespace {
@@ -32,7 +35,7 @@ std::optional<std::string> StartCheck::against(
   const double given_px = given->summary.reprojection.rmse_px;
   // Cameras made from these very frames fit them better than any others: only a clear excess blames
   // the start.
-  if (!(given_px > kWorse * restart_px)) return std::nullopt;
+  if (!(given_px > kWorse * std::max(restart_px, kNoiseFloorPx))) return std::nullopt;
   return fmt::format(
       "the estimate has {:.2f} px RMSE on {} frames after its start, an estimate from those frames "
       "alone {:.2f} px",

@@ -30,7 +30,7 @@ constexpr int kBorder = BorderLayout::kFixed;
 std::optional<Eigen::MatrixXd> carriedInformation(const WindowKnowledge& now,
                                                   const TrajectoryRecording& recording) {
   constexpr int kSize = kChainBlock + kBiases + kBorder;
-  const ImuWeight walk = biasWalkWeight(recording.noise, recording.pause_s);
+  const ImuWeight walk = biasWalkWeight(recording.noise, TrajectoryRecording::kPause_s);
   Vector6d W;
   W << Eigen::Vector3d::Constant(walk.gyro_walk * walk.gyro_walk),
       Eigen::Vector3d::Constant(walk.accel_walk * walk.accel_walk);
@@ -63,8 +63,6 @@ Matrix6d viewInformation(const CameraCalibration& camera, const Transform& T_FC0
                          const TrajectoryRecording& recording) {
   SimulationOptions seen;
   seen.target = recording.target;
-  seen.border_px = recording.border_px;
-  seen.min_tag_px = recording.min_tag_px;
   const Transform T_FC = T_FC0 * camera.T_C0Ci;
   auto corners = visibleCorners(camera.intrinsics, T_FC, seen);
   if (static_cast<int>(corners.size()) < recording.min_corners) return Matrix6d::Zero();
@@ -104,9 +102,6 @@ void TrajectoryRecording::check() const {
   requireOption(gravity_m_s2 > 0, "gravity_m_s2", gravity_m_s2, "a positive acceleration");
   requireOption(pixel_sigma > 0, "pixel_sigma", pixel_sigma, "a positive number of pixels");
   requireOption(min_corners >= 1, "min_corners", min_corners, "1 or more");
-  requireOption(border_px >= 0, "border_px", border_px, "0 or more");
-  requireOption(min_tag_px >= 0, "min_tag_px", min_tag_px, "0 or more");
-  requireOption(pause_s >= 0, "pause_s", pause_s, "0 or more");
 }
 
 TrajectoryScorer::TrajectoryScorer(const TrajectoryRecording& recording,
@@ -146,7 +141,7 @@ TrajectoryScorer::Prepared TrajectoryScorer::prepare(const LissajousTrajectory& 
 CameraImuProblem TrajectoryScorer::unseen(const Prepared& prepared,
                                           const WindowKnowledge& now) const {
   CameraImuProblem problem;
-  const TimeNs start = now.t + toNanoseconds(recording_.pause_s);
+  const TimeNs start = now.t + toNanoseconds(TrajectoryRecording::kPause_s);
   for (std::size_t k = 0; k < prepared.frames.size(); ++k) {
     const TimeNs t = start + toNanoseconds(instant(k, recording_.camera_rate_hz, 0));
     // -1: no view. addViews() puts in what the corners tell, which was prepared once.

@@ -17,6 +17,8 @@ namespace plumbline {
 
 /// How a trajectory would be recorded.
 struct TrajectoryRecording {
+  static constexpr double kPause_s = 2;  ///< from now to the trajectory's first frame
+
   AprilGrid target;
   double camera_rate_hz = 20;
   double imu_rate_hz = 200;
@@ -24,9 +26,6 @@ struct TrajectoryRecording {
   double gravity_m_s2 = MeasurementModel().gravity_m_s2;
   double pixel_sigma = 1;     ///< standard deviation of a corner, per axis [px]
   int min_corners = 16;       ///< views of one camera with fewer count for nothing
-  double border_px = 5;       ///< tags closer to the image's border are not seen
-  double min_tag_px = 8;      ///< nor are tags with a side shorter than this
-  double pause_s = 2;         ///< from now to the trajectory's first frame
   bool score_offset = false;  ///< the time offset counts beside T_SC0
 
   /// Throws InputError naming the field that is out of its range.
@@ -49,7 +48,7 @@ struct TrajectoryScores {
 /// gravity and time offset. The trajectory brings states of its own (a pose, a velocity and biases
 /// with every frame), all marginalised. Shared with the present are T_SC0, the time offset, the
 /// direction of gravity, and the biases: those of the trajectory's first frame follow from the
-/// present ones by their walk over `pause_s`. No pose or velocity is carried over. Cameras are
+/// present ones by their walk over kPause_s. No pose or velocity is carried over. Cameras are
 /// fixed. Information is that of the batch (informationAt()), without loss, for residuals are zero.
 class TrajectoryScorer {
  public:

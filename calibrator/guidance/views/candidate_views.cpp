@@ -41,7 +41,7 @@ class Maker {
   Maker(const CameraCalibration& camera, int index, const AprilGrid& target,
         const CandidateViewOptions& options)
       : index_(index), half_(0.5 * target.width(), 0.5 * target.height()), options_(options) {
-    depth_ = half_.x() / tangentOf(camera.intrinsics, options.fill);
+    depth_ = half_.maxCoeff() / tangentOf(camera.intrinsics, options.fill);
     T_CiC0_ = camera.T_C0Ci.inverse();
   }
 
@@ -112,7 +112,10 @@ void CandidateViewOptions::check() const {
   requireOption(fill > 0, "fill", fill, "a positive share");
   requireOption(!depths.empty(), "number of depths", depths.size(), "1 or more");
   for (const double depth : depths) requireOption(depth > 0, "depth", depth, "a positive factor");
-  for (const double tilt : tilts_deg) requireWithin(0, 90, "tilt [deg]", tilt);
+  for (const double tilt : tilts_deg) {
+    // At 90 degrees the camera is in the target's plane.
+    requireOption(tilt >= 0 && tilt < 90, "tilt [deg]", tilt, "a value from 0 to below 90");
+  }
 }
 
 std::vector<CandidateView> candidateViews(const std::vector<CameraCalibration>& cameras,

@@ -16,12 +16,13 @@ struct CandidateViewOptions {
   /// width and height around its centre.
   int grid = 6;
   double reach = 1.6;
-  /// The depth is the one at which the target's half width fills this share of half the image's
-  /// width, times each of `depths`; at the first of them the whole grid, at the others 3 x 3.
+  /// The depth is the one at which half the target's longer side fills this share of half the
+  /// image's width, times each of `depths`; at the first of them the whole grid, at the others
+  /// 3 x 3.
   double fill = 0.8;
   std::vector<double> depths = {1, 0.75, 1.4};
   /// Tilted: the camera goes round the centre by each angle both ways about x and about y of F, at
-  /// each depth.
+  /// each depth; below 90 degrees.
   std::vector<double> tilts_deg = {30, 45};
   /// The tilted views at the first depth, and the central one at every depth, also turned about the
   /// line of sight.

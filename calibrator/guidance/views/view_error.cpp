@@ -12,6 +12,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/initialise/camera_poses.h"
+#include "calibrator/initialise/camera_start.h"
 
 namespace plumbline {
 namespace {
@@ -116,8 +117,7 @@ void ViewErrorTracker::refresh(const CameraEstimate& estimate,
   seen_at_refresh_ = seen_count_;
   visible_.clear();
   for (const Intrinsics& camera : cameras_.intrinsics) {
-    visible_.emplace_back(camera, target_,
-                          VisibleTags::Limits{options_.border_px, options_.min_tag_px});
+    visible_.emplace_back(camera, target_, VisibleTags::Limits());
   }
   error_.reset();
   std::vector<double> rmse;
@@ -141,7 +141,7 @@ void ViewErrorTracker::refresh(const CameraEstimate& estimate,
   model_ = errorModel(frames, cameras_, options_.cauchy_px, options_.later_use, threads);
   // Later use that does not determine the cameras predicts nothing.
   if (!model_ || kept_.empty()) return model_.reset();
-  median_px_ = median(rmse);
+  median_px_ = std::max(median(rmse), kNoiseFloorPx);
   std::vector<ViewTerms> terms, fitting;
   for (std::size_t i = 0; i < kept_.size(); ++i) {
     terms.push_back(model_->maker.seen(kept_[i].view()));

@@ -82,7 +82,7 @@ class ViewErrorTracker {
   int seen_count_ = 0, seen_stride_ = 1;
   int kept_at_refresh_ = 0, seen_at_refresh_ = 0;
   CameraEstimate cameras_;
-  double median_px_ = 0;  // RMSE of the views kept
+  double median_px_ = 0;  // RMSE of the views kept, at least kNoiseFloorPx
   std::vector<VisibleTags> visible_;
   std::optional<ErrorModel> model_;
   std::optional<PredictedError> error_;

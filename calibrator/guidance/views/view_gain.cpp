@@ -186,8 +186,6 @@ class ViewScorer::Sum {
 void ViewGainOptions::check() const {
   MeasurementModel::check();
   requireOption(min_corners >= 1, "min_corners", min_corners, "1 or more");
-  requireOption(border_px >= 0, "border_px", border_px, "0 or more");
-  requireOption(min_tag_px >= 0, "min_tag_px", min_tag_px, "0 or more");
 }
 
 ViewScorer::ViewScorer(const AprilGrid& target, const CameraEstimate& cameras,
@@ -195,8 +193,7 @@ ViewScorer::ViewScorer(const AprilGrid& target, const CameraEstimate& cameras,
     : target_(target), cameras_(cameras), layout_(cameras.intrinsics), options_(options) {
   options.check();
   for (std::size_t c = 0; c < cameras.intrinsics.size(); ++c) {
-    visible_.emplace_back(cameras.intrinsics[c], target,
-                          VisibleTags::Limits{options.border_px, options.min_tag_px});
+    visible_.emplace_back(cameras.intrinsics[c], target, VisibleTags::Limits());
     T_CiC0_.push_back(cameras.T_C0Ci[c].inverse());
   }
   assert(information.rows() == layout_.size && information.cols() == layout_.size);

@@ -26,8 +26,8 @@ inline constexpr int kViewChunk = 8;
 class VisibleTags {
  public:
   struct Limits {
-    double border_px = 5;
-    double min_tag_px = 8;
+    double border_px = 5;   ///< tags that come closer to the image's border are not seen
+    double min_tag_px = 8;  ///< nor are tags with a side shorter than this
   };
   VisibleTags(const Intrinsics& camera, const AprilGrid& target, const Limits& limits);
 
@@ -47,9 +47,7 @@ class VisibleTags {
 
 /// The loss of the measurement model weights the corners of frames that were seen.
 struct ViewGainOptions : MeasurementModel {
-  int min_corners = 16;   ///< of one camera, for its part of a predicted view to count
-  double border_px = 5;   ///< tags that come closer to the image's border are not seen
-  double min_tag_px = 8;  ///< nor are tags with a side shorter than this
+  int min_corners = 16;  ///< of one camera, for its part of a predicted view to count
 
   /// Throws InputError naming the field that is out of its range.
   void check() const;

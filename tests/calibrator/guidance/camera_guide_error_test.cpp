@@ -109,6 +109,16 @@ TEST(CameraGuideByError, AFrameOfSeveralPixelsDoesNotEnter) {
   EXPECT_GT(test::countOf(decisions, GuideReason::kBadFit), 0);
 }
 
+TEST(CameraGuideByError, ViewsWithoutNoiseFit) {
+  const LiveRig rig("euroc", 7, 0);
+  GuideOptions options = byError();
+  options.views.stop_excess = 1e-6;
+  CameraGuide guide(rig.guideRig(), options);
+  const auto decisions = test::playWandering(guide, rig, 100, 10);
+  EXPECT_GT(test::countOf(decisions, GuideReason::kInformative), 0);
+  EXPECT_EQ(test::countOf(decisions, GuideReason::kBadFit), 0);
+}
+
 TEST(CameraGuideByError, SuggestsTheCandidateThatLeavesLeast) {
   const LiveRig rig("euroc", 8, kSigma);
   GuideOptions options = byError(LaterUseKind::kImage);

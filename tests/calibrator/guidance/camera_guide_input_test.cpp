@@ -295,6 +295,7 @@ TEST(CameraGuide, StartsAnewWhereARestartFromOtherFramesDisagrees) {
       << given_up->detail;
   EXPECT_EQ(given_up->reason, GuideReason::kInitialiseFailed);
   EXPECT_EQ(given_up->views_kept, 0);
+  EXPECT_FALSE(given_up->T_FC0) << "a pose under cameras that were wrong";
   for (auto d = decisions.begin(); d != given_up; ++d) {
     EXPECT_NE(d->reason, GuideReason::kNoPose) << "poses were plausible: " << d->frame;
   }

@@ -216,6 +216,18 @@ TEST(CameraImuGuideInput, SamplesThatArriveLate) {
   expectItWentOn(late, 40);
 }
 
+// Samples stamped 0.3 s behind the camera's clock come with their frames all the same.
+TEST(CameraImuGuideInput, ClocksThatDisagree) {
+  auto behind = frames();
+  for (GuideFrame& frame : behind) {
+    for (ImuSample& s : frame.imu) s.t -= 300'000'000;
+  }
+  const Replay r = replayed(behind);
+  EXPECT_EQ(count(r.decisions, GuideReason::kNoImu), 0);
+  EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 1);
+  expectItWentOn(r, 60);
+}
+
 TEST(CameraImuGuideInput, ATargetThatNeverCameIntoViewIsSaid) {
   auto never = frames();
   for (GuideFrame& frame : never) {

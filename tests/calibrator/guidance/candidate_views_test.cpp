@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/simulate/simulate_session.h"
 
@@ -70,6 +71,19 @@ TEST(CandidateViews, TargetFillsItsShareOfTheImage) {
     EXPECT_NEAR(from.x(), 0.5 * 0.5 * camera.resolution.width, 1.5) << rig;  // x right, y up in F
     EXPECT_NEAR(from.y(), 0, 1.0) << rig;  // but for what the lens does sideways
   }
+}
+
+TEST(CandidateViews, ATallTargetFillsTheImageByItsHeight) {
+  const auto cameras = camerasOf("euroc");
+  const AprilGrid wide{.rows = 4, .cols = 7}, tall{.rows = 7, .cols = 4};
+  EXPECT_DOUBLE_EQ(candidateViews(cameras, tall).front().T_FC0.t.z(),
+                   candidateViews(cameras, wide).front().T_FC0.t.z());
+}
+
+TEST(CandidateViews, AreNotInTheTargetsPlane) {
+  CandidateViewOptions options;
+  options.tilts_deg = {90};
+  EXPECT_THROW(candidateViews(camerasOf("euroc"), kTarget, options), InputError);
 }
 
 TEST(CandidateViews, AreWhereTheirNamesSay) {

@@ -36,6 +36,8 @@ TEST(GuideOptions, NameTheFieldAndTheRule) {
               HasSubstr("views.reached_s is -1"));
   EXPECT_THAT(refusalOf([](GuideOptions& o) { o.trajectories.window = 1; }),
               HasSubstr("trajectories.window is 1"));
+  EXPECT_THAT(refusalOf([](GuideOptions& o) { o.trajectories.window = 20; }),
+              HasSubstr("trajectories.start_frames is 20; expected more than trajectories.window"));
   EXPECT_THAT(refusalOf([](GuideOptions& o) { o.latency.imu_frame_s = 61; }), HasSubstr("latency"));
   EXPECT_THAT(refusalOf([](GuideOptions& o) { o.threads = 0; }), HasSubstr("threads is 0"));
 }

@@ -15,7 +15,6 @@ namespace plumbline::test {
 struct RecordedTrajectoryOptions {
   double camera_rate_hz = 20;
   double imu_rate_hz = 200;
-  double pause_s = 2;
   double corner_sigma_px = 0;  ///< 0: exact
   bool imu_noise = false;
   std::uint64_t seed = 1;
@@ -38,7 +37,7 @@ class VectorNoise {
 };
 
 /// What a rig at `truth` (its last state's biases are those of the IMU) sees and reads along a
-/// trajectory that starts `pause_s` after `last`: the frames, with views appended to `views`.
+/// trajectory that starts kPause_s after `last`: the frames, with views appended to `views`.
 struct RecordedTrajectory {
   std::vector<Frame> frames;
   std::vector<std::vector<ImageView>> views;  // per camera
@@ -72,7 +71,7 @@ inline RecordedTrajectory recordAlong(const LissajousTrajectory& trajectory,
                                       const RecordedTrajectoryOptions& o) {
   RecordedTrajectory out;
   const CameraImuEstimate& e = r.truth;
-  const TimeNs start = last + toNanoseconds(o.pause_s);
+  const TimeNs start = last + toNanoseconds(TrajectoryRecording::kPause_s);
   SimulationOptions seen;
   RandomStream random(o.seed, RandomPurpose::kCornerNoise);
   out.views.resize(e.cameras.size());
@@ -137,7 +136,6 @@ inline TrajectoryRecording plannedRecording(const WindowRecording& r,
   planned.noise = r.problem.noise;
   planned.gravity_m_s2 = r.problem.gravity_m_s2;
   planned.pixel_sigma = r.problem.pixel_sigma;
-  planned.pause_s = o.pause_s;
   return planned;
 }
 
