@@ -96,7 +96,7 @@ Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
   Detection detection;
   detection.rejected_tags = static_cast<int>(squares.size());  // where none agree with the grid
   // From the squares as they are: with a wrong spacing the grid's own checks drop most corners.
-  const auto spacing = sets.empty() ? std::nullopt : apparentSpacing(grid, sets.front());
+  if (!sets.empty()) detection.spacing = apparentSpacing(grid, sets.front());
   for (const std::vector<TagImage>& set : sets) {
     search.start(set);
     search.grow();
@@ -106,12 +106,12 @@ Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
     // Before the corners at the border go, too: a tag that leaves with them contradicts nothing.
     const int contradicting = countContradicting(squares, search.tags());
     search.dropAtBorder();
-    detection = {};
-    detection.rejected_tags = contradicting;
-    detection.spacing = spacing;
     const auto found = static_cast<int>(search.tags().size());
     // More squares against the grid than tags in it: it was grown from misreadings.
-    if (found < options.min_tags || found <= contradicting) continue;
+    const bool accepted = found >= options.min_tags && found > contradicting;
+    // Where no set is accepted, what contradicts the largest.
+    if (accepted || &set == &sets.front()) detection.rejected_tags = contradicting;
+    if (!accepted) continue;
     for (const TagImage& tag : search.tags()) append(detection, tag);
     return detection;
   }

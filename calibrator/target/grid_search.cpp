@@ -89,7 +89,8 @@ std::optional<TagImage> GridSearch::lookFor(int tag_id, const LocalMap& map) con
     return std::nullopt;
   }
   // Last, for it needs the corners; it alone says that there is a tag and which.
-  const std::optional<int> distance = payloadDistance(image_, tag, options_.border_bits);
+  const std::optional<int> distance =
+      payloadDistance(image_, tag, options_.border_bits, options_.min_contrast);
   if (!distance || *distance > options_.max_hamming) return std::nullopt;
   tag.hamming = *distance;
   return tag;

@@ -29,6 +29,6 @@ double sampleBilinear(const GrayImageView& image, const Eigen::Vector2d& at);
 /// sharpened against their neighbours first. Empty where border and paper do not differ by
 /// `min_contrast` grey levels, or where a payload cell lies outside the image.
 std::optional<int> payloadDistance(const GrayImageView& image, const TagImage& tag, int border_bits,
-                                   double min_contrast = 12);
+                                   double min_contrast);
 
 }  // namespace plumbline

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/target/grid_search.h"
 #include "tests/calibrator/target/rendered_grid.h"
 
 namespace plumbline {
@@ -107,6 +108,29 @@ TEST(Detector, ReadsADarkImageDownToTheContrastAskedFor) {
   EXPECT_TRUE(AprilGridDetector(grid, {.min_contrast = 60}).detect(image.view()).tags.empty());
 }
 
+// Beside a tag that is known, as the library reads it in a dark image.
+TEST(GridSearch, ReadsTagsDownToTheContrastAskedFor) {
+  const AprilGrid grid;
+  const TestCamera camera = lookAt({0.32, 0.32}, 0.9, 0.2, 0.2, 0.1);
+  const GrayImage image = renderGrid(grid, camera, {.noise_gray = 0, .white = 18, .black = 9});
+  for (const int contrast : {5, 12}) {
+    CornerRefiner refiner;
+    GridSearch search(grid, {.min_contrast = contrast}, image.view(), refiner);
+    std::vector<TagImage> known;
+    for (const int id : {0, 1, 6, 7}) {
+      TagImage tag{.id = id};
+      for (std::size_t k = 0; k < 4; ++k) {
+        tag.uv[k] = *camera.project(grid.corner(4 * id + static_cast<int>(k)));
+      }
+      search.refineCorners(tag);
+      known.push_back(tag);
+    }
+    search.start(known);
+    search.grow();
+    EXPECT_EQ(search.tags().size() > 30, contrast == 5) << search.tags().size();
+  }
+}
+
 // Half a pixel of origin, or the dilation's shift, would stand out here.
 TEST(Detector, PixelCentresAreAtIntegersWithoutBias) {
   const Score score = scoreOfVariedViews(0.7, 0);
@@ -191,6 +215,29 @@ TEST(Detector, RefusesAGridOfAnotherLayout) {
   const Detection other = AprilGridDetector(AprilGrid{.rows = 6, .cols = 6}).detect(image.view());
   EXPECT_TRUE(other.corners.empty());
   EXPECT_GT(other.rejected_tags, 15);
+}
+
+// One tag stands elsewhere as well: it contradicts the grid, not the grid it.
+TEST(Detector, WhatContradictsTheLargestSetIsToldWhereNoneIsAccepted) {
+  const AprilGrid grid;
+  const TestCamera camera = lookAt({0.50, 0.32}, 1.2, 0, 0, 0);
+  GrayImage image = renderGrid(grid, camera, {.noise_gray = 0});
+  const Eigen::Vector2d a = *camera.project(grid.corner(4 * 14) - Eigen::Vector2d(0.02, 0.02));
+  const Eigen::Vector2d b = *camera.project(grid.corner(4 * 14 + 2) + Eigen::Vector2d(0.02, 0.02));
+  const int left = static_cast<int>(a.x()), top = static_cast<int>(b.y());
+  const int width = static_cast<int>(b.x()) - left, height = static_cast<int>(a.y()) - top;
+  for (int y = -10; y < height + 10; ++y) {
+    for (int x = -10; x < width + 10; ++x) {
+      const bool inside = x >= 0 && y >= 0 && x < width && y < height;
+      image.at(640 + x, 200 + y) = inside ? image.at(left + x, top + y) : std::uint8_t{200};
+    }
+  }
+  const Detection found = AprilGridDetector(grid).detect(image.view());
+  EXPECT_EQ(found.tags.size(), 36u);
+  EXPECT_EQ(found.rejected_tags, 1);
+  const Detection refused = AprilGridDetector(grid, {.min_tags = 37}).detect(image.view());
+  EXPECT_TRUE(refused.tags.empty());
+  EXPECT_LE(refused.rejected_tags, 2);  // squares of both dilations count
 }
 
 TEST(Detector, RefusesAMirroredGrid) {

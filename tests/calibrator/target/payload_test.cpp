@@ -13,6 +13,8 @@ namespace {
 const TagCorners kQuad = {Eigen::Vector2d(20.3, 71.2), Eigen::Vector2d(75.1, 78.4),
                           Eigen::Vector2d(82.0, 22.7), Eigen::Vector2d(25.5, 15.1)};
 
+constexpr double kLeastContrast = 12;
+
 /// A tag drawn pixel by pixel in the quad on white paper, brightness falling to the right; cells in
 /// `flipped` (bits as in tagPayload) are printed wrong.
 GrayImage drawTag(const TagCorners& quad, int id, std::uint64_t flipped, double light_fall = 0) {
@@ -62,29 +64,30 @@ TEST(Payload, BilinearSamplesAreExactOnAPlaneAndClampedOutside) {
 
 TEST(Payload, CountsTheCellsThatDiffer) {
   const TagImage tag{.id = 11, .uv = kQuad};
-  EXPECT_EQ(payloadDistance(drawTag(kQuad, 11, 0).view(), tag, 2), 0);
-  EXPECT_EQ(payloadDistance(drawTag(kQuad, 11, 1).view(), tag, 2), 1);
-  EXPECT_EQ(payloadDistance(drawTag(kQuad, 11, 0b100000010001).view(), tag, 2), 3);
+  EXPECT_EQ(payloadDistance(drawTag(kQuad, 11, 0).view(), tag, 2, kLeastContrast), 0);
+  EXPECT_EQ(payloadDistance(drawTag(kQuad, 11, 1).view(), tag, 2, kLeastContrast), 1);
+  EXPECT_EQ(payloadDistance(drawTag(kQuad, 11, 0b100000010001).view(), tag, 2, kLeastContrast), 3);
 }
 
 TEST(Payload, AnotherTagOrATurnedOneIsFarAway) {
   TagImage tag{.id = 12, .uv = kQuad};
-  EXPECT_GE(payloadDistance(drawTag(kQuad, 11, 0).view(), tag, 2).value(), 9);
+  EXPECT_GE(payloadDistance(drawTag(kQuad, 11, 0).view(), tag, 2, kLeastContrast).value(), 9);
   tag.id = 11;
   std::rotate(tag.uv.begin(), tag.uv.begin() + 1, tag.uv.end());
-  EXPECT_GE(payloadDistance(drawTag(kQuad, 11, 0).view(), tag, 2).value(), 9);
+  EXPECT_GE(payloadDistance(drawTag(kQuad, 11, 0).view(), tag, 2, kLeastContrast).value(), 9);
 }
 
 TEST(Payload, UnevenLightDoesNotMatter) {
   const TagImage tag{.id = 11, .uv = kQuad};
-  EXPECT_EQ(payloadDistance(drawTag(kQuad, 11, 0, 0.85).view(), tag, 2), 0);
+  EXPECT_EQ(payloadDistance(drawTag(kQuad, 11, 0, 0.85).view(), tag, 2, kLeastContrast), 0);
 }
 
 TEST(Payload, NothingIsReadWithoutContrastOrOutsideTheImage) {
   TagImage tag{.id = 11, .uv = kQuad};
-  EXPECT_FALSE(payloadDistance(GrayImage(100, 100, 120).view(), tag, 2).has_value());
+  EXPECT_FALSE(
+      payloadDistance(GrayImage(100, 100, 120).view(), tag, 2, kLeastContrast).has_value());
   for (Eigen::Vector2d& uv : tag.uv) uv.x() += 60;
-  EXPECT_FALSE(payloadDistance(drawTag(kQuad, 11, 0).view(), tag, 2).has_value());
+  EXPECT_FALSE(payloadDistance(drawTag(kQuad, 11, 0).view(), tag, 2, kLeastContrast).has_value());
 }
 
 }  // namespace
