@@ -22,7 +22,8 @@ Matrix6d meanTwistGram(const Intrinsics& camera, const ImuUse& use) {
     for (const double range_m : use.ranges_m) {
       const auto J = pixelJacobian(camera, *ray, range_m);
       if (!J) continue;
-      sum += J->leftCols<6>().transpose() * J->leftCols<6>();
+      const Eigen::Matrix<double, 2, 6> J_twist = J->leftCols<6>();
+      sum += J_twist.transpose() * J_twist;
       ++count;
     }
   }

@@ -21,7 +21,8 @@ using Eigen::VectorXd;
 constexpr double kKnownBefore = 1e-6;
 // Of the mean square of the field's columns in a view.
 constexpr double kFieldRidge = 1e-3;
-constexpr double kFreeRidge = 1e-11;  // of the parameters' own information
+constexpr double kFreeRidge = 1e-9;    // of a mean corner's information
+constexpr double kLeastRidge = 2e-13;  // of all of it: above the pivots of scaledCholesky()
 constexpr double kLeastNoiseShare = 0.2;
 // |M|^2 over sum |D_v|^2 below which few views cannot part their own misfit from a common one: V
 // views that see alike have V.
@@ -131,8 +132,8 @@ ErrorComponents errorComponents(std::span<const ViewTerms> views) {
   out.mean_squared_px = sum.squared_px / sum.corners;
   out.sigma2 = sum.sigma2();
   if (!(sum.D_squared > 0)) return out;
-  // Parameters that few views leave free; above the pivots that scaledCholesky() asks for.
-  sum.H.diagonal() *= 1 + kFreeRidge;
+  sum.H +=
+      std::max(kFreeRidge / sum.corners, kLeastRidge) * MatrixXd(sum.H.diagonal().asDiagonal());
   const auto L = lowerFactor(sum.H);
   // C^T H^-1 C is what the parameters take of a common field. Where H is singular they are taken to
   // have had nothing of it.

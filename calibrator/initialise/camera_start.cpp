@@ -198,8 +198,12 @@ Transform mostCentral(const std::vector<Transform>& transforms) {
 
 Transform medianTransform(const std::vector<Transform>& transforms) {
   assert(!transforms.empty());
-  // Beside a gross error near half a turn the median of rotation vectors would mean nothing.
-  Transform middle = mostCentral(transforms);
+  // The first will do, unless it is a gross error: half a turn away the others' rotation vectors
+  // point either way.
+  constexpr double kGross_rad = 1;
+  Transform middle = transforms.front();
+  const Transform central = mostCentral(transforms);
+  if (rotationAngle(middle.R.transpose() * central.R) > kGross_rad) middle = central;
   // Rotation vectors add like vectors only about a common reference that is close: the median
   // itself, found anew from its own tangent.
   for (int round = 0; round < 3; ++round) {

@@ -136,8 +136,10 @@ std::optional<Equation> equationOf(const Triple& triple, std::span<const CameraP
   e.turned[1].middleCols<3>(1) = -R_b * (1 / T1 + 1 / T2);
   e.turned[1].middleCols<3>(7) = R_b * bc->p_ba / T2;
   e.turned[2].middleCols<3>(1) = R_c / T2;
-  e.A = e.turned[0] + e.turned[1] + e.turned[2];
+  e.A.col(0) = R_b * bc->p / T2 - R_a * ab->p / T1 + R_a * ab->v;
+  e.A.middleCols<3>(1) = (R_c - R_b) / T2 - (R_b - R_a) / T1;
   e.A.middleCols<3>(4) = mean * Eigen::Matrix3d::Identity();
+  e.A.middleCols<3>(7) = R_b * bc->p_ba / T2 - R_a * ab->p_ba / T1 + R_a * ab->v_ba;
   e.rhs = (c.T_FC0.t - b.T_FC0.t) / T2 - (b.T_FC0.t - a.T_FC0.t) / T1;
   // Rows as accelerations, whatever the spans of their triple: otherwise long ones would count
   // more, and a limit on residuals would mean nothing.
