@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -121,7 +122,7 @@ std::optional<double> TextTable::takeNumber() {
   const auto [value, stop] = scanNumber(at_, end_);
   // A number ends where its cell does: "1.5px" is none.
   if (stop == nullptr || (stop != end_ && *stop != ',' && !isBlank(*stop))) return std::nullopt;
-  number_ = {at_, static_cast<std::size_t>(stop - at_)};
+  before_ = std::exchange(number_, {at_, static_cast<std::size_t>(stop - at_)});
   takeSeparator(stop);
   return value;
 }
@@ -173,7 +174,6 @@ int TextTable::integer(const char* name) {
 
 double TextTable::number(const char* name) {
   if (!moreCells()) failMissing(name);
-  const std::string_view before = number_;
   const char* const cell = at_;
   const std::optional<double> value = takeNumber();
   if (!value) failCell(name, "a number");
@@ -181,16 +181,16 @@ double TextTable::number(const char* name) {
     at_ = cell;
     failCell(name, "a finite number", InputFault::kNotFinite);
   }
-  if (!moreCells() && truncatedHere()) checkDecimals(before, number_);
+  if (!moreCells()) checkDecimals();
   return *value;
 }
 
 // A last line without its newline may have lost digits of its last number: that would be a wrong
 // value rather than a missing one.
-void TextTable::checkDecimals(std::string_view before, std::string_view number) const {
-  if (decimalsOf(number) >= decimalsOf(before)) return;
+void TextTable::checkDecimals() const {
+  if (!truncatedHere() || decimalsOf(number_) >= decimalsOf(before_)) return;
   throw fault({InputFault::kTruncated,
-               "the last line ends without a newline and '" + std::string(number) +
+               "the last line ends without a newline and '" + std::string(number_) +
                    "' has fewer decimals than the numbers before it, so it may be cut",
                "a whole last line", "copy the file again, or end the line if it is complete"});
 }
@@ -217,11 +217,11 @@ NumberRow TextTable::numbers() {
   return row;
 }
 
-void TextTable::expectColumns(const NumberRow& row, int columns) const {
-  if (row.columns == columns) return;
+void TextTable::expectColumns(const NumberRow& row, int columns, const char* whose) const {
+  if (row.columns == columns) return checkDecimals();
   throw fault({truncatedHere() ? InputFault::kTruncated : InputFault::kBadColumns,
                fmt::format("the row has {} columns", row.columns),
-               fmt::format("{}, as in the first row", columns), rowCure()});
+               fmt::format("{}, {}", columns, whose), rowCure()});
 }
 
 double TextTable::numberIn(const Cells& cells, std::size_t column) const {

@@ -81,8 +81,10 @@ class TextTable {
   double number(const char* name);          ///< a finite number, rounded correctly
   std::string_view word(const char* name);  ///< up to the next comma
   NumberRow numbers();                      ///< all of them, with nan and inf
-  /// Throws unless the row has as many columns as the first had.
-  void expectColumns(const NumberRow& row, int columns) const;
+  /// Throws unless the row has so many columns, of which `whose` says why, and its last number is
+  /// whole as far as can be told.
+  void expectColumns(const NumberRow& row, int columns,
+                     const char* whose = "as in the first row") const;
   /// Throws unless all cells of the row have been taken.
   void endRow() const;
 
@@ -101,7 +103,7 @@ class TextTable {
   [[noreturn]] void failCell(const char* name, const char* expected,
                              InputFault code = InputFault::kBadNumber) const;
   [[noreturn]] void failMissing(const char* name) const;
-  void checkDecimals(std::string_view before, std::string_view number) const;
+  void checkDecimals() const;
 
   std::string path_;
   std::string layout_;
@@ -112,6 +114,7 @@ class TextTable {
   const char* end_ = nullptr;
   bool comma_ = false;           // between cells of the current row
   std::string_view number_;      // text of the last number
+  std::string_view before_;      // and of the one before it
   std::string_view stamp_text_;  // of the previous row, whose value is stamp_
   TimeNs stamp_ = 0;
 };

@@ -70,7 +70,8 @@ class TrajectoryBuilder {
 /// In which unit a table's stamps are: 10^power nanoseconds.
 struct StampUnit {
   int power = 9;
-  std::string remark;  ///< where the unit is not the format's; else empty
+  std::string remark;    ///< where the unit is not the format's; else empty
+  bool certain = false;  ///< stated, or told by stamps since 1970; else the format's
 };
 
 /// What is known of the unit before a row is read.
@@ -86,10 +87,10 @@ struct StampEvidence {
 /// stamps are milliseconds or microseconds that no header states.
 StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& evidence);
 
-/// Throws InputError where the median interval is no rate of poses (0.2 ms to 20 s) for stamps read
-/// with `power`, naming the unit in which it would be.
+/// Throws InputError where the median interval is no rate of poses (0.2 ms to 20 s, or more where
+/// the unit is certain), naming the unit in which it would be.
 void checkPoseIntervals(const TrajectorySource& source, const std::vector<StampedPose>& poses,
-                        int power, int line);
+                        const StampUnit& unit, int line);
 
 /// What the header line of a table of poses states; columns count from 0.
 struct TableHeader {

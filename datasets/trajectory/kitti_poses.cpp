@@ -30,7 +30,7 @@ std::vector<TimeNs> readTimes(const std::string& path) {
 // The upper three rows of T_WB, row by row: the camera's pose in its first frame (readme of KITTI's
 // odometry devkit).
 StampedPose poseOf(const TextTable& table, const NumberRow& row) {
-  table.expectColumns(row, kPoseColumns);
+  table.expectColumns(row, kPoseColumns, "the 3x4 matrix of KITTI's poses");
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> T(row.values.data());
   const Eigen::Matrix3d R = T.leftCols<3>();
   const double deviation = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();

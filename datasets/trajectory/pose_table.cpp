@@ -209,7 +209,7 @@ class TableReader {
 
   TrajectoryFile checked(TrajectoryBuilder builder, const Layout& layout,
                          const StampUnit& unit) const {
-    checkPoseIntervals(source_, builder.poses(), unit.power, builder.firstLine());
+    checkPoseIntervals(source_, builder.poses(), unit, builder.firstLine());
     if (!unit.remark.empty()) builder.remark(unit.remark);
     if (layout.has_orientation && !layout.order_is_stated) {
       checkQuaternionOrder(source_, builder, layout, options_.format.has_value());

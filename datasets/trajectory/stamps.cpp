@@ -66,7 +66,7 @@ StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& e
   const std::optional<int> epoch = powerOfEpoch(evidence.first);
   // Without an epoch the stamps count from some start of their own, and nothing speaks against the
   // unit.
-  if (!epoch || *epoch == power) return {power, {}};
+  if (!epoch || *epoch == power) return {power, {}, evidence.stated || epoch};
   const std::string what = fmt::format(
       "the stamp {:.17g} is not a time of this century in {}: it looks like {} since 1970",
       evidence.first, unitName(power), unitName(*epoch));
@@ -79,16 +79,20 @@ StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& e
     throw source.fault(evidence.line,
                        {InputFault::kWrongUnit, what, unitName(power), headerCure(*epoch)});
   }
-  return {*epoch, fmt::format("stamps are read as {} where the format has {}", unitName(*epoch),
-                              unitName(power))};
+  return {*epoch,
+          fmt::format("stamps are read as {} where the format has {}", unitName(*epoch),
+                      unitName(power)),
+          true};
 }
 
 // The second look at the unit, for stamps that no epoch could tell: by the rate of the poses.
 void checkPoseIntervals(const TrajectorySource& source, const std::vector<StampedPose>& poses,
-                        int power, int line) {
+                        const StampUnit& unit, int line) {
   if (poses.size() < 3) return;
+  const int power = unit.power;
   const TimeNs interval = medianInterval(poses);
-  if (interval >= kShortestInterval && interval <= kLongestInterval) return;
+  // Poses may be rare, but not more frequent than any sensor.
+  if (interval >= kShortestInterval && (interval <= kLongestInterval || unit.certain)) return;
   if (interval == 0 && power == 9) {
     throw source.fault(line, {InputFault::kWrongUnit, "most stamps are equal to the one before",
                               "stamps with at least six decimals of a second",
@@ -96,13 +100,14 @@ void checkPoseIntervals(const TrajectorySource& source, const std::vector<Stampe
                               "again with more"});
   }
   const bool too_short = interval < kShortestInterval;
-  if (too_short && power == 9) {
-    throw source.fault(
-        line, {InputFault::kWrongUnit,
-               fmt::format("the poses are {:.3g} s apart", static_cast<double>(interval) * 1e-9),
-               "at least 0.2 ms between poses", "check the unit of the stamps"});
-  }
   const int likely = too_short ? powerForShort(interval, power) : powerForLong(interval, power);
+  if (likely == power) {
+    throw source.fault(line, {InputFault::kWrongUnit,
+                              fmt::format("read in {}, the poses are {:.3g} s apart",
+                                          unitName(power), static_cast<double>(interval) * 1e-9),
+                              "0.2 ms to 20 s between poses",
+                              too_short ? "check the unit of the stamps" : headerCure(power)});
+  }
   throw source.fault(
       line, {InputFault::kWrongUnit,
              fmt::format("read in {}, the poses are {:.3g} s apart, so the stamps look like {}",

@@ -47,8 +47,23 @@ std::optional<TrajectoryFormat> formatOf(std::string_view text) {
   return std::nullopt;
 }
 
+// `format` empty: a table of poses.
+void refuseIdle(const TrajectorySource& source, const TrajectoryReadOptions& options,
+                std::optional<TrajectoryFormat> format) {
+  const bool mocap = format == TrajectoryFormat::kMotive || format == TrajectoryFormat::kVicon;
+  if (!options.body.empty() && !mocap) {
+    throw BadInput(InputFault::kBadOption, source.path, 0,
+                   "has no rigid bodies to choose '" + options.body +
+                       "' from; only exports of Motive and Vicon do");
+  }
+  if (options.times.empty() || format == TrajectoryFormat::kKitti) return;
+  throw BadInput(InputFault::kBadOption, options.times.string(), 0,
+                 "stamps in a file of their own belong to KITTI's poses");
+}
+
 TrajectoryFile readText(const TrajectorySource& source, const TrajectoryReadOptions& options) {
   const auto format = options.format ? options.format : formatOf(source.text);
+  refuseIdle(source, options, format);
   if (format == TrajectoryFormat::kMotive) return readMotive(source, options);
   if (format == TrajectoryFormat::kVicon) return readVicon(source, options);
   if (format == TrajectoryFormat::kKitti) return readKitti(source, options);
@@ -57,15 +72,8 @@ TrajectoryFile readText(const TrajectorySource& source, const TrajectoryReadOpti
 
 }  // namespace
 
-void TrajectoryReadOptions::check() const {
-  if (times.empty() || !format || *format == TrajectoryFormat::kKitti) return;
-  throw BadInput(InputFault::kBadOption, times.string(), 0,
-                 "stamps in a file of their own belong to KITTI's poses");
-}
-
 TrajectoryFile readTrajectory(const std::filesystem::path& path,
                               const TrajectoryReadOptions& options) {
-  options.check();
   if (path == "-") {
     const std::string text = readStandardInput();
     return readText({"standard input", text}, options);

@@ -28,9 +28,6 @@ struct TrajectoryReadOptions {
   std::optional<TrajectoryFormat> format;  ///< none: told from the content
   std::string body;             ///< rigid body of a mocap export; needed where it has several
   std::filesystem::path times;  ///< KITTI's times.txt [s]; without it frame i is at i seconds
-
-  /// Throws InputError where the options contradict each other.
-  void check() const;
 };
 
 struct TrajectoryFile {
@@ -46,7 +43,8 @@ struct TrajectoryFile {
 ///
 /// Throws InputError with file and line where the content is not a trajectory: too few or too many
 /// columns, numbers that are not finite, quaternions that are far from unit length, stamps that
-/// descend or that only make sense in another unit, quaternions in the other order.
+/// descend or that only make sense in another unit, quaternions in the other order; and where the
+/// options name a body or times that files of this format do not have.
 TrajectoryFile readTrajectory(const std::filesystem::path& path,
                               const TrajectoryReadOptions& options = {});
 

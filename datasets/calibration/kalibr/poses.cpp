@@ -25,7 +25,7 @@ constexpr double kSharper = 0.5;  // an order that brings the aims this much clo
 
 StampedPose poseOf(TextTable& table) {
   const NumberRow row = table.numbers();
-  table.expectColumns(row, 8);
+  table.expectColumns(row, 8, kRow);
   const auto t = parseStamp(row.stamp, 0);
   if (!t) throw table.fault({InputFault::kBadNumber, "the stamp is not a time", kRow, ""});
   const double* const v = &row.values[1];

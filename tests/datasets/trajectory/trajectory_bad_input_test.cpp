@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
@@ -97,6 +98,7 @@ const std::vector<BadTrajectory> kCases = {
     {"SecondsAsNanoseconds", kNs + commas(rows("{:.6f}", 5, 0.05)), 2, InputFault::kWrongUnit},
     {"MillisecondsAsNanoseconds", kNs + commas(rows("{:.0f}", 5000, 50)), 2,
      InputFault::kWrongUnit},
+    {"RarePosesWithoutAHeader", rows("{:.0f}", 0, 30), 1, InputFault::kWrongUnit},
     {"StampsWithoutDigits", rows("{:.3e}", 1403636579.76, 0.05), 1, InputFault::kWrongUnit},
     {"HeaderNamesColumnsThatAreNot", "# t a b c d e f g h px py pz\n1 2 3 4\n", 2,
      InputFault::kBadColumns},
@@ -106,6 +108,9 @@ const std::vector<BadTrajectory> kCases = {
     {"NotARotation", "1 0 0 0 0 1 0 0 0 0 2 0\n", 1, InputFault::kNotRigid},
     {"Mirrored", "1 0 0 0 0 1 0 0 0 0 -1 0\n", 1, InputFault::kNotRigid},
     {"KittiNan", "1 0 0 0 0 1 0 nan 0 0 1 0\n", 1, InputFault::kNotFinite},
+    {"LastNumberCut", "1 0.5 0.25 0.98\n2 0.5 0.25 0", 2, InputFault::kTruncated},
+    {"KittiNumberCut", "1 0 0 0.5 0 1 0 0.5 0 0 1 0.5\n1 0 0 0.5 0 1 0 0.5 0 0 1.0 0", 2,
+     InputFault::kTruncated},
     {"KittiCut", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0", 2, InputFault::kTruncated},
     {"CovarianceNan", "1 0 0 0 0 0 0 1 nan 0 0 1 0 1 1 0 0 1 0 1\n", 1, InputFault::kNotFinite},
     {"MotiveWithoutColumns", "Format Version,1.23,Take Name,test\n\n1,2,3\n", 3,
@@ -119,6 +124,27 @@ TEST(RefusedFiles, AreNamed) {
   const TemporaryFolder folder;
   EXPECT_EQ(faultOf([&] { readTrajectory(folder.path("none.txt")); }), InputFault::kMissingFile);
   EXPECT_EQ(faultOf([&] { readTrajectory(folder.path()); }), InputFault::kMissingFile);
+}
+
+TEST(RefusedFiles, OptionsOfOtherFormatsAreNotPassedOver) {
+  const TemporaryFolder folder;
+  const std::string poses = folder.write("poses.txt", kGood);
+  TrajectoryReadOptions options;
+  options.body = "nosuch";
+  EXPECT_EQ(faultOf([&] { readTrajectory(poses, options); }), InputFault::kBadOption);
+  options.body.clear();
+  options.times = folder.write("times.txt", "0\n");
+  EXPECT_EQ(faultOf([&] { readTrajectory(poses, options); }), InputFault::kBadOption);
+}
+
+TEST(RefusedFiles, AFormatIsNamedWhereTheFirstRowIsNotOfIt) {
+  const TemporaryFolder folder;
+  TrajectoryReadOptions options;
+  options.format = TrajectoryFormat::kKitti;
+  const auto refusal =
+      refusalOf([&] { readTrajectory(folder.write("poses.txt", kGood), options); });
+  ASSERT_TRUE(refusal);
+  EXPECT_THAT(refusal->what(), testing::HasSubstr("8 columns; expected 12, the 3x4 matrix"));
 }
 
 TEST(RefusedFiles, KittiTimesMustFit) {

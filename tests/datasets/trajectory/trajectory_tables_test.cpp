@@ -86,6 +86,18 @@ TEST(TumTrajectory, AStatedUnitIsTaken) {
   EXPECT_EQ(us.trajectory.poses[0].t, 50'000);
 }
 
+// Keyframes may be rare; a median above 20 s is then no other unit.
+TEST(TumTrajectory, RarePosesAreReadWhereTheUnitIsCertain) {
+  const std::string since_start =
+      "# timestamp [s] tx ty tz qx qy qz qw\n0 0 0 0 0 0 0 1\n30 1 0 0 0 0 0 1\n"
+      "60 2 0 0 0 0 0 1\n";
+  EXPECT_EQ(read(since_start).trajectory.poses[1].t, 30'000'000'000);
+  const std::string since_1970 =
+      "1403636579763555584,0,0,0,1,0,0,0\n1403636609763555584,1,0,0,1,0,0,0\n"
+      "1403636639763555584,2,0,0,1,0,0,0\n";
+  EXPECT_EQ(read(since_1970).trajectory.poses.size(), 3U);
+}
+
 TEST(TumTrajectory, EqualStampsAndGapsAreSaid) {
   std::string text;
   for (int i = 0; i < 20; ++i) text += fmt::format("{} 0 0 0 0 0 0 1\n", 5 + 0.05 * i);
