@@ -15,6 +15,12 @@ inline constexpr int kPayloadCells = 6;  ///< cells along an edge of the payload
 inline constexpr int kFamilySize = 587;  ///< ids 0 ... 586
 inline constexpr int kKalibrBorderBits = 2;
 
+// Sizes of the grids that are printed and read. Kalibr's two traps: tagSize is in metres, and
+// tagSpacing is no length but a ratio of it.
+inline constexpr double kLargestTag_m = 5;       ///< above it the size is in another unit
+inline constexpr double kSmallestSpacing = 0.1;  ///< Kalibr's squares need room; below: metres
+inline constexpr double kLargestSpacing = 3;
+
 /// Cells along the edge of a tag, border included.
 constexpr int tagCells(int border_bits) { return kPayloadCells + 2 * border_bits; }
 

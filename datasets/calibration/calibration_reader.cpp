@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -89,6 +90,22 @@ class YamlReader {
   YamlMap map_;
 };
 
+/// What contradicts the cameras before it.
+void refuseUnlike(const YamlMap& map, const std::vector<CameraCalibration>& before,
+                  const CameraCalibration& camera) {
+  if (before.empty() && !boxminus(camera.T_C0Ci, Transform()).isZero(1e-9)) {
+    throw map.fault("T_C0Ci",
+                    {InputFault::kContradiction, "T_C0Ci of the first camera is not the identity",
+                     "the place of each camera in the first one, camera 0",
+                     "multiply every T_C0Ci by its inverse, from the left"});
+  }
+  for (const CameraCalibration& other : before) {
+    if (other.name != camera.name) continue;
+    throw map.fault("name", {InputFault::kDuplicate, "two cameras are named '" + camera.name + "'",
+                             "a name for each camera", "rename one of them"});
+  }
+}
+
 CameraCalibration ourCamera(const YamlMap& map) {
   CameraCalibration camera;
   YamlReader reader(map);
@@ -109,7 +126,9 @@ Calibration readOurs(const YamlMap& file) {
   }
   Calibration calibration;
   for (const YamlMap& camera : file.maps("cameras", "a list of cameras")) {
-    calibration.cameras.push_back(ourCamera(camera));
+    CameraCalibration read = ourCamera(camera);
+    refuseUnlike(camera, calibration.cameras, read);
+    calibration.cameras.push_back(std::move(read));
   }
   if (file.has("imu")) {
     const YamlMap map = file.map("imu", "the IMU");
@@ -171,6 +190,11 @@ ParameterCovariance covarianceOf(const YamlMap& map) {
     for (std::size_t j = 0; j < n; ++j) {
       out.matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = rows[i][j];
     }
+    if (rows[i][i] >= 0) continue;
+    throw map.fault("matrix",
+                    {InputFault::kOutOfRange,
+                     fmt::format("the variance of '{}' is {:g}", out.names[i], rows[i][i]),
+                     "0 or more", "copy the file again"});
   }
   return out;
 }
@@ -230,6 +254,10 @@ void addDeviations(const YamlMap& file, const char* stage, std::map<std::string,
           "robust_std",
           {InputFault::kContradiction, "does not fit the stage's parameters",
            fmt::format("{} numbers", covariance.names.size()), "copy the file again"});
+    }
+    if (std::any_of(values.begin(), values.end(), [](double std) { return std < 0; })) {
+      throw record.fault("robust_std", {InputFault::kOutOfRange, "a deviation is negative",
+                                        "0 or more", "copy the file again"});
     }
   }
   for (std::size_t i = 0; i < values.size(); ++i) out[covariance.names[i]] = values[i];

@@ -189,9 +189,8 @@ bool isYacResult(const YamlMap& file) {
 
 Calibration readYacResult(const YamlMap& file) {
   Calibration calibration;
-  for (int i = 0; file.has(fmt::format("cam{}", i)); ++i) {
-    calibration.cameras.push_back(cameraOf(file, i));
-  }
+  const int count = file.countOf("cam");
+  for (int i = 0; i < count; ++i) calibration.cameras.push_back(cameraOf(file, i));
   if (file.has("imu0")) calibration.imu = imuOf(file);
   return calibration;
 }

@@ -39,6 +39,16 @@ std::optional<Implausible> implausiblePlace(const Transform& T, const char* name
                  fmt::format("at most {:g} m", kFarthest_m));
 }
 
+/// Deviations that are not known are NaN.
+template <class Values>
+std::optional<Implausible> negativeDeviation(const std::optional<Values>& std) {
+  if (!std) return std::nullopt;
+  for (const double value : *std) {
+    if (value < 0) return outside(Part::kDeviation, "a standard deviation", value, "0 or more");
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool isName(const std::string& text) {
@@ -83,6 +93,8 @@ std::optional<Implausible> implausible(const CameraCalibration& camera) {
                        "1 to 64 letters, digits, _, - or ., such as cam0"};
   }
   if (const auto place = implausiblePlace(camera.T_C0Ci, "a camera")) return place;
+  if (const auto std = negativeDeviation(camera.intrinsics_std)) return std;
+  if (const auto std = negativeDeviation(camera.T_C0Ci_std)) return std;
   return implausible(camera.intrinsics);
 }
 
@@ -98,6 +110,10 @@ std::optional<Implausible> implausible(const ImuNoise& noise) {
 
 std::optional<Implausible> implausible(const ImuCalibration& imu) {
   if (const auto place = implausiblePlace(imu.T_SC0, "the IMU")) return place;
+  if (const auto std = negativeDeviation(imu.T_SC0_std)) return std;
+  if (const double std = imu.time_offset_std_s.value_or(0); std < 0) {
+    return outside(Part::kDeviation, "the time offset's standard deviation", std, "0 or more");
+  }
   for (const TimeOffset& offset : imu.time_offsets) {
     if (within(offset.s, -kLongestOffset_s, kLongestOffset_s)) continue;
     return outside(Part::kOffset, "the time offset", offset.s, "seconds, at most those of a day");

@@ -18,7 +18,8 @@ struct Implausible {
     kPlace,
     kOffset,
     kGravity,
-    kNoise
+    kNoise,
+    kDeviation
   };
   Part part = Part::kProjection;
   std::string what;
@@ -28,8 +29,8 @@ struct Implausible {
 /// The first value out of its range; empty where there is none. Ranges: focal lengths above 0 and
 /// up to 1e6 px, other parameters up to 1e6; sides of an image 1 to 65535 px (as JPEG's); distances
 /// up to 1000 m; names of 1 to 64 letters, digits, `_`, `-`, `.` that do not begin with a dot,
-/// since they become names of files; time offsets up to a day, either way; noise and rates 0
-/// or more.
+/// since they become names of files; time offsets up to a day, either way; noise, rates and
+/// standard deviations 0 or more.
 std::optional<Implausible> implausible(const Intrinsics& intrinsics);
 std::optional<Implausible> implausible(const CameraCalibration& camera);
 std::optional<Implausible> implausible(const ImuNoise& noise);

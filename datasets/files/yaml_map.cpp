@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/files/yaml_map.h"
 
+#include <charconv>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -181,6 +182,24 @@ std::vector<std::string> YamlMap::keys() const {
   return names;
 }
 
+int YamlMap::countOf(const std::string& prefix) const {
+  int count = 0;
+  while (has(fmt::format("{}{}", prefix, count))) ++count;
+  for (const std::string& key : keys()) {
+    if (!key.starts_with(prefix)) continue;
+    int number = 0;
+    const char* const end = key.data() + key.size();
+    const auto [stop, error] = std::from_chars(key.data() + prefix.size(), end, number);
+    if (error != std::errc() || stop != end || number < count || !has(key)) continue;
+    const std::string missing = fmt::format("{}{}", prefix, count);
+    throw fault(key,
+                {InputFault::kMissingKey, fmt::format("'{}' is given without '{}'", key, missing),
+                 fmt::format("{0}0, {0}1, ... without a gap", prefix),
+                 fmt::format("add '{}', or number the others anew", missing)});
+  }
+  return count;
+}
+
 YAML::Node YamlMap::require(const std::string& key, const std::string& expected) const {
   if (!has(key)) {
     throw badInput(
@@ -256,8 +275,10 @@ double YamlMap::numberOr(const std::string& key, double otherwise) const {
 }
 
 bool YamlMap::isTrue(const std::string& key) const {
+  if (!has(key)) return false;
   bool value = false;
-  return has(key) && YAML::convert<bool>::decode(node(key), value) && value;
+  if (YAML::convert<bool>::decode(node(key), value)) return value;
+  throw wrongKind(path_, node(key), key, "true or false");
 }
 
 std::string YamlMap::textOr(const std::string& key, const std::string& otherwise) const {

@@ -28,6 +28,9 @@ class YamlMap {
   int line() const;                          ///< where this mapping starts, from 1
   int lineOf(const std::string& key) const;  ///< of the key's value; of the mapping if missing
   std::vector<std::string> keys() const;     ///< in the order of the file
+  /// How many keys there are of "PREFIX0", "PREFIX1", ...; throws InputError where one is left out
+  /// before another.
+  int countOf(const std::string& prefix) const;
 
   /// The value of a key; each throws InputError where it is missing or of another kind. `expected`
   /// says what the key should hold.
@@ -45,7 +48,8 @@ class YamlMap {
   std::vector<YamlMap> maps(const std::string& key, const std::string& expected) const;
 
   double numberOr(const std::string& key, double otherwise) const;
-  /// Whether the key holds a word for yes.
+  /// Whether the key is there and holds a word for yes; InputError where it holds none for yes or
+  /// no.
   bool isTrue(const std::string& key) const;
   std::string textOr(const std::string& key, const std::string& otherwise) const;
 

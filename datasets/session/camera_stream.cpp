@@ -54,21 +54,6 @@ void refuseUnsupported(const YamlMap& file, const CameraDescription& camera) {
 namespace fs = std::filesystem;
 constexpr const char* kListLayout = "timestamp [ns], filename";
 
-void checkAscending(const TextTable& table, TimeNs t, const std::vector<ImageFile>& before) {
-  if (before.empty() || t > before.back().t) return;
-  // A last stamp that lost digits is a smaller number.
-  if (table.truncatedHere()) {
-    throw table.fault({InputFault::kTruncated, fmt::format("the last line, '{}', is cut", t),
-                       "a whole last line",
-                       "the file is truncated: copy it again or delete this line"});
-  }
-  const bool twice = t == before.back().t;
-  throw table.fault({InputFault::kBadOrder,
-                     twice ? fmt::format("the stamp {} is given twice", t)
-                           : fmt::format("the stamp {} is earlier than that of the row above", t),
-                     "stamps that ascend strictly", twice ? duplicateCure(t) : "sort the rows"});
-}
-
 void checkUnit(const std::string& path, const std::vector<ImageFile>& images) {
   std::vector<TimeNs> stamps;
   for (const ImageFile& image : images) stamps.push_back(image.t);
@@ -115,8 +100,9 @@ void checkExists(const TextTable& table, const std::string& path) {
 /// Sorted, as a folder is listed in no order; two endings may share a stamp.
 std::vector<ImageFile> imagesByName(const fs::path& data) {
   std::vector<ImageFile> images;
+  std::error_code fault;  // of a link that leads nowhere
   for (const fs::directory_entry& entry : fs::directory_iterator(data)) {
-    if (!entry.is_regular_file() || !isImageName(entry.path())) continue;
+    if (!entry.is_regular_file(fault) || !isImageName(entry.path())) continue;
     images.push_back({stampOfName(entry.path()), entry.path().string()});
   }
   std::sort(images.begin(), images.end(), [](const ImageFile& a, const ImageFile& b) {
@@ -129,6 +115,27 @@ std::vector<ImageFile> imagesByName(const fs::path& data) {
                     "one image for each stamp", "delete one of them"});
   }
   return images;
+}
+
+/// What data.csv of the camera's folder lists. Beside corners the images, and their names, may be
+/// missing.
+std::vector<ImageFile> readList(const std::string& folder, bool with_images) {
+  const std::string path = folder + "/data.csv";
+  const MappedFile file(path);
+  TextTable table(path, file.text(), kListLayout);
+  table.readHeader();
+  std::vector<ImageFile> list;
+  while (table.nextRow()) {
+    const TimeNs t = table.stamp();
+    if (!list.empty()) checkAscending(table, t, list.back().t, "sort the rows");
+    const bool named = with_images || table.moreCells();
+    const std::string name = named ? imageName(table) : "";
+    table.endRow();
+    list.push_back({t, name.empty() ? "" : folder + "/data/" + name});
+    if (with_images) checkExists(table, list.back().path);
+  }
+  checkUnit(path, list);
+  return list;
 }
 
 }  // namespace
@@ -157,47 +164,17 @@ CameraDescription readCameraDescription(const std::string& path, bool supported_
   return camera;
 }
 
-std::vector<ImageFile> readFrameList(const std::string& folder) {
-  const std::string path = folder + "/data.csv";
-  const MappedFile file(path);
-  TextTable table(path, file.text(), kListLayout);
-  table.readHeader();
-  std::vector<ImageFile> frames;
-  while (table.nextRow()) {
-    const TimeNs t = table.stamp();
-    checkAscending(table, t, frames);
-    // Beside corners the images, and their names, may be missing.
-    const bool named = table.moreCells();
-    const std::string name = named ? imageName(table) : "";
-    table.endRow();
-    frames.push_back({t, name.empty() ? "" : folder + "/data/" + name});
-  }
-  checkUnit(table.path(), frames);
-  return frames;
-}
+std::vector<ImageFile> readFrameList(const std::string& folder) { return readList(folder, false); }
 
 std::vector<ImageFile> listImages(const std::string& folder) {
-  const fs::path list = fs::path(folder) / "data.csv";
-  if (fs::exists(list)) {
+  if (fs::exists(fs::path(folder) / "data.csv")) {
     if (!fs::is_directory(fs::path(folder) / "data")) {
       throw badInput(folder, 0,
                      {InputFault::kEmpty,
                       "contains neither corners.csv nor the images (data/) that its data.csv lists",
                       "corners.csv, or data/<ns>.png", "copy the recording again"});
     }
-    const MappedFile file(list.string());
-    TextTable table(list.string(), file.text(), kListLayout);
-    table.readHeader();
-    std::vector<ImageFile> images;
-    while (table.nextRow()) {
-      const TimeNs t = table.stamp();
-      checkAscending(table, t, images);
-      images.push_back({t, folder + "/data/" + imageName(table)});
-      table.endRow();
-      checkExists(table, images.back().path);
-    }
-    checkUnit(list.string(), images);
-    return images;
+    return readList(folder, true);
   }
   std::vector<ImageFile> images = imagesByName(fs::path(folder) / "data");
   if (images.empty()) {

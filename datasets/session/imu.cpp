@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "datasets/calibration/calibration_fields.h"
+#include "datasets/calibration/kalibr/camchain.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"
@@ -22,36 +24,33 @@ constexpr const char* kImuKeys =
 constexpr const char* kRefusedModel =
     "IMU scale and misalignment are not supported yet (they would be silently ignored)";
 
-bool isIdentity(const std::vector<std::vector<double>>& rows) {
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    for (std::size_t c = 0; c < rows[r].size(); ++c) {
-      if (std::abs(rows[r][c] - (r == c ? 1.0 : 0.0)) > 1e-9) return false;
-    }
-  }
-  return true;
-}
-
-void refuseMatrix(const YamlMap& imu, const std::string& sensor, const std::string& key) {
-  if (!imu.has(sensor)) return;
-  const YamlMap map = imu.map(sensor, "a mapping");
-  if (map.has(key) && !isIdentity(map.rows(key, "a 3x3 matrix, as rows"))) {
-    throw map.fault(key, {InputFault::kUnsupported, sensor + "." + key + " is not the identity",
-                          "model: calibrated",
-                          std::string(kRefusedModel) + "; calibrate with model: calibrated"});
-  }
-}
-
 /// Scale, misalignment and axes that Kalibr estimated would have to be applied to the samples
 /// first.
-void refuseModels(const YamlMap& imu) {
-  const std::string model = imu.textOr("model", "calibrated");
-  if (model != "calibrated") {
-    throw imu.fault(
-        "model", {InputFault::kUnsupported, "the IMU model is '" + model + "'", "model: calibrated",
-                  std::string(kRefusedModel) + "; calibrate with model: calibrated"});
-  }
-  refuseMatrix(imu, "accelerometers", "M");
-  refuseMatrix(imu, "gyroscopes", "M");
+void refuseModel(const YamlMap& map) {
+  const std::string model = map.textOr("model", "calibrated");
+  if (model == "calibrated") return;
+  throw map.fault(
+      "model", {InputFault::kUnsupported, "the IMU model is '" + model + "'", "model: calibrated",
+                std::string(kRefusedModel) + "; calibrate with model: calibrated"});
+}
+
+void refuseDistorted(const YamlMap& map, const KalibrImu& imu) {
+  if (!imu.isDistorted()) return;
+  throw map.fault(
+      map.has("accelerometers") ? "accelerometers" : "gyroscopes",
+      {InputFault::kUnsupported,
+       "M, A or C_gyro_i of the accelerometers or gyroscopes is not that of an IMU "
+       "without faults",
+       "model: calibrated", std::string(kRefusedModel) + "; calibrate with model: calibrated"});
+}
+
+/// A calibration is to the IMU itself, EuRoC's body frame.
+void refuseTurnedBody(const YamlMap& map) {
+  if (!map.has("T_BS") || boxminus(transformField(map, "T_BS"), Transform()).isZero(1e-9)) return;
+  throw map.fault(
+      "T_BS", {InputFault::kUnsupported, "T_BS is not the identity", "samples in the body frame",
+               "a calibration is to the IMU as it measures: write the identity, and "
+               "apply T_BS to the result"});
 }
 
 /// Kalibr's results stand below imu0:, its inputs at the top.
@@ -87,63 +86,60 @@ bool namesAccel(const std::string& name) {
 }
 
 /// What the header states and the numbers cannot tell: degrees, or g.
-void refuseUnits(const std::string& path, const std::string& name) {
+void refuseUnits(const std::string& path, int line, const std::string& name) {
   const bool degrees = name.find("deg") != std::string::npos;
   const bool gravities = name.find("[g]") != std::string::npos;
   if (!degrees && !gravities) return;
-  throw badInput(path, 1,
+  throw badInput(path, line,
                  {InputFault::kWrongUnit, "the header states '" + name + "'", "rad/s and m/s^2",
                   degrees ? "multiply the rates by pi / 180" : "multiply by 9.80665"});
 }
 
-// Whether the header puts the accelerations before the rates.
-bool accelerationFirst(const std::string& path, const std::vector<std::string_view>& header) {
-  if (header.empty()) return false;
-  std::vector<std::string> names;
-  for (const std::string_view name : csvCells(header.front())) names.push_back(lowered(name));
-  // A stamp and six axes; a table of another width is refused at its first row.
-  if (names.size() != 7) return false;
-  for (std::size_t i = 1; i < 7; ++i) refuseUnits(path, names[i]);
-  const auto all = [&](std::size_t first, bool (*is)(const std::string&)) {
-    return is(names[first]) && is(names[first + 1]) && is(names[first + 2]);
-  };
-  return all(1, namesAccel) && all(4, namesGyro);
-}
-
-void checkOrder(const TextTable& table, TimeNs t, TimeNs before) {
-  if (t > before) return;
-  const bool twice = t == before;
-  throw table.fault({InputFault::kBadOrder,
-                     twice ? fmt::format("the stamp {} is given twice", t)
-                           : fmt::format("the stamp {} is earlier than that of the row above", t),
-                     "stamps that ascend strictly",
-                     twice ? duplicateCure(t) : "sort the rows by time; was the clock set back?"});
+// Whether a line of the header puts the accelerations before the rates.
+bool accelerationFirst(const std::string& path, std::string_view text,
+                       const std::vector<std::string_view>& header) {
+  for (const std::string_view line : header) {
+    std::vector<std::string> names;
+    for (const std::string_view name : csvCells(line)) names.push_back(lowered(name));
+    // A stamp and six axes; a table of another width is refused at its first row.
+    if (names.size() != 7) continue;
+    const auto number = 1 + std::count(text.data(), line.data(), '\n');
+    for (std::size_t i = 1; i < 7; ++i) refuseUnits(path, static_cast<int>(number), names[i]);
+    const auto all = [&](std::size_t first, bool (*is)(const std::string&)) {
+      return is(names[first]) && is(names[first + 1]) && is(names[first + 2]);
+    };
+    if (all(1, namesAccel) && all(4, namesGyro)) return true;
+  }
+  return false;
 }
 
 }  // namespace
 
 ImuDescription readImuDescription(const std::string& path) {
   const YamlMap file = YamlMap::load(path, kImuKeys);
-  const YamlMap imu = unwrapped(file);
-  refuseModels(imu);
-  ImuDescription description;
+  const YamlMap map = unwrapped(file);
+  refuseModel(map);
+  refuseTurnedBody(map);
   // The word of EuRoC's sensor.yaml.
-  const bool euroc = imu.has("rate_hz") && !imu.has("update_rate");
-  description.noise = noiseFields(imu, euroc ? "rate_hz" : "update_rate");
-  description.rostopic = imu.textOr("rostopic", "");
-  return description;
+  const bool euroc = map.has("rate_hz") && !map.has("update_rate");
+  KalibrImu imu = kalibrImu(map, "imu0", euroc ? "rate_hz" : "update_rate");
+  refuseDistorted(map, imu);
+  return {imu.noise, std::move(imu.rostopic)};
 }
 
 std::vector<ImuSample> readImuSamples(const std::string& path) {
   const MappedFile file(path);
   TextTable table(path, file.text(), kImuLayout);
-  const bool accel_first = accelerationFirst(path, table.readHeader());
+  const bool accel_first = accelerationFirst(path, file.text(), table.readHeader());
   std::vector<ImuSample> samples;
   std::vector<TimeNs> stamps;
   while (table.nextRow()) {
     ImuSample sample;
     sample.t = table.stamp();
-    if (!samples.empty()) checkOrder(table, sample.t, samples.back().t);
+    if (!samples.empty()) {
+      checkAscending(table, sample.t, samples.back().t,
+                     "sort the rows by time; was the clock set back?");
+    }
     Eigen::Vector3d& first = accel_first ? sample.accel : sample.gyro;
     Eigen::Vector3d& second = accel_first ? sample.gyro : sample.accel;
     for (int i = 0; i < 3; ++i) first[i] = table.number(accel_first ? "a" : "w");

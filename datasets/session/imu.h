@@ -6,6 +6,7 @@
 
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
+#include "datasets/files/table.h"
 
 namespace plumbline {
 
@@ -19,6 +20,10 @@ void checkStampUnit(const std::string& path, const std::vector<TimeNs>& stamps, 
 /// be whole seconds or milliseconds since 1970, write nanoseconds.
 std::string duplicateCure(TimeNs t);
 
+/// Throws InputError where the current row's stamp is not later than that of the row before it;
+/// `cure` is for a stamp that is earlier.
+void checkAscending(const TextTable& table, TimeNs t, TimeNs before, const char* cure);
+
 constexpr TimeNs kShortestFrameInterval = 1'000'000;  ///< [ns]: 1000 frames a second
 constexpr TimeNs kShortestImuInterval = 25'000;       ///< [ns]: 40 000 samples a second
 
@@ -30,8 +35,8 @@ struct ImuDescription {
 
 /// Reads Kalibr's imu.yaml (flat, or wrapped in imu0: as Kalibr writes it) or EuRoC's
 /// imu0/sensor.yaml (rate_hz in place of update_rate). Throws InputError for missing keys,
-/// densities that are not positive, several IMUs, and for Kalibr's scale and misalignment models,
-/// which are not supported.
+/// densities that are not positive, several IMUs, Kalibr's scale and misalignment models, which are
+/// not supported, and a T_BS that is not the identity.
 ImuDescription readImuDescription(const std::string& path);
 
 /// Reads EuRoC's imu0/data.csv: stamp [ns], angular rate xyz [rad/s], specific force xyz [m/s^2].

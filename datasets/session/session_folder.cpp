@@ -24,7 +24,8 @@ constexpr const char* kSessionLayout =
 
 // N of "camN", or -1.
 int cameraNumber(const std::string& name) {
-  if (name.rfind("cam", 0) != 0 || name.size() < 4) return -1;
+  // A sign is no part of a number here.
+  if (name.rfind("cam", 0) != 0 || name.size() < 4 || !isDigit(name[3])) return -1;
   int number = -1;
   const char* const end = name.data() + name.size();
   const auto [stop, error] = std::from_chars(name.data() + 3, end, number);
@@ -33,9 +34,10 @@ int cameraNumber(const std::string& name) {
 
 std::vector<std::string> camerasIn(const fs::path& folder) {
   std::vector<std::pair<int, std::string>> found;
+  std::error_code fault;  // of a link that leads nowhere
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const int number = cameraNumber(entry.path().filename().string());
-    if (number >= 0 && entry.is_directory()) found.emplace_back(number, entry.path().string());
+    if (number >= 0 && entry.is_directory(fault)) found.emplace_back(number, entry.path().string());
   }
   // By number: cam10 comes behind cam2.
   std::sort(found.begin(), found.end());
@@ -55,8 +57,9 @@ class Manifest {
   // Of images, gigabytes of which would have to be read for a hash.
   void addSizes(const std::string& folder, const std::string& name) {
     if (!fs::is_directory(folder)) return;
+    std::error_code fault;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-      if (!entry.is_regular_file()) continue;
+      if (!entry.is_regular_file(fault)) continue;
       const std::string file = entry.path().filename().string();
       lines_.push_back(fmt::format("{}/{} {} bytes\n", name, file, entry.file_size()));
     }
@@ -85,6 +88,18 @@ void addCamera(Manifest& manifest, const std::string& camera) {
 
 }  // namespace
 
+std::vector<std::string> besideSession(const std::string& path) {
+  const fs::path top = fs::weakly_canonical(path);
+  // What stands in the folder that was named goes before the other level's.
+  std::vector<std::string> folders{path};
+  if (top.filename() == "mav0") {
+    folders.push_back(top.parent_path().string());
+  } else if (fs::is_directory(fs::path(path) / "mav0")) {
+    folders.push_back((fs::path(path) / "mav0").string());
+  }
+  return folders;
+}
+
 SessionFolder findSession(const std::string& path) {
   if (!fs::exists(path)) {
     throw badInput(path, 0,
@@ -108,10 +123,7 @@ SessionFolder findSession(const std::string& path) {
                     "a name in UTF-8", "rename the folder, or link to it"});
   }
   folder.root = (below ? fs::path(path) / "mav0" : fs::path(path)).string();
-  // What stands in the folder that was named goes before the other level's.
-  folder.beside = {path};
-  if (below) folder.beside.push_back(folder.root);
-  if (is_mav) folder.beside.push_back(top.parent_path().string());
+  folder.beside = besideSession(path);
   folder.cameras = camerasIn(folder.root);
   if (folder.cameras.empty()) {
     throw badInput(folder.root, 0,

@@ -21,6 +21,10 @@ struct SessionFolder {
   std::vector<std::string> beside;   ///< where target.yaml and imu.yaml may lie, nearest first
 };
 
+/// Where target.yaml, imu.yaml and suggestions.csv of the session in `path` may lie, nearest first:
+/// there, in its mav0, and beside it where it is itself mav0.
+std::vector<std::string> besideSession(const std::string& path);
+
 /// Finds the parts of the session in `path`. Throws InputError where `path` is no folder or holds
 /// no camera.
 SessionFolder findSession(const std::string& path);
@@ -55,7 +59,7 @@ std::vector<std::pair<std::string, std::string>> readStudyDefinition(
 /// is none.
 std::vector<Suggestion> readSuggestions(const std::string& path);
 
-/// suggestions.csv of a recording: in the session's folder or its mav0/; empty where there is none.
+/// suggestions.csv of a recording, where its target.yaml may lie; empty where there is none.
 std::optional<std::string> findSuggestions(const std::string& session);
 
 constexpr const char* kTargetShapeFile = "target_shape.yaml";

@@ -27,6 +27,21 @@ std::string duplicateCure(TimeNs t) {
              : "delete one of the two rows";
 }
 
+void checkAscending(const TextTable& table, TimeNs t, TimeNs before, const char* cure) {
+  if (t > before) return;
+  // A last stamp that lost digits is a smaller number.
+  if (table.truncatedHere()) {
+    throw table.fault({InputFault::kTruncated, fmt::format("the last line, '{}', is cut", t),
+                       "a whole last line",
+                       "the file is truncated: copy it again or delete this line"});
+  }
+  const bool twice = t == before;
+  throw table.fault({InputFault::kBadOrder,
+                     twice ? fmt::format("the stamp {} is given twice", t)
+                           : fmt::format("the stamp {} is earlier than that of the row above", t),
+                     "stamps that ascend strictly", twice ? duplicateCure(t) : cure});
+}
+
 // By the intervals and not by the stamps themselves, which may count from any start.
 void checkStampUnit(const std::string& path, const std::vector<TimeNs>& stamps, TimeNs shortest,
                     const std::string& things) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <filesystem>
 #include <set>
 
 #include <fmt/format.h>
@@ -98,11 +97,7 @@ std::vector<Suggestion> readSuggestions(const std::string& path) {
 }
 
 std::optional<std::string> findSuggestions(const std::string& session) {
-  const std::filesystem::path folder(session);
-  for (const auto& path : {folder / "suggestions.csv", folder / "mav0" / "suggestions.csv"}) {
-    if (std::filesystem::exists(path)) return path.string();
-  }
-  return std::nullopt;
+  return findBeside(besideSession(session), "suggestions.csv");
 }
 
 }  // namespace plumbline

@@ -10,10 +10,6 @@ namespace {
 
 constexpr const char* kTargetKeys =
     "target_type: aprilgrid with tagRows, tagCols, tagSize [m] and tagSpacing [ratio of tagSize]";
-// Kalibr's two traps: tagSize is in metres, and tagSpacing is no length but a ratio of it.
-constexpr double kLargestTag = 5.0;  // [m]; above it the size is in another unit
-constexpr double kLargestSpacing = 3.0;
-constexpr double kSmallestSpacing = 0.1;  // Kalibr's black squares need room; below: metres
 
 void checkType(const YamlMap& file) {
   const std::string type = file.text("target_type", kTargetKeys);
@@ -42,9 +38,9 @@ int tagCount(const YamlMap& file, const std::string& key) {
 
 double tagSize(const YamlMap& file) {
   const double size = file.number("tagSize", "the edge of a tag in metres");
-  if (size > 0 && size <= kLargestTag) return size;
+  if (size > 0 && size <= kLargestTag_m) return size;
   const std::string cure =
-      size > kLargestTag
+      size > kLargestTag_m
           ? fmt::format("it looks like millimetres: write tagSize: {:g}", size / 1000)
           : "measure the edge of a tag's black square";
   throw file.fault("tagSize", {InputFault::kOutOfRange, fmt::format("tagSize is {:g}", size),

@@ -187,8 +187,12 @@ void SheetOptions::check() const {
     throw InputError(fmt::format("{} x {} tags: expected 1 to {} in all", target.cols, target.rows,
                                  kFamilySize));
   }
-  if (!(target.tag_size > 0) || !(target.spacing > 0) || target.spacing > 10) {
-    throw InputError("the tags need a size, and a gap between them of up to ten times it");
+  // As a target.yaml is read.
+  if (!(target.tag_size > 0 && target.tag_size <= kLargestTag_m &&
+        target.spacing >= kSmallestSpacing && target.spacing <= kLargestSpacing)) {
+    throw InputError(fmt::format(
+        "the tags need a size of up to {:g} m, and a gap between them of {:g} to {:g} times it",
+        kLargestTag_m, kSmallestSpacing, kLargestSpacing));
   }
   if (border_bits != 1 && border_bits != 2)
     throw InputError("the tags' border must have 1 or 2 bits");

@@ -175,13 +175,15 @@ std::optional<Eigen::Matrix3d> matrixOf(const YamlMap& imu, const std::string& s
   return M;
 }
 
+}  // namespace
+
 // The matrices are there only under models with scale and misalignment; a calibrated IMU has none.
-KalibrImu imuOf(const YamlMap& map, const std::string& name) {
+KalibrImu kalibrImu(const YamlMap& map, const std::string& name, const std::string& rate_key) {
   KalibrImu imu;
   imu.name = name;
   imu.rostopic = map.textOr("rostopic", "");
   imu.model = map.textOr("model", "calibrated");
-  imu.noise = noiseFields(map, "update_rate");
+  imu.noise = noiseFields(map, rate_key);
   if (map.has("T_i_b")) imu.T_i_b = transformField(map, "T_i_b");
   imu.time_offset_s = map.numberOr("time_offset", 0);
   imu.accel_M = matrixOf(map, "accelerometers", "M");
@@ -191,14 +193,13 @@ KalibrImu imuOf(const YamlMap& map, const std::string& name) {
   return imu;
 }
 
-}  // namespace
-
 KalibrCamchain readKalibrCamchain(const std::string& path) {
   const YamlMap file = YamlMap::load(path, "Kalibr's camchain*.yaml (cam0: ...)");
   KalibrCamchain chain;
   chain.path = path;
   // cam0 in any case: that it is missing is then the fault that is told.
-  for (int i = 0; i == 0 || file.has(fmt::format("cam{}", i)); ++i) {
+  const int count = std::max(1, file.countOf("cam"));
+  for (int i = 0; i < count; ++i) {
     const std::string name = fmt::format("cam{}", i);
     chain.cameras.push_back(cameraOf(file.map(name, "a camera"), name));
   }
@@ -250,7 +251,7 @@ Calibration calibrationOf(const KalibrCamchain& chain) {
 
 bool KalibrImu::isDistorted() const {
   const auto differs = [](const std::optional<Eigen::Matrix3d>& M, const Eigen::Matrix3d& none) {
-    return M && !(*M - none).isZero(1e-12);
+    return M && !(*M - none).isZero(1e-9);
   };
   const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
   return differs(accel_M, identity) || differs(gyro_M, identity) || differs(C_gyro_i, identity) ||
@@ -263,12 +264,13 @@ KalibrImuFile readKalibrImus(const std::string& path) {
   read.path = path;
   read.wrapped = file.has("imu0");
   if (!read.wrapped) {
-    read.imus.push_back(imuOf(file, "imu0"));
+    read.imus.push_back(kalibrImu(file, "imu0"));
     return read;
   }
-  for (int i = 0; file.has(fmt::format("imu{}", i)); ++i) {
+  const int count = file.countOf("imu");
+  for (int i = 0; i < count; ++i) {
     const std::string name = fmt::format("imu{}", i);
-    read.imus.push_back(imuOf(file.map(name, "an IMU"), name));
+    read.imus.push_back(kalibrImu(file.map(name, "an IMU"), name));
   }
   return read;
 }

@@ -9,6 +9,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
+#include "datasets/files/yaml_map.h"
 
 namespace plumbline {
 
@@ -79,6 +80,10 @@ struct KalibrImu {
   /// Calibration has no place for.
   bool isDistorted() const;
 };
+
+/// The IMU of a mapping: below imuN:, or a flat file.
+KalibrImu kalibrImu(const YamlMap& map, const std::string& name,
+                    const std::string& rate_key = "update_rate");
 
 struct KalibrImuFile {
   std::string path;

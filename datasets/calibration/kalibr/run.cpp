@@ -82,8 +82,9 @@ bool belongs(const KalibrImuFile& file, const ImuNoise& noise) {
 Files filesIn(const fs::path& folder) {
   Files files;
   std::vector<std::string> paths;
+  std::error_code fault;  // of a link that leads nowhere
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file()) paths.push_back(entry.path().string());
+    if (entry.is_regular_file(fault)) paths.push_back(entry.path().string());
   }
   std::sort(paths.begin(), paths.end());  // nothing depends on the order of the listing
   for (const std::string& path : paths) {
@@ -268,8 +269,10 @@ KalibrRun readKalibrRun(const std::string& path) {
                    {InputFault::kUnknownFile, "this is not an output of Kalibr",
                     "camchain*.yaml, imu*.yaml, results-*.txt or poses-*.csv", ""});
   }
-  Files files = filesIn(folder ? fs::path(path) : fs::absolute(path).parent_path());
-  const std::string named = folder ? path : fs::absolute(path).string();
+  const fs::path place = folder ? fs::path(path) : fs::absolute(path).parent_path();
+  Files files = filesIn(place);
+  // As filesIn() lists it, whatever separators were given.
+  const std::string named = folder ? path : (place / fs::path(path).filename()).string();
   KalibrRun run;
   readChains(files, named, run);
   if (!run.camera_imu && !run.cameras) {

@@ -2,6 +2,7 @@
 // Kalibr's poses, IMUs and time shifts, which of a folder's files belong together, and yac's
 // results.
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -102,6 +103,33 @@ TEST(KalibrImus, ScaleAndMisalignmentAreReadForComparingOnly) {
   EXPECT_EQ(faultOf([&] { (void)readImuDescription(path); }), InputFault::kUnsupported);
 }
 
+TEST(KalibrImus, EveryMatrixCountsWhateverTheModelIsCalled) {
+  const TemporaryFolder folder;
+  const auto fault = [&](const std::string& more) {
+    const std::string path = folder.write("imu.yaml", kImuYaml + more);
+    return faultOf([&] { (void)readImuDescription(path); });
+  };
+  const std::string first = "    - [1.0, 0.0, 0.0]\n", third = "    - [0.0, 0.0, 1.0]\n";
+  EXPECT_EQ(fault("  gyroscopes:\n    M:\n" + first + "    - [0.0, 1.0, 0.0]\n" + third),
+            std::nullopt);
+  for (const char* matrix : {"A", "C_gyro_i", "M"}) {
+    const std::string key = std::string("  gyroscopes:\n    ") + matrix + ":\n";
+    EXPECT_EQ(fault(key + first + "    - [0.0, 0.9, 0.1]\n" + third), InputFault::kUnsupported);
+    EXPECT_EQ(fault(key + "    - [1.0, 0.0]\n    - [0.0, 1.0]\n"), InputFault::kBadNumber);
+  }
+  const std::string none = "  T_BS:\n    rows: 4\n    cols: 4\n    data: [1, 0, 0, 0, 0, 1, 0, ";
+  EXPECT_EQ(fault(none + "0, 0, 0, 1, 0, 0, 0, 0, 1]\n"), std::nullopt);
+  EXPECT_EQ(fault(none + "0.1, 0, 0, 1, 0, 0, 0, 0, 1]\n"), InputFault::kUnsupported);
+}
+
+TEST(KalibrImus, NoneIsLeftOut) {
+  std::string third = kImuYaml;
+  const std::string text = kImuYaml + third.replace(third.find("imu0"), 4, "imu2");
+  const TemporaryFolder folder;
+  const std::string path = folder.write("imu.yaml", text);
+  EXPECT_EQ(faultOf([&] { (void)readKalibrImus(path); }), InputFault::kMissingKey);
+}
+
 // ---- folders
 
 TEST(KalibrRuns, FilesAreKnownByContentNotByName) {
@@ -146,6 +174,15 @@ TEST(KalibrRuns, SeveralRunsInAFolderMustBeNamed) {
                                 .replace(std::string(kCamchainImuYaml).find("400.0"), 5, "401.0"));
   EXPECT_EQ(faultOf([&] { (void)readKalibrRun(folder.path()); }), InputFault::kAmbiguous);
   EXPECT_EQ(readKalibrRun(first).calibration().cameras[0].intrinsics.projection(0), 400);
+  const std::string twice = folder.path() + "//run2.yaml";
+  EXPECT_EQ(readKalibrRun(twice).calibration().cameras[0].intrinsics.projection(0), 401);
+}
+
+TEST(KalibrRuns, ALinkThatLeadsNowhereIsNoFile) {
+  const TemporaryFolder folder;
+  folder.write("camchain.yaml", kCamchainImuYaml);
+  std::filesystem::create_symlink("loop", folder.path("loop"));
+  EXPECT_TRUE(readKalibrRun(folder.path()).camera_imu);
 }
 
 /// The camera tool's camchain of kCamchainImuYaml, with this focal length.
@@ -269,6 +306,10 @@ T_imu0_cam0:
   cols: 4
   data: [0, -1, 0, -0.02,  1, 0, 0, -0.06,  0, 0, 1, 0.01,  0, 0, 0, 1]
 )";
+  std::string gap = text;
+  gap.replace(gap.find("cam1:"), 5, "cam2:");
+  EXPECT_EQ(faultOf([&] { (void)readCalibration(folder.write("gap.yaml", gap)); }),
+            InputFault::kMissingKey);
   const Calibration c = readCalibration(folder.write("result.yaml", text));
   ASSERT_EQ(c.cameras.size(), 2U);
   EXPECT_EQ(c.cameras[1].intrinsics.distortion_model, DistortionModel::kEquidistant);

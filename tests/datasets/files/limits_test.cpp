@@ -139,6 +139,11 @@ TEST(Plausible, ExportersRefuseWhatNoRigHas) {
   refused([](Calibration& c) { c.imu->gravity_m_s2 = -9.8; }, "gravity");
   refused([](Calibration& c) { c.imu->time_offsets = {{1e6}}; }, "time offset");
   refused([](Calibration& c) { c.imu->T_SC0.t.x() = 1e5; }, "IMU");
+  refused([](Calibration& c) { c.imu->time_offset_std_s = -1; }, "deviation is -1");
+  refused([](Calibration& c) { c.imu->T_SC0_std = -Vector6d::Ones(); }, "deviation is -1");
+  refused([](Calibration& c) { c.cameras[0].T_C0Ci_std = -Vector6d::Ones(); }, "deviation is -1");
+  refused([](Calibration& c) { c.cameras[0].intrinsics_std = -Eigen::VectorXd::Ones(8); },
+          "deviation is -1");
   for (const char* name : {"", "../cam0", "a/b", ".hidden", "cam\n0", "\x1b[31m", "cam 0"}) {
     refused([&](Calibration& c) { c.cameras[0].name = name; }, "a camera is named");
   }

@@ -98,6 +98,9 @@ const std::vector<BadFile> kBadSamples = {
     {"Degrees", kSamples,
      "#t [ns],wx [deg/s],wy [deg/s],wz [deg/s],ax,ay,az\n1000000000,1,2,3,4,5,6\n", 1,
      InputFault::kWrongUnit},
+    {"DegreesInTheSecondLine", kSamples,
+     "# by a logger\n#t [ns],wx [deg/s],wy [deg/s],wz [deg/s],ax,ay,az\n1000000000,1,2,3,4,5,6\n",
+     2, InputFault::kWrongUnit},
 };
 
 const std::string kTarget = "target.yaml";

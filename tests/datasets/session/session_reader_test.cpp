@@ -2,11 +2,13 @@
 // What a good session's folder turns into.
 #include "datasets/session/session_reader.h"
 
+#include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/session/session_folder.h"
 #include "tests/datasets/session/session_files.h"
 
 namespace plumbline {
@@ -74,11 +76,14 @@ TEST(SessionReader, ACornersRowMayComeInAnyOrderOfIds) {
 TEST(SessionReader, AHeaderThatNamesAccelerationFirstIsHonoured) {
   const TemporaryFolder folder;
   writeGoodSession(folder);
-  folder.write("imu0/data.csv",
-               "#timestamp [ns],a_x,a_y,a_z,w_x,w_y,w_z\n1000000000,9.8,1,2,0.1,0.2,0.3\n");
-  const ImuSample sample = readSession(folder.path()).imu->samples[0];
-  EXPECT_EQ(sample.accel.x(), 9.8);
-  EXPECT_EQ(sample.gyro.x(), 0.1);
+  for (const char* comment : {"", "# recorded by a logger\n"}) {
+    folder.write("imu0/data.csv", std::string(comment) +
+                                      "#timestamp [ns],a_x,a_y,a_z,w_x,w_y,w_z\n"
+                                      "1000000000,9.8,1,2,0.1,0.2,0.3\n");
+    const ImuSample sample = readSession(folder.path()).imu->samples[0];
+    EXPECT_EQ(sample.accel.x(), 9.8) << comment;
+    EXPECT_EQ(sample.gyro.x(), 0.1) << comment;
+  }
 }
 
 TEST(SessionReader, NoiseMayBeWrappedAsKalibrWritesItOrComeFromEurocsSensorFile) {
@@ -164,7 +169,13 @@ TEST(SessionReader, ACameraOfImagesIsListedForDetection) {
   for (const char* name : {"2000000000.png", "1000000000.jpg", "notes.txt"}) {
     folder.write(std::string("cam1/data/") + name, "x");
   }
+  // Neither is one: a link that leads nowhere, and a folder whose name has a sign.
+  std::filesystem::create_symlink("loop.png", folder.path("cam1/data/loop.png"));
+  std::filesystem::create_symlink("cam7", folder.path("cam7"));
+  folder.write("cam-1/corners.csv", "");
   const Recording recording = readRecording(folder.path());
+  EXPECT_EQ(recording.session.cameras.size(), 2U);
+  EXPECT_NO_THROW((void)inputHash(folder.path()));
   ASSERT_EQ(recording.images[1].size(), 2U);
   EXPECT_EQ(recording.images[1][0].t, 1000000000);
   EXPECT_EQ(recording.session.cameras[1].views.size(), 2U);

@@ -17,9 +17,12 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
+#include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
+#include "tests/datasets/refusal.h"
+#include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {
 namespace {
@@ -293,6 +296,24 @@ TEST(SimulatedTruth, JsonHoldsTheCalibrationExactly) {
   EXPECT_EQ(truth["cameras"][0]["distortion"], "equidistant");
   EXPECT_EQ(truth["options"]["seed"], 1);
   EXPECT_EQ(truth["gravity_F"][1].get<double>(), s.gravity_F.y());
+}
+
+// truth.json has the fields of calibration.json.
+TEST(SimulatedTruth, CamerasThatContradictEachOtherAreRefused) {
+  const TemporaryFolder folder;
+  const SimulatedSession s = simulateSession(simulatedRig("tumvi"), briefOptions());
+  const auto good = nlohmann::json::parse(truthJson(s, briefOptions()));
+  const auto fault = [&](const nlohmann::json& json) {
+    const std::string path = folder.write("truth.json", json.dump(2));
+    return faultOf([&] { (void)readCalibration(path); });
+  };
+  EXPECT_EQ(fault(good), std::nullopt);
+  auto moved = good;
+  moved["cameras"][0]["T_C0Ci"] = good["cameras"][1]["T_C0Ci"];
+  EXPECT_EQ(fault(moved), InputFault::kContradiction);
+  auto alike = good;
+  alike["cameras"][1]["name"] = good["cameras"][0]["name"];
+  EXPECT_EQ(fault(alike), InputFault::kDuplicate);
 }
 
 TEST(SimulatedTruth, CamchainIsInKalibrsDirections) {

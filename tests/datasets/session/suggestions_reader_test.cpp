@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the operator of a guided recording was asked for.
+#include <filesystem>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
 #include "datasets/session/session_folder.h"
 #include "tests/datasets/refusal.h"
+#include "tests/datasets/session/session_files.h"
 #include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {
@@ -35,6 +38,17 @@ TEST_F(Suggestions, APoseIsAQuaternionOrAMatrix) {
   for (const Suggestion& s : list) {
     EXPECT_LT((s.T_FC0.t - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
     EXPECT_LT((s.T_FC0.R * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-7);
+  }
+}
+
+TEST_F(Suggestions, AreFoundAtBothLevels) {
+  writeGoodSession(folder_, "mav0/");
+  EXPECT_FALSE(findSuggestions(folder_.path()));
+  const std::string path = folder_.write("suggestions.csv", kHeader);
+  for (const std::string& session : {folder_.path(), folder_.path("mav0")}) {
+    const auto found = findSuggestions(session);
+    ASSERT_TRUE(found) << session;
+    EXPECT_TRUE(std::filesystem::equivalent(*found, path));
   }
 }
 

@@ -65,6 +65,21 @@ TEST(TargetSheet, WhatDoesNotFitIsToldWithWhatDoes) {
   EXPECT_THROW(options.check(), InputError);
 }
 
+// What is printed can be read.
+TEST(TargetSheet, HasTheLimitsOfATargetFile) {
+  SheetOptions options = april();
+  options.target.tag_size = 0.001;
+  for (const double spacing : {0.05, 3.5}) {
+    options.target.spacing = spacing;
+    EXPECT_THROW(options.check(), InputError) << spacing;
+  }
+  options.target.spacing = 3;
+  EXPECT_NO_THROW(options.check());
+  options.paper = {100000, 100000};
+  options.target.tag_size = 6;
+  EXPECT_THROW(options.check(), InputError);
+}
+
 TEST(TargetSheet, AWideBoardTurnsThePaper) {
   SheetOptions options = april();
   options.target.rows = 4;
