@@ -11,10 +11,7 @@ namespace plumbline {
 namespace {
 
 std::string matrixText(const char* key, const Transform& T) {
-  std::string text = fmt::format("  {}:\n", key);
-  const Eigen::Matrix4d M = T.matrix();
-  for (Eigen::Index i = 0; i < 4; ++i) text += "  - " + yamlList(M.row(i)) + "\n";
-  return text;
+  return fmt::format("  {}:\n", key) + yamlRows(T.matrix(), "  ");
 }
 
 std::string cameraText(const Calibration& calibration, std::size_t i) {

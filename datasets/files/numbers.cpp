@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
@@ -84,6 +85,14 @@ std::uint64_t scaledDown(std::uint64_t mantissa, int power) {
   return power == 0 ? mantissa : (mantissa / 10) + (mantissa % 10 >= 5 ? 1 : 0);
 }
 
+/// Words that YAML readers take for something else than text.
+bool isYamlWord(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  constexpr std::string_view kWords[] = {"null", "true", "false", "yes", "no",
+                                         "on",   "off",  "y",     "n"};
+  return std::find(std::begin(kWords), std::end(kWords), text) != std::end(kWords);
+}
+
 }  // namespace
 
 ScannedNumber scanNumber(const char* at, const char* end) {
@@ -135,7 +144,7 @@ std::string yamlText(const std::string& text) {
   };
   const bool begins =
       !text.empty() && (text[0] == '/' || std::isalpha(static_cast<unsigned char>(text[0])) != 0);
-  if (begins && std::all_of(text.begin(), text.end(), plain)) return text;
+  if (begins && !isYamlWord(text) && std::all_of(text.begin(), text.end(), plain)) return text;
   std::string quoted = "\"";
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
@@ -153,6 +162,12 @@ std::string yamlList(const Eigen::VectorXd& values) {
   std::string text;
   for (const double value : values) text += (text.empty() ? "" : ", ") + yamlNumber(value);
   return "[" + text + "]";
+}
+
+std::string yamlRows(const Eigen::MatrixXd& M, const std::string& indent) {
+  std::string text;
+  for (Eigen::Index i = 0; i < M.rows(); ++i) text += indent + "- " + yamlList(M.row(i)) + "\n";
+  return text;
 }
 
 }  // namespace plumbline

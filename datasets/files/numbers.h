@@ -51,4 +51,7 @@ std::string yamlText(const std::string& text);
 /// "[1.0, 2.5]".
 std::string yamlList(const Eigen::VectorXd& values);
 
+/// The rows of a matrix as "- [a, b, ...]" lines behind `indent`.
+std::string yamlRows(const Eigen::MatrixXd& M, const std::string& indent);
+
 }  // namespace plumbline

@@ -56,24 +56,13 @@ Eigen::VectorXd coefficients(const Intrinsics& k) {
   return fourCoefficients(k);
 }
 
-// The sixteen numbers of a transform, a row a line.
-std::string matrixText(const Transform& T, const std::string& indent) {
-  const Eigen::Matrix4d M = T.matrix();
-  std::string text = "[";
-  for (Eigen::Index i = 0; i < 4; ++i) {
-    const std::string row = yamlList(M.row(i));
-    text += (i == 0 ? "" : ",\n" + indent + " ") + row.substr(1, row.size() - 2);
-  }
-  return text + "]";
-}
-
 std::string cameraText(const CameraCalibration& camera, const Transform& T_SC,
                        const ExportChecks& checks) {
   const Intrinsics& k = camera.intrinsics;
   const std::string indent = "        ";
   const auto distortion = okvis2Distortion(camera, checks);  // first: it refuses what follows
   return fmt::format("     - {{T_SC:\n{0}{1},\n{0}image_dimension: [{2}, {3}],\n", indent,
-                     matrixText(T_SC, indent), k.resolution.width, k.resolution.height) +
+                     sixteenNumbers(T_SC, indent), k.resolution.width, k.resolution.height) +
          fmt::format("{}distortion_coefficients: {},\n{}distortion_type: {},\n", indent,
                      yamlList(coefficients(k)), indent, distortion) +
          fmt::format("{0}focal_length: {1},\n{0}principal_point: {2},\n", indent,
@@ -107,7 +96,7 @@ std::string imuParameters(const ImuCalibration& imu) {
          numberLine("    sigma_gw_c", imu.noise.gyro_random_walk) +
          numberLine("    sigma_aw_c", imu.noise.accel_random_walk) +
          numberLine("    g", imu.gravity_m_s2) + "    T_BS:\n        " +
-         matrixText(Transform(), "        ") + "\n";
+         sixteenNumbers(Transform(), "        ") + "\n";
 }
 
 }  // namespace

@@ -157,24 +157,22 @@ std::string opencvHeader(const ExportOptions& options, const std::vector<std::st
 }
 
 std::string opencvMatrix(const std::string& key, const Transform& T, char dt) {
-  std::string text =
-      fmt::format("{}: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: {}\n   data: [", key, dt);
+  return fmt::format("{}: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: {}\n   data: {}\n", key,
+                     dt, sixteenNumbers(T, "         "));
+}
+
+std::string sixteenNumbers(const Transform& T, const std::string& indent) {
   const Eigen::Matrix4d M = T.matrix();
+  std::string text = "[";
   for (Eigen::Index i = 0; i < 4; ++i) {
     const std::string row = yamlList(M.row(i));
-    text += (i == 0 ? "" : ",\n          ") + row.substr(1, row.size() - 2);
+    text += (i == 0 ? "" : ",\n" + indent + " ") + row.substr(1, row.size() - 2);
   }
-  return text + "]\n";
+  return text + "]";
 }
 
 std::string numberLine(const std::string& key, double value) {
   return fmt::format("{}: {}\n", key, yamlNumber(value));
-}
-
-std::string yamlRows(const Eigen::MatrixXd& M, const std::string& indent) {
-  std::string text;
-  for (Eigen::Index i = 0; i < M.rows(); ++i) text += indent + "- " + yamlList(M.row(i)) + "\n";
-  return text;
 }
 
 long long nanosecondsOf(double seconds) { return std::llround(seconds * 1e9); }

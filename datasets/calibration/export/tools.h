@@ -79,11 +79,11 @@ std::string opencvHeader(const ExportOptions& options, const std::vector<std::st
 /// A 4x4 !!opencv-matrix under `key`; `dt` is 'd' (double) or 'f' (float).
 std::string opencvMatrix(const std::string& key, const Transform& T, char dt);
 
+/// The sixteen numbers of a transform as one list, a row a line, which stands at `indent`.
+std::string sixteenNumbers(const Transform& T, const std::string& indent);
+
 /// "KEY: NUMBER\n" with every digit of the double.
 std::string numberLine(const std::string& key, double value);
-
-/// The rows of a matrix as "- [a, b, ...]" lines behind `indent`.
-std::string yamlRows(const Eigen::MatrixXd& M, const std::string& indent);
 
 /// A time in seconds as whole nanoseconds.
 long long nanosecondsOf(double seconds);

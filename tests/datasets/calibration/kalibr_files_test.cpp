@@ -107,11 +107,15 @@ TEST(KalibrFiles, ImuAndTargetComeBack) {
 TEST(KalibrFiles, TopicsOfAnyTextComeBackAndAddNoKeys) {
   const TemporaryFolder folder;
   for (const char* topic : {"/imu0", "my topic", "a: b # c", "x\ngyroscope_noise_density: 9",
-                            "\"'\\", "1.5", "-", "*a"}) {
+                            "\"'\\", "1.5", "-", "*a", "null", "Yes", "off", "n"}) {
     const ImuDescription imu =
         readImuDescription(folder.write("imu.yaml", kalibrImuText(ImuNoise(), topic)));
     EXPECT_EQ(imu.rostopic, topic);
     EXPECT_EQ(imu.noise.gyro_density, ImuNoise().gyro_density);
+  }
+  // Other readers of YAML make more of them than ours.
+  for (const char* word : {"null", "yes", "No", "TRUE"}) {
+    EXPECT_THAT(kalibrImuText(ImuNoise(), word), HasSubstr("\"" + std::string(word) + "\""));
   }
 }
 
@@ -141,6 +145,12 @@ TEST(KalibrFiles, FaultsOfACamchainAreNamed) {
   EXPECT_EQ(complaint(good, "camera_model: pinhole", "camera_model: omni"), InputFault::kBadNumber);
   EXPECT_EQ(complaint(good, "[0.0, 0.0, 0.0, 1.0]", "[0.0, 0.0, 0.0, 2.0]"), InputFault::kNotRigid);
   EXPECT_EQ(complaint(good, "cam0:", "camA:"), InputFault::kUnknownFile);
+  EXPECT_EQ(complaint(good, "cam1:", "camB:"), InputFault::kMissingKey) << "cam2 without cam1";
+  for (const char* no_boolean : {"1", "rolling"}) {
+    EXPECT_EQ(complaint(good, "timeshift_cam_imu:",
+                        std::string("rolling_shutter: ") + no_boolean + "\n  timeshift_cam_imu:"),
+              InputFault::kBadNumber);
+  }
 }
 
 TEST(KalibrFiles, AnInvertedTransformContradictsTheChain) {
