@@ -29,24 +29,20 @@ KalibrErrorStatistics statisticsOf(const ResultsLines& lines) {
   s.mean = lines.numberAfter("mean ");
   s.median = lines.numberAfter("median ", "median: ");
   s.std = lines.numberAfter("std: ");
-  // Kalibr's own spelling.
-  s.of_squares = lines.contains("squarred");
   return s;
 }
 
-/// Errors in units have them in brackets ("[px]"); without brackets they are normalised by the
-/// assumed noise.
+/// Errors in units have them in brackets ("[px]"). Without brackets they are normalised by the
+/// assumed noise, and of squares in old versions: none of ours is compared with them.
 void readErrorLine(KalibrResults& results, const ResultsLines& lines) {
   if (lines.contains("no corners")) return;
   const KalibrErrorStatistics s = statisticsOf(lines);
   const bool raw = lines.contains("[");
   if (lines.startsWith("Reprojection")) {
     KalibrTextCamera& camera = cameraNamed(results, lines);
-    (raw ? camera.error_px : camera.normalised_error) = s;
-  } else if (lines.startsWith("Gyro")) {
-    (raw ? results.gyro_rad_s : results.gyro_normalised) = s;
-  } else {
-    (raw ? results.accel_m_s2 : results.accel_normalised) = s;
+    if (raw) camera.error_px = s;
+  } else if (raw) {
+    (lines.startsWith("Gyro") ? results.gyro_rad_s : results.accel_m_s2) = s;
   }
 }
 
@@ -124,16 +120,13 @@ void requireCameraTool(const KalibrResults& results, const ResultsLines& lines) 
 // ---- the camera-IMU tool
 
 // The IMU's section lists first the accelerometer's densities, then the gyroscope's.
-ImuNoise noiseOf(ResultsLines& lines, std::string& model) {
+ImuNoise noiseOf(ResultsLines& lines) {
   ImuNoise noise;
   const auto valueOf = [&](const char* key) {
     if (!lines.skipTo(key)) throw lines.ended(kNoise);
     return lines.numberAfter(key);
   };
-  while (lines.next() && !lines.startsWith("Update rate:")) {
-    if (lines.startsWith("Model:")) model = lines.rest("Model:");
-  }
-  if (lines.atEnd()) throw lines.ended(kNoise);
+  if (!lines.skipTo("Update rate:")) throw lines.ended(kNoise);
   noise.rate_hz = lines.numberAfter("Update rate:");
   if (!lines.skipTo("Accelerometer:")) throw lines.ended(kNoise);
   noise.accel_density = valueOf("Noise density:");
@@ -162,7 +155,7 @@ void readImuToolLine(KalibrResults& results, ResultsLines& lines) {
     lines.next();
     results.gravity_F = vectorOf(lines.bracket(3));
   } else if (lines.startsWith("IMU configuration") && !results.noise) {
-    results.noise = noiseOf(lines, results.imu_model);
+    results.noise = noiseOf(lines);
   }
 }
 
@@ -178,9 +171,7 @@ void requireImuTool(const KalibrResults& results, const ResultsLines& lines) {
 }  // namespace
 
 /// mean(|e|^2) = mean^2 + std^2, as the deviation has n in its denominator.
-double KalibrErrorStatistics::rms() const {
-  return of_squares ? std::sqrt(mean) : std::hypot(mean, std);
-}
+double KalibrErrorStatistics::rms() const { return std::hypot(mean, std); }
 
 double KalibrAxisStatistics::rms() const {
   return std::sqrt(mean.squaredNorm() + std.squaredNorm());

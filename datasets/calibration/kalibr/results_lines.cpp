@@ -76,10 +76,6 @@ std::string ResultsLines::between(char open, char close) const {
   return std::string(line().substr(from + 1, to - from - 1));
 }
 
-std::string ResultsLines::rest(std::string_view prefix) const {
-  return std::string(trimmedText(line().substr(prefix.size())));
-}
-
 double ResultsLines::number(std::string_view text) const {
   const auto value = parseNumber(text);
   if (!value) throw fault(fmt::format("'{}' is not a number", text), "a number");

@@ -30,8 +30,6 @@ class ResultsLines {
   /// The first "camN" in the line; empty if there is none.
   std::string cameraName() const;
   std::string between(char open, char close) const;
-  /// What follows `prefix`, which the line starts with.
-  std::string rest(std::string_view prefix) const;
   /// The number that follows `key` (or `other`, where that is not in the line).
   double numberAfter(std::string_view key, std::string_view other = {}) const;
   /// The numbers of the next [...] from here on, nested or not, `count` of them if that is not 0.

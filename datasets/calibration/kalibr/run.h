@@ -18,10 +18,8 @@ struct KalibrErrorStatistics {
   double mean = 0;
   double median = 0;
   double std = 0;  ///< ddof 0
-  /// Old versions print statistics of the squared norms.
-  bool of_squares = false;
 
-  /// Root mean square of the norm: sqrt(mean^2 + std^2); sqrt(mean) where it is of squares.
+  /// Root mean square of the norm: sqrt(mean^2 + std^2).
   double rms() const;
 };
 
@@ -45,10 +43,9 @@ struct KalibrTextCamera {
   /// y, z, w of the conjugate, as in poses-*.csv).
   std::optional<Transform> T_cn_cnm1;
   // The camera-IMU tool's.
-  std::optional<KalibrErrorStatistics> normalised_error;  ///< in standard deviations of a corner
-  std::optional<KalibrErrorStatistics> error_px;          ///< missing in old versions
-  std::optional<Transform> T_cam_imu;                     ///< IMU into this camera, rounded
-  std::optional<double> timeshift_cam_imu;                ///< t_imu = t_cam + shift [s]
+  std::optional<KalibrErrorStatistics> error_px;  ///< missing in old versions
+  std::optional<Transform> T_cam_imu;             ///< IMU into this camera, rounded
+  std::optional<double> timeshift_cam_imu;        ///< t_imu = t_cam + shift [s]
 
   /// RMS of the reprojection error [px], of either tool; nothing where only normalised errors
   /// stand.
@@ -61,12 +58,10 @@ struct KalibrResults {
   std::string path;
   Tool tool = Tool::kCameras;
   std::vector<KalibrTextCamera> cameras;
-  std::optional<KalibrErrorStatistics> gyro_normalised, accel_normalised;
   std::optional<KalibrErrorStatistics> gyro_rad_s;  ///< missing in old versions
   std::optional<KalibrErrorStatistics> accel_m_s2;  ///< likewise
   std::optional<Eigen::Vector3d> gravity_F;         ///< in target coordinates [m/s^2]
   std::optional<ImuNoise> noise;                    ///< continuous-time densities
-  std::string imu_model;                            ///< "calibrated"; empty if not printed
 };
 
 /// Reads the text of both tools, in their layouts since 2014. Throws InputError, with file and
