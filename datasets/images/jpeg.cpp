@@ -55,8 +55,8 @@ bool readHeader(Decoder& decoder, const unsigned char* bytes, unsigned long size
   decoder.info.err = jpeg_std_error(&decoder.trap.manager);
   decoder.trap.manager.error_exit = leave;
   decoder.trap.manager.emit_message = warn;
-  jpeg_create_decompress(&decoder.info);
   if (setjmp(decoder.trap.exit) != 0) return false;
+  jpeg_create_decompress(&decoder.info);
   decoder.progress.progress_monitor = refuseEndlessScans;
   decoder.info.progress = &decoder.progress;
   jpeg_mem_src(&decoder.info, bytes, size);
@@ -101,9 +101,9 @@ void leaveEncoder(j_common_ptr info) {
 bool compress(Encoder& e, const unsigned char* pixels, int width, int height, int quality) {
   e.info.err = jpeg_std_error(&e.manager);
   e.manager.error_exit = leaveEncoder;
-  jpeg_create_compress(&e.info);
-  e.info.client_data = &e;
+  e.info.client_data = &e;  // which jpeg_create_compress() leaves alone
   if (setjmp(e.exit) != 0) return false;
+  jpeg_create_compress(&e.info);
   jpeg_mem_dest(&e.info, &e.bytes, &e.size);
   e.info.image_width = static_cast<JDIMENSION>(width);
   e.info.image_height = static_cast<JDIMENSION>(height);
@@ -132,7 +132,7 @@ GrayImage decodeJpeg(std::string_view bytes, const SizeCheck& check) {
   };
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   const bool known = readHeader(decoder, data, bytes.size());
-  // After readHeader(), which makes what is destroyed here even where it fails.
+  // What readHeader() made, even where it failed; of zeros, as they are before, nothing.
   const Cleanup cleanup{&decoder.info};
   if (!known) throw DecodeError{decoder.trap.message};
   check(decoder.info.image_width, decoder.info.image_height);
