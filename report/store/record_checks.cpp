@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <stdexcept>
 
 #include "report/store/run_rows.h"
@@ -75,6 +76,13 @@ void checkRound(const CandidateRound& round) {
           "the best candidate is none of its round");
 }
 
+/// Without a scheme ("javascript:") or a host: a session's page lies below the study's.
+bool isRelative(const std::string& page) {
+  if (page.empty()) return true;
+  const auto first = static_cast<unsigned char>(page[0]);
+  return first > ' ' && first != '/' && first != '\\' && page.find('/') <= page.find(':');
+}
+
 }  // namespace
 
 void checkRecord(const CalibrationRecord& record) {
@@ -110,6 +118,19 @@ void checkRecord(const ReplayRecord& record) {
   for (const Decision& d : record.decisions) {
     require(d.frame < kMostFrames, "a decision is of a frame that no recording has");
     if (d.round) checkRound(*d.round);
+  }
+}
+
+/// Tables have a column for the first calibration, to which the others are compared.
+void checkRecord(const ComparisonRecord& record) {
+  require(!record.calibrations.empty(), "there is no calibration to compare");
+}
+
+/// Curves end at the limit, and whatever stands for a session leads to its page.
+void checkRecord(const StudyRecord& record) {
+  require(record.limit_s > 0 && std::isfinite(record.limit_s), "limit_s is no limit of a time");
+  for (const StudySession& s : record.sessions) {
+    require(isRelative(s.page), "the page of a session has an address that is not relative");
   }
 }
 

@@ -10,8 +10,6 @@
 
 namespace plumbline::store_internal {
 
-namespace {}  // namespace
-
 RunWriter::RunWriter(SQLite::Database& db, RunKind kind, const std::string& name,
                      const Provenance& p, const Verdict& verdict)
     : db_(db) {

@@ -89,9 +89,10 @@ namespace plumbline::store_internal {
 void checkRecord(const CalibrationRecord& record);
 void checkRecord(const PerturbationRecord& record);
 void checkRecord(const ReplayRecord& record);
+void checkRecord(const ComparisonRecord& record);
+void checkRecord(const StudyRecord& record);
+/// Its pages draw what fits together and leave the rest out.
 inline void checkRecord(const TrajectoryRecord& /*record*/) {}
-inline void checkRecord(const ComparisonRecord& /*record*/) {}
-inline void checkRecord(const StudyRecord& /*record*/) {}
 
 /// JSON of a document. Throws std::runtime_error where it is larger, or nested deeper, than any
 /// that this program writes, and nlohmann's exceptions for what is no JSON.

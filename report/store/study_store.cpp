@@ -114,6 +114,33 @@ class TemporaryFile {
   bool placed_ = false;
 };
 
+/// Does the work; InputError where the history turns out to be damaged.
+template <class Work>
+auto orDamaged(const fs::path& path, const Work& work) {
+  try {
+    return work();
+  } catch (const SQLite::Exception& error) {
+    throw InputError(
+        path.string(), 0,
+        std::string("is damaged or not a store (") + error.what() +
+            "); restore it from a backup, or move it away: the next night begins a new "
+            "history");
+  }
+}
+
+/// The rows of a query, in which `night` is what a night is asked for by, each as `make` has it.
+template <class Make>
+auto rowsOf(SQLite::Database& db, const fs::path& path, const char* query, const Make& make,
+            std::optional<int> night = {}) {
+  return orDamaged(path, [&] {
+    SQLite::Statement row(db, query);
+    if (night) row.bind(1, *night);
+    std::vector<decltype(make(row))> rows;
+    while (row.executeStep()) rows.push_back(make(row));
+    return rows;
+  });
+}
+
 StudyFigure figureAt(SQLite::Statement& row) {
   StudyFigure figure;
   figure.session = textAt(row, 0);
@@ -140,84 +167,74 @@ bool StudyFigure::operator==(const StudyFigure& other) const {
 StudyStore::StudyStore(fs::path path)
     : path_(std::move(path)), memory_(std::make_unique<Memory>()) {
   SQLite::Database& db = memory_->db;
-  try {
+  orDamaged(path_, [&] {
     if (fs::exists(path_)) {
-      // SQLite looks into the bytes with the first question: damage shows in checkOwner().
+      // SQLite looks into the bytes with the first question: what is no store shows in
+      // checkOwner(), damage further on in the check of all pages.
       load(db, readFile(path_));
       store_internal::checkOwner(db, path_.string(), kStudyHistory);
+      const std::string found = db.execAndGet("PRAGMA quick_check(1)").getString();
+      if (found != "ok") throw SQLite::Exception(found, SQLITE_CORRUPT);
     } else {
       db.exec(embedded::study());
       store_internal::setOwner(db, kStudyHistory);
     }
     db.exec("PRAGMA foreign_keys = ON");
-  } catch (const SQLite::Exception& error) {
-    throw InputError(
-        path_.string(), 0,
-        std::string("is damaged or not a store (") + error.what() +
-            "); restore it from a backup, or move it away: the next night begins a new "
-            "history");
-  }
+  });
 }
 
 StudyStore::~StudyStore() = default;
 
 std::vector<StudyNight> StudyStore::nights() const {
-  SQLite::Statement row(memory_->db,
-                        "SELECT night, date, version, sessions, failed, alarms, seconds, "
-                        "held_out_rmse_px FROM nights ORDER BY night");
-  std::vector<StudyNight> nights;
-  while (row.executeStep()) {
-    nights.push_back({wholeAt(row, 0), textAt(row, 1), textAt(row, 2), wholeAt(row, 3),
-                      wholeAt(row, 4), wholeAt(row, 5), optionalAt(row, 6), optionalAt(row, 7)});
-  }
-  return nights;
+  return rowsOf(memory_->db, path_,
+                "SELECT night, date, version, sessions, failed, alarms, seconds, held_out_rmse_px "
+                "FROM nights ORDER BY night",
+                [](SQLite::Statement& row) {
+                  return StudyNight{wholeAt(row, 0),    textAt(row, 1),    textAt(row, 2),
+                                    wholeAt(row, 3),    wholeAt(row, 4),   wholeAt(row, 5),
+                                    optionalAt(row, 6), optionalAt(row, 7)};
+                });
 }
 
 std::vector<FigureSpan> StudyStore::figures() const {
-  SQLite::Statement row(memory_->db,
-                        "SELECT session, name, unit, inputs_key, version, value, command, "
-                        "first_night, last_night FROM figures ORDER BY session, name, first_night");
-  std::vector<FigureSpan> spans;
-  while (row.executeStep()) {
-    spans.push_back({figureAt(row), wholeAt(row, 7), wholeAt(row, 8)});
-  }
-  return spans;
+  return rowsOf(memory_->db, path_,
+                "SELECT session, name, unit, inputs_key, version, value, command, first_night, "
+                "last_night FROM figures ORDER BY session, name, first_night",
+                [](SQLite::Statement& row) {
+                  return FigureSpan{figureAt(row), wholeAt(row, 7), wholeAt(row, 8)};
+                });
 }
 
 std::vector<StudyAcceptance> StudyStore::accepted() const {
-  SQLite::Statement row(memory_->db,
-                        "SELECT night, session, name, note, date FROM accepted ORDER BY id");
-  std::vector<StudyAcceptance> list;
-  while (row.executeStep()) {
-    list.push_back(
-        {wholeAt(row, 0), textAt(row, 1), textAt(row, 2), textAt(row, 3), textAt(row, 4)});
-  }
-  return list;
+  return rowsOf(memory_->db, path_,
+                "SELECT night, session, name, note, date FROM accepted ORDER BY id",
+                [](SQLite::Statement& row) {
+                  return StudyAcceptance{wholeAt(row, 0), textAt(row, 1), textAt(row, 2),
+                                         textAt(row, 3), textAt(row, 4)};
+                });
 }
 
 std::vector<StudyAlarm> StudyStore::alarms(int night) const {
-  SQLite::Statement row(memory_->db,
-                        "SELECT name, session, first_night, kind, was, now, command FROM alarms "
-                        "WHERE night = ? ORDER BY id");
-  row.bind(1, night);
-  std::vector<StudyAlarm> alarms;
-  while (row.executeStep()) {
-    alarms.push_back({textAt(row, 0), textAt(row, 1), wholeAt(row, 2), textAt(row, 3),
-                      numberAt(row, 4), numberAt(row, 5), textAt(row, 6)});
-  }
-  return alarms;
+  return rowsOf(
+      memory_->db, path_,
+      "SELECT name, session, first_night, kind, was, now, command FROM alarms WHERE night = ? "
+      "ORDER BY id",
+      [](SQLite::Statement& row) {
+        return StudyAlarm{textAt(row, 0),   textAt(row, 1),   wholeAt(row, 2), textAt(row, 3),
+                          numberAt(row, 4), numberAt(row, 5), textAt(row, 6)};
+      },
+      night);
 }
 
 std::vector<StudyStepRow> StudyStore::steps() const {
-  SQLite::Statement row(memory_->db,
-                        "SELECT name, key, status, message, command, seconds, peak_mb FROM steps "
-                        "ORDER BY name");
-  std::vector<StudyStepRow> steps;
-  while (row.executeStep()) {
-    steps.push_back({textAt(row, 0), textAt(row, 1), textAt(row, 2), textAt(row, 3), textAt(row, 4),
-                     numberAt(row, 5), numberAt(row, 6)});
-  }
-  return steps;
+  return rowsOf(memory_->db, path_,
+                "SELECT name, key, status, message, command, seconds, peak_mb FROM steps ORDER BY "
+                "name",
+                [](SQLite::Statement& row) {
+                  return StudyStepRow{textAt(row, 0),  textAt(row, 1), textAt(row, 2),
+                                      textAt(row, 3),  textAt(row, 4), numberAt(row, 5),
+                                      numberAt(row, 6)};
+                });
 }
 
 // A row whose figure is the same the night after is only prolonged.

@@ -22,6 +22,7 @@
 #include "tests/report/synthetic_record.h"
 #include "tests/report/synthetic_replay.h"
 #include "tests/report/synthetic_studies.h"
+#include "tests/report/synthetic_user_study.h"
 
 namespace plumbline {
 namespace {
@@ -219,6 +220,38 @@ TEST_F(StoreTest, RefusesABoundThatCannotBeDrawn) {
     EXPECT_THAT(complaintOf([&] { Store(file()).loadPerturbation(); }),
                 HasSubstr("offset_bound_s"));
   }
+}
+
+TEST_F(StoreTest, RefusesAComparisonOfNothing) {
+  ComparisonRecord record = test::syntheticComparison();
+  record.calibrations.clear();
+  Store(file()).save(record);
+  EXPECT_THAT(complaintOf([&] { Store(file()).loadComparison(); }),
+              HasSubstr("no calibration to compare"));
+}
+
+TEST_F(StoreTest, RefusesSessionsWhosePagesLieElsewhere) {
+  StudyRecord record = test::syntheticUserStudy();
+  const auto complaintAbout = [&](const std::string& page) {
+    record.sessions.back().page = page;
+    std::filesystem::remove(file());
+    Store(file()).save(record);
+    return complaintOf([&] { Store(file()).loadStudy(); });
+  };
+  for (const char* page : {"javascript:alert(1)", " javascript:alert(1)", "java\nscript:alert(1)",
+                           "https://host/", "//host/x", "\\\\host/x", "/etc/x"}) {
+    EXPECT_THAT(complaintAbout(page), HasSubstr("not relative")) << page;
+  }
+  for (const char* page : {"", "sessions/a:b/report.html", "report.html", "\u00e4/report.html"}) {
+    EXPECT_EQ(complaintAbout(page), "no complaint") << page;
+  }
+}
+
+TEST_F(StoreTest, RefusesALimitThatCannotBeDrawn) {
+  StudyRecord record = test::syntheticUserStudy();
+  record.limit_s = 0;
+  Store(file()).save(record);
+  EXPECT_THAT(complaintOf([&] { Store(file()).loadStudy(); }), HasSubstr("limit_s"));
 }
 
 TEST_F(StoreTest, RefusesWhatPagesWouldLookUpBeyondItsEnd) {

@@ -116,5 +116,29 @@ TEST_F(StudyStoreTest, RefusesADamagedFileAndNamesIt) {
   }
 }
 
+// Pages behind the first one hold the figures, which only a later question reads.
+TEST_F(StudyStoreTest, RefusesDamageInALaterPage) {
+  {
+    StudyStore store(file());
+    std::vector<StudyFigure> figures;
+    for (int i = 0; i < 400; ++i) figures.push_back(figure(i, std::to_string(i)));
+    store.addNight(night(1), figures);
+    store.save();
+  }
+  const auto size = static_cast<std::streamoff>(std::filesystem::file_size(file()));
+  {
+    std::fstream bytes(file(), std::ios::in | std::ios::out | std::ios::binary);
+    bytes.seekp(size / 2);
+    bytes << std::string(static_cast<std::size_t>(size / 4), '\xff');
+  }
+  try {
+    (void)StudyStore(file()).figures();
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("study.sqlite"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("damaged"));
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
