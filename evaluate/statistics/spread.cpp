@@ -3,6 +3,7 @@
 #include <map>
 
 #include <boost/math/distributions/chi_squared.hpp>
+#include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
@@ -46,6 +47,25 @@ double comparedValue(const Estimates& estimates, const Estimates& first, const s
   if (!rotation || !reference) return estimates.at(name).value;
   const Eigen::Vector3d step = logSO3(expSO3(*rotation) * expSO3(*reference).transpose());
   return first.at(name).value + step[name.back() - 'x'];
+}
+
+/// The lens model of the camera that a parameter is of, by its coefficients ("k1 k2 p1 p2"): under
+/// another model the same name is another quantity. "" where it is no camera's.
+std::string lensOf(const Estimates& estimates, const std::string& name) {
+  const std::size_t dot = name.find('.');
+  if (dot == std::string::npos || name.starts_with("T_") || name.starts_with("time_offset")) {
+    return "";
+  }
+  const std::string camera = name.substr(0, dot + 1);
+  std::string lens;
+  for (const auto& [other, e] : estimates) {
+    if (!other.starts_with(camera)) continue;
+    const std::string own = other.substr(dot + 1);
+    if (own != "fu" && own != "fv" && own != "pu" && own != "pv") {
+      lens += (lens.empty() ? "" : " ") + own;
+    }
+  }
+  return lens.empty() ? "no distortion" : lens;
 }
 
 struct Sample {
@@ -94,7 +114,7 @@ StudySpread spreadOf(const std::string& method, const std::string& parameter, co
 std::vector<StudySpread> spreadOverSessions(const StudyRecord& record) {
   std::vector<StudySpread> spread;
   for (const std::string& method : record.methods) {
-    std::map<std::string, Sample> samples;
+    std::map<std::string, std::map<std::string, Sample>> samples;  // by name and lens model
     std::map<std::string, Estimates> firsts;
     for (const StudySession& session : record.sessions) {
       if (session.method != method || session.status != StudyStatus::kOk) continue;
@@ -104,15 +124,19 @@ std::vector<StudySpread> spreadOverSessions(const StudyRecord& record) {
         // Without a stated deviation there is nothing to compare with.
         if (!(stated > 0) || !std::isfinite(stated) || !std::isfinite(e.value)) continue;
         const Estimates& first = firsts.try_emplace(name, estimates).first->second;
-        Sample& sample = samples[name];
+        Sample& sample = samples[name][lensOf(estimates, name)];
         sample.unit = e.unit;
         sample.values.push_back(comparedValue(estimates, first, name));
         sample.stated.push_back(stated);
         sample.sessions.push_back(session.name);
       }
     }
-    for (const auto& [name, sample] : samples) {
-      if (sample.values.size() >= kLeastSessions) spread.push_back(spreadOf(method, name, sample));
+    for (const auto& [name, lenses] : samples) {
+      for (const auto& [lens, sample] : lenses) {
+        if (sample.values.size() < kLeastSessions) continue;
+        const std::string shown = lenses.size() > 1 ? fmt::format("{} ({})", name, lens) : name;
+        spread.push_back(spreadOf(method, shown, sample));
+      }
     }
   }
   return spread;

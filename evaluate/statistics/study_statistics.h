@@ -31,7 +31,8 @@ void addStatistics(StudyRecord& record, const PairedOptions& options = {});
 
 /// Of every parameter that at least three calibrated sessions of a method have: with x_i and the
 /// deviations s_i that are shown first, chi^2 = sum (x_i - mean)^2 / s_i^2 about the weighted mean.
-/// Rotations are compared in the left tangent of the first session's. Sessions are of one rig.
+/// Rotations are compared in the left tangent of the first session's. Sessions are of one rig; a
+/// camera's parameters are those of one lens model, which is named where sessions have several.
 std::vector<StudySpread> spreadOverSessions(const StudyRecord& record);
 
 /// A name of a declared endpoint that no session has a figure of.

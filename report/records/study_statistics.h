@@ -187,7 +187,8 @@ inline std::string partName(const StudySpread& s) { return s.method + "/" + s.pa
 template <class V>
 void fields(V& v, StudySpread& s) {
   v("method", s.method, "of the sessions");
-  v("parameter", s.parameter, "as in a covariance");
+  v("parameter", s.parameter,
+    "as in a covariance; with the lens model behind it where sessions have several");
   v("unit", s.unit, "its unit");
   v("sessions", s.sessions, "1", "with an estimate");
   v("mean", s.mean, "weighted by the stated deviations");

@@ -2,6 +2,7 @@
 // Known effects are found in made-up studies, on the right scale, apart from the period; where
 // nothing can be separated nothing is claimed.
 #include <cmath>
+#include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -345,6 +346,26 @@ TEST(Spread, IsMeasuredInStatedDeviationsAndForRotationsInTheirTangent) {
   // chi^2 of 9: 2.700 and 19.023.
   EXPECT_NEAR(spread[3].low, std::sqrt(2.700389 / 9), 1e-6);
   EXPECT_NEAR(spread[3].high, std::sqrt(19.022768 / 9), 1e-6);
+}
+
+// k1 is another quantity under another lens model.
+TEST(Spread, KeepsLensModelsApart) {
+  StudyRecord record = spreadStudy(1);
+  for (std::size_t i = 0; i < record.sessions.size(); ++i) {
+    const bool radtan = i < 6;
+    for (const char* name : {"cam0.k1", radtan ? "cam0.p1" : "cam0.k3"}) {
+      record.sessions[i].estimates.push_back({name, radtan ? -0.3 : 0.01, 1e-3, "-", {}, {}, {}});
+    }
+  }
+  std::map<std::string, const StudySpread*> of;
+  const auto spread = spreadOverSessions(record);
+  for (const StudySpread& s : spread) of[s.parameter] = &s;
+  ASSERT_TRUE(of.count("cam0.k1 (k1 p1)") && of.count("cam0.k1 (k1 k3)"));
+  EXPECT_EQ(of["cam0.k1 (k1 p1)"]->sessions, 6);
+  EXPECT_NEAR(of["cam0.k1 (k1 p1)"]->ratio, 0, 1e-9);
+  EXPECT_EQ(of["cam0.fu (k1 k3)"]->sessions, 4);
+  EXPECT_EQ(of["cam0.k3"]->sessions, 4) << "of one model alone";
+  EXPECT_EQ(of["T_SC0.rx"]->sessions, 10) << "of no lens";
 }
 
 TEST(Spread, ThatIsLargerThanStatedIsSaid) {
