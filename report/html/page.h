@@ -49,6 +49,11 @@ struct OffsetRow {
 };
 std::vector<OffsetRow> offsetRows(double time_offset_s, std::optional<double> std_s);
 
+/// Where cameras have time offsets of their own: that camera 0's is shown, and by how much the
+/// stamps of the others must be moved for a tool that has one for all. "" where there is one.
+std::string unlikeOffsetsText(const std::vector<CameraCalibration>& cameras,
+                              const ImuCalibration& imu);
+
 struct Pair {
   std::string label, value;
 };

@@ -19,10 +19,12 @@ struct ShownUnit {
 
 ShownUnit shownUnit(const Finding& f) {
   const auto has = [&](const char* words) { return f.evidence.find(words) != std::string::npos; };
+  // A count or a share.
+  const bool plain = f.unit == "-" || f.unit == "1";
   if (f.unit == "m" && has(" mm")) return {1e3, " mm"};
   if (f.unit == "s" && has(" us")) return {1e6, " \u00b5s"};
-  if (f.unit == "-" && f.threshold < 1 && has(" %")) return {100, " %"};
-  return {1, f.unit == "-" ? "" : " " + f.unit};
+  if (plain && f.threshold < 1 && has(" %")) return {100, " %"};
+  return {1, plain ? "" : " " + f.unit};
 }
 
 data findingRow(const Finding& f) {

@@ -174,7 +174,7 @@ std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record) {
 // Fields and signs as the exports write them (datasets/calibration/export).
 std::vector<OffsetRow> offsetRows(double offset, std::optional<double> std_s) {
   const double std = std_s.value_or(0), minus = 0.0 - offset;  // 0 has no sign
-  const std::string number = fmt::format("{:.6g}", offset);
+  const std::string number = fmt::format("{}", offset);        // with every digit, as the exports
   const std::string same = scaledSeconds(offset, std);
   const auto nanoseconds = static_cast<long long>(std::llround(1e9 * offset));
   return {
@@ -183,9 +183,26 @@ std::vector<OffsetRow> offsetRows(double offset, std::optional<double> std_s) {
       {"OpenVINS", "timeshift_cam_imu", number, same, "one scalar is used"},
       {"VINS-Fusion", "td", number, same, ""},
       {"Basalt", "cam_time_offset_ns", std::to_string(nanoseconds), same, "integer nanoseconds"},
-      {"OKVIS2", "image_delay", fmt::format("{:.6g}", minus), scaledSeconds(minus, std),
+      {"OKVIS2", "image_delay", fmt::format("{}", minus), scaledSeconds(minus, std),
        "opposite sign"},
       {"ORB-SLAM3", "none", number, same, "no field: add this to every image stamp"}};
+}
+
+std::string unlikeOffsetsText(const std::vector<CameraCalibration>& cameras,
+                              const ImuCalibration& imu) {
+  std::string moves;
+  for (std::size_t i = 1; i < cameras.size(); ++i) {
+    if (!hasOwnOffset(imu.time_offsets, i)) continue;
+    // t_imu = t_i + t_d,i = (t_i + shift) + t_d,0.
+    const double shift = imu.timeOffset(i) - imu.timeOffset();
+    moves += fmt::format("{}add {} to the image stamps of {}", moves.empty() ? "" : ", ",
+                         scaledSeconds(shift, 0), cameras[i].name);
+  }
+  if (moves.empty()) return "";
+  return fmt::format(
+      "The cameras are not synchronised: this is the offset of {}. For a tool with one offset for "
+      "all, {} first.",
+      cameras.front().name, moves);
 }
 
 std::vector<Pair> provenanceRows(const Provenance& p) {

@@ -8,8 +8,6 @@
 namespace plumbline {
 
 Colour seriesColour(std::size_t i) {
-  // The eighth series has the first one's colour again, and hover.js, which knows a series by its
-  // colour, cannot tell the two apart.
   static constexpr std::array<Colour, 7> kCycle = {{{0, 94, 162, 255},
                                                     {213, 94, 0, 255},
                                                     {0, 138, 100, 255},
@@ -17,7 +15,15 @@ Colour seriesColour(std::size_t i) {
                                                     {200, 140, 0, 255},
                                                     {70, 150, 210, 255},
                                                     {90, 90, 90, 255}}};
-  return kCycle[i % kCycle.size()];
+  Colour colour = kCycle[i % kCycle.size()];
+  const std::size_t round = i / kCycle.size();
+  if (round == 0) return colour;
+  // Duller in further rounds, and no colour twice: hover.js knows a series by its colour.
+  for (std::uint8_t* part : {&colour.red, &colour.green, &colour.blue}) {
+    *part = static_cast<std::uint8_t>((*part + 128) / 2);
+  }
+  colour.red = static_cast<std::uint8_t>(colour.red + std::min<std::size_t>(round - 1, 80));
+  return colour;
 }
 
 namespace internal {

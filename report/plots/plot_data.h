@@ -19,7 +19,8 @@ struct Colour {
 /// Of what failed or goes beyond its bound.
 inline constexpr Colour kWarningColour{192, 32, 40, 255};
 
-/// The i-th of a cycle of colours that stay apart for colour-blind readers (after Okabe and Ito).
+/// The i-th of seven colours that stay apart for colour-blind readers (after Okabe and Ito); from
+/// the eighth on duller ones of the same hues.
 Colour seriesColour(std::size_t i);
 
 struct Range {

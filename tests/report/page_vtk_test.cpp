@@ -87,6 +87,13 @@ TEST(CalibrationPage, ShowsTheRobustDeviationOfTheOffsetEverywhere) {
   EXPECT_THAT(renderCalibrationPage(record), HasSubstr("std 12 ms</td>"));
 }
 
+TEST(CalibrationPage, SaysHowFarTheOffsetsOfOtherCamerasAre) {
+  CalibrationRecord record = syntheticRecord();
+  EXPECT_THAT(renderCalibrationPage(record), Not(HasSubstr("not synchronised")));
+  record.camera_imu->imu.time_offsets = {{0.001}, {0.005, true}};
+  EXPECT_THAT(renderCalibrationPage(record), HasSubstr("add 4 ms to the image stamps of cam1"));
+}
+
 TEST(CalibrationPage, NamesTheGapsOfTheStreams) {
   const CalibrationRecord record = syntheticRecord();
   const std::string page = renderCalibrationPage(record);
@@ -220,6 +227,11 @@ TEST(OffsetRows, TurnTheSignWhereAToolDoes) {
   EXPECT_EQ(value("Basalt"), "12300000 = 12.300 ms");
   EXPECT_EQ(value("OKVIS2"), "-0.0123 = -12.300 ms");
   EXPECT_EQ(value("ORB-SLAM3"), "0.0123 = 12.300 ms");
+}
+
+TEST(OffsetRows, HaveEveryDigitOfTheExports) {
+  EXPECT_EQ(html_internal::offsetRows(1234.5678912, 1e-5)[1].number, "1234.5678912");
+  EXPECT_EQ(html_internal::offsetRows(1234.5678912, 1e-5)[5].number, "-1234.5678912");
 }
 
 TEST(OffsetRows, SmallOffsetsAreScaledAndZeroHasNoSign) {

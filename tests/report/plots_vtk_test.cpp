@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The SVG of every plot: sound markup, values on their pixels, clips on the plot area. That it also
 // looks right is not proven here; the browser test looks at what is painted.
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -223,6 +224,15 @@ TEST(Histogram, DrawsABarOverItsBin) {
   EXPECT_NEAR(*std::min_element(points.begin(), points.end()),
               std::min(axes.pixelX(0.25), axes.pixelY(1.5)), kPixel);
   EXPECT_THAT(svg, HasSubstr("<title>0.25 to 0.5: 1.5</title>"));
+}
+
+// Scripts of a page know a series by its colour.
+TEST(SeriesColour, IsNeverThatOfAnotherSeries) {
+  std::set<std::array<int, 3>> seen;
+  for (std::size_t i = 0; i < 300; ++i) {
+    const Colour c = seriesColour(i);
+    EXPECT_TRUE(seen.insert({c.red, c.green, c.blue}).second) << i;
+  }
 }
 
 TEST(RoundTicks, AreRoundAscendingAndInside) {

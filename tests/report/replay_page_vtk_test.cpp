@@ -337,7 +337,7 @@ TEST(ReplayPage, LeavesOutImagesEvenlyAndSaysSo) {
   for (ReplayFrame& frame : record.frames) frame.jpeg.assign(2, std::string(20'000, '\xab'));
   const std::string page = renderReplayPage(record);  // the images alone would take 80 MB
   EXPECT_LT(page.size(), kMostBytes);
-  EXPECT_THAT(page, HasSubstr("every 4th of 1\u2009500 frames with images has its own"));
+  EXPECT_THAT(page, HasSubstr("only one in 4 of 1\u2009500 frames with images has its own"));
   const auto kept = nlohmann::json::parse(scriptOf(page, "replay-data"))["images"]["frames"];
   ASSERT_EQ(kept.size(), 375U);
   for (std::size_t k = 0; k < kept.size(); ++k) ASSERT_EQ(kept[k], 4 * k);

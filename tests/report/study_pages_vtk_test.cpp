@@ -297,9 +297,31 @@ TEST(PerturbationPage, PutsErrorsOfTheBasinOnTheirPixels) {
   EXPECT_THAT(svg, HasSubstr("injected offset [ms]"));
 }
 
+// A count has no unit.
+TEST(UserStudyPage, ShowsCountsOfTheVerdictWithoutAUnit) {
+  EXPECT_THAT(userStudyPage(), HasSubstr("data-name=\"value\">1</td>"));
+  EXPECT_THAT(userStudyPage(), HasSubstr("data-name=\"threshold\">0</td>"));
+}
+
+TEST(UserStudyPage, HasNoDeviationOfASingleSession) {
+  StudyRecord record = test::syntheticUserStudy();
+  record.perturbations.resize(1);
+  const std::string page = renderStudyPage(record);
+  const std::string section = page.substr(page.find("<section id=\"perturbations\""));
+  const std::string row = between(section.substr(section.find("<tbody>")), "<tr>", "</tr>").at(0);
+  EXPECT_EQ(countOf(row, "\u2013</td>"), 1U) << row;
+}
+
 TEST(PerturbationPage, KeepsFailedCasesWithTheirProblem) {
   EXPECT_THAT(perturbationPage(), HasSubstr("failed: too few IMU samples &lt;here&gt;"));
   EXPECT_THAT(perturbationPage(), HasSubstr("26 solved, 1 failed"));
+}
+
+// A store may hold any text as a kind; titles are escaped.
+TEST(PerturbationPage, EscapesAnUnknownKind) {
+  PerturbationRecord record = test::syntheticPerturbation();
+  for (PerturbationCase& c : record.cases) c.kind = "\"><script>alert(1)</script>";
+  EXPECT_THAT(renderPerturbationPage(record), Not(HasSubstr("<script>alert(1)")));
 }
 
 // The worst error, rather than the worst that is a number.
@@ -333,6 +355,13 @@ TEST(TrajectoryPage, CountsFailedAndPartialRuns) {
   EXPECT_THAT(page, HasSubstr("5 of 6 complete, 1 partial, 0 failed"));
   EXPECT_THAT(page, HasSubstr("5 of 6 complete, 0 partial, 1 failed"));
   EXPECT_THAT(page, HasSubstr("no overlap in time with &lt;truth&gt;"));
+}
+
+TEST(TrajectoryPage, PointsToTheCompletionOfSeveralRunsOnly) {
+  TrajectoryRecord record = test::syntheticTrajectories();
+  EXPECT_THAT(trajectoryPage(), HasSubstr("see the completion above"));
+  record.runs.resize(1);
+  EXPECT_THAT(renderTrajectoryPage(record), Not(HasSubstr("completion above")));
 }
 
 TEST(TrajectoryPage, PutsTruthAndEstimateOnTheirPixelsWithEqualAxes) {
@@ -422,6 +451,19 @@ TEST(ComparisonPage, TurnsTheOffsetsSignWhereAToolDoes) {
   EXPECT_THAT(page, HasSubstr("0.0123 (12.3 ms)"));
   EXPECT_THAT(page, HasSubstr("-0.0123 (-12.3 ms)"));
   EXPECT_THAT(page, HasSubstr("12300000 (12.3 ms)"));
+}
+
+// What export writes: camera 0's, where the table above has the mean for comparing.
+TEST(ComparisonPage, ShowsTheOffsetOfCamera0AndSaysHowFarTheOthersAre) {
+  ComparisonRecord record = test::syntheticComparison();
+  record.calibrations[0].calibration.imu->time_offsets = {{0.001}, {0.005, true}};
+  record.offsets[0] = {"plumbline", 0.003, std::nullopt, {0.001, 0.005}};
+  const std::string page = renderComparisonPage(record);
+  EXPECT_THAT(page, HasSubstr("0.001 (1 ms)"));
+  EXPECT_THAT(page, Not(HasSubstr("0.003 (3 ms)")));
+  EXPECT_THAT(page, HasSubstr("plumbline: The cameras are not synchronised: this is the offset of "
+                              "cam0. For a tool with one offset for all, add 4 ms to the image "
+                              "stamps of cam1 first."));
 }
 
 TEST(ComparisonPage, StatesRangeAlignmentAndMethodOfItsMaps) {

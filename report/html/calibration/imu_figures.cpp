@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -92,14 +91,8 @@ Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string&
   }
   // 0: it was not computed, and the assumed noise itself is drawn.
   const double sigma = expected > 0 ? expected : 1;
-  Series curve{fmt::format("expected, std {:.2f}", sigma), {}, {}, {40, 44, 52, 255}, 1.4, true};
-  for (int i = 0; i <= 120; ++i) {
-    const double x = kReach * (i / 60.0 - 1);
-    curve.x.push_back(x);
-    curve.y.push_back(total * plot.bin_width / (sigma * std::sqrt(2 * std::numbers::pi)) *
-                      std::exp(-0.5 * x * x / (sigma * sigma)));
-  }
-  plot.curves = {std::move(curve)};
+  plot.curves = {normalCurve(fmt::format("expected, std {:.2f}", sigma), sigma, kReach,
+                             total * plot.bin_width)};
   return {toSvg(plot, id),
           "The curve is the density expected under the assumed noise of corners and samples. A "
           "wider distribution: the assumed noise is too small; a narrower one: too large.",

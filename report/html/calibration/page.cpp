@@ -264,13 +264,17 @@ Section offsetSection(const CalibrationRecord& record) {
        offsetRows(record.camera_imu->imu.timeOffset(), shownOffsetStd(record))) {
     table.rows.push_back({{r.tool}, code(r.field), number(r.number), number(r.value), {r.note}});
   }
-  return withTable({"time-offset",
-                    "Time offset in every tool's sign",
-                    "The convention here is t_imu = t_cam + t_d: a camera stamp plus the offset is "
-                    "the same instant on the IMU's clock.",
-                    {},
-                    {}},
-                   std::move(table));
+  Section section = withTable(
+      {"time-offset",
+       "Time offset in every tool's sign",
+       "The convention here is t_imu = t_cam + t_d: a camera stamp plus the offset is the same "
+       "instant on the IMU's clock.",
+       {},
+       {}},
+      std::move(table));
+  section.blocks.front().text =
+      unlikeOffsetsText(record.camera_imu->cameras, record.camera_imu->imu);
+  return section;
 }
 
 Section sceneSection(const CalibrationRecord& record) {

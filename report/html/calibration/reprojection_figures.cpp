@@ -116,20 +116,6 @@ Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::stri
           false};
 }
 
-Series normalCurve(const std::string& name, double deviation, double range, double area) {
-  Series curve;
-  curve.name = name;
-  curve.colour = {40, 44, 52, 255};
-  curve.dashed = true;
-  for (int i = 0; i <= 120; ++i) {
-    const double x = range * (i / 60.0 - 1);
-    curve.x.push_back(x);
-    curve.y.push_back(area / (std::sqrt(2 * std::numbers::pi) * deviation) *
-                      std::exp(-0.5 * x * x / (deviation * deviation)));
-  }
-  return curve;
-}
-
 Figure histogramFigure(const std::vector<Eigen::Vector2d>& errors, const std::string& name,
                        const std::string& id) {
   constexpr int kBins = 61;
@@ -260,6 +246,20 @@ Figure frameFigure(const StageView& stage) {
 }
 
 }  // namespace
+
+Series normalCurve(const std::string& name, double deviation, double range, double area) {
+  Series curve;
+  curve.name = name;
+  curve.colour = {40, 44, 52, 255};
+  curve.dashed = true;
+  for (int i = 0; i <= 120; ++i) {
+    const double x = range * (i / 60.0 - 1);
+    curve.x.push_back(x);
+    curve.y.push_back(area / (std::sqrt(2 * std::numbers::pi) * deviation) *
+                      std::exp(-0.5 * x * x / (deviation * deviation)));
+  }
+  return curve;
+}
 
 std::vector<FigureGroup> reprojectionFigures(const StageView& stage) {
   std::vector<FigureGroup> groups = {{"", {frameFigure(stage)}}};

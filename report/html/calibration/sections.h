@@ -12,6 +12,9 @@
 
 namespace plumbline::html_internal {
 
+/// The normal density about zero, times `area`, dashed over [-range, range].
+Series normalCurve(const std::string& name, double deviation, double range, double area);
+
 /// The RMSE of every frame over time, then for each camera: scatter and histogram of the errors,
 /// their mean as a vector field over the image and their RMSE by region.
 std::vector<FigureGroup> reprojectionFigures(const StageView& stage);

@@ -127,14 +127,16 @@ std::string notHeldOut(const ComparisonRecord& record) {
   return names;
 }
 
-/// One column a calibration: the offset as a tool writes it.
+/// One column a calibration: camera 0's offset as a tool writes it.
 Table offsetTable(const ComparisonRecord& record) {
   Table table{{{"Tool"}, {"Field", Cell::Kind::kCode}}, {}};
   std::vector<std::vector<OffsetRow>> rows;
   for (const OffsetSummary& o : record.offsets) {
     table.columns.push_back({o.label, kNumber});
-    rows.push_back(o.time_offset_s ? offsetRows(*o.time_offset_s, o.std_s)
-                                   : std::vector<OffsetRow>());
+    // The mean of the cameras' is for comparing: no tool has it.
+    const auto offset =
+        o.per_camera_s.empty() ? o.time_offset_s : std::optional(o.per_camera_s.front());
+    rows.push_back(offset ? offsetRows(*offset, o.std_s) : std::vector<OffsetRow>());
   }
   table.columns.push_back({"Note"});
   // Tools, fields and notes are those of any offset.
@@ -150,6 +152,17 @@ Table offsetTable(const ComparisonRecord& record) {
     table.rows.push_back(std::move(cells));
   }
   return table;
+}
+
+/// By calibration, where its cameras are not synchronised.
+std::string unlikeOffsets(const ComparisonRecord& record) {
+  std::string text;
+  for (const ComparedCalibration& c : record.calibrations) {
+    if (!c.calibration.imu) continue;
+    const std::string own = unlikeOffsetsText(c.calibration.cameras, *c.calibration.imu);
+    if (!own.empty()) text += (text.empty() ? "" : " ") + c.label + ": " + own;
+  }
+  return text;
 }
 
 /// Offset, deviation and, where cameras have one each, theirs; all in Kalibr's sign.
@@ -253,7 +266,8 @@ Section offsetsSection(const ComparisonRecord& record) {
                   {}};
   if (record.offsets.empty()) return section;
   section.blocks.push_back({"", "", offsetDetails(record), {}, {}});
-  section.blocks.push_back({"As written by each tool", "", offsetTable(record), {}, {}});
+  section.blocks.push_back(
+      {"As written by each tool", unlikeOffsets(record), offsetTable(record), {}, {}});
   return section;
 }
 

@@ -173,7 +173,7 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
       true};
 }
 
-Figure changeFigure(const PerturbationRecord& record, const CaseGroup& group) {
+Figure changeFigure(const PerturbationRecord& record, const CaseGroup& group, std::size_t index) {
   const auto columns = record.parameters.size();
   const auto rows = group.cases.size();
   HeatMap map;
@@ -202,7 +202,7 @@ Figure changeFigure(const PerturbationRecord& record, const CaseGroup& group) {
   const bool any_failed =
       std::any_of(group.cases.begin(), group.cases.end(),
                   [](const PerturbationCase* c) { return !c->problem.empty(); });
-  return {toSvg(map, "perturbation-changes-" + group.kind),
+  return {toSvg(map, fmt::format("perturbation-changes-{}", index)),
           any_failed ? "Blank rows are cases that failed." : "", true};
 }
 

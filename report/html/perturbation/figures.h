@@ -24,7 +24,8 @@ std::string labelOf(const PerturbationCase& c);
 /// Injected offset against |recovered - injected - base| on decades, failures along the top.
 Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts);
 
-/// Cases down, parameters across, changes in standard deviations of the base.
-Figure changeFigure(const PerturbationRecord& record, const CaseGroup& group);
+/// Cases down, parameters across, changes in standard deviations of the base. `index` tells the
+/// figures of a page apart: a kind read from a store may be any text.
+Figure changeFigure(const PerturbationRecord& record, const CaseGroup& group, std::size_t index);
 
 }  // namespace plumbline::html_internal

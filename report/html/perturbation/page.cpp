@@ -113,7 +113,9 @@ Section changeSection(const PerturbationRecord& record, const std::vector<CaseGr
   for (const CaseGroup& group : groups) {
     const bool any = std::any_of(group.cases.begin(), group.cases.end(),
                                  [](const PerturbationCase* c) { return c->problem.empty(); });
-    if (any) section.blocks.push_back({"", "", {}, {}, {changeFigure(record, group)}});
+    if (!any) continue;
+    section.blocks.push_back(
+        {"", "", {}, {}, {changeFigure(record, group, section.blocks.size())}});
   }
   return section;
 }

@@ -215,8 +215,8 @@ Section counterfactualsSection(const ReplayRecord& record) {
   section.lead += fmt::format(
       " The pool contains {} frames, {} others are held out; with all of the pool the entropy is "
       "{:.3f} nats and the held-out RMSE {:.4f} px. Views are counted until an order comes within "
-      "10 % of that RMSE; regret is an order's held-out RMSE minus that of the best order with as "
-      "many views, in the median over the numbers of views.",
+      "10 % of that RMSE and stays there; regret is an order's held-out RMSE minus that of the "
+      "best order with as many views, in the median over the numbers of views.",
       c.pool_frames, c.held_out_frames, c.full_pool_entropy_nats, c.full_pool_held_out_px);
   section = withTable(std::move(section), strategyTable(c.bands));
   addFigures(section, c);

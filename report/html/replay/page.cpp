@@ -21,13 +21,9 @@ constexpr std::size_t kRestBytes = 1'000'000;   // what the rest of a page takes
 std::string imagesNote(const ReplayData& data) {
   if (data.frames_with_images == 0 || data.image_step == 1) return "";
   return fmt::format(
-      "To limit the file's size, only every {}{} of {} frames with images has its own; between "
+      "To limit the file's size, only one in {} of {} frames with images has its own; between "
       "them the previous image is shown, paler.",
-      data.image_step,
-      data.image_step == 2   ? "nd"
-      : data.image_step == 3 ? "rd"
-                             : "th",
-      grouped(static_cast<std::size_t>(data.frames_with_images)));
+      data.image_step, grouped(static_cast<std::size_t>(data.frames_with_images)));
 }
 
 PagePlayer playerOf(const ReplayRecord& record, const ReplayPageOptions& options) {
@@ -52,7 +48,8 @@ Card stageCard(const ReplayStageSummary& s) {
   const std::string stage = s.stage == GuideStage::kCamera ? "Views, cameras" : "Views, camera-IMU";
   if (!s.ran) return {stage, "\u2013", "", s.problem.empty() ? "did not run" : s.problem};
   return {stage, fmt::format("{} of {}", s.views_used, s.frames_offered), "",
-          fmt::format("{} suggestions, {} reached", s.suggestions, s.reached)};
+          fmt::format("{} suggestion{}, {} reached", s.suggestions, s.suggestions == 1 ? "" : "s",
+                      s.reached)};
 }
 
 std::vector<Card> cardsOf(const ReplayRecord& record) {

@@ -202,8 +202,7 @@ Section perturbationSection(const StudyRecord& record) {
                {"Largest error [ms]", kNumber}},
               {}};
   for (const auto& [key, group] : groups) {
-    // n - 1 in the denominator; of a single value the deviation is 0 and not undefined.
-    const SampleStatistics all = sampleStatistics(group.ms, group.ms.size() > 1 ? 1 : 0);
+    const SampleStatistics all = sampleStatistics(group.ms, 1);
     double worst = 0;
     for (const double ms : group.ms) worst = std::max(worst, std::abs(ms - key.first));
     const bool any = !group.ms.empty();
@@ -213,7 +212,7 @@ Section perturbationSection(const StudyRecord& record) {
          number(std::to_string(group.ms.size() + static_cast<std::size_t>(group.failed))),
          number(std::to_string(group.failed)),
          number(any ? fmt::format("{:.4f}", all.mean) : kDash),
-         number(any ? fmt::format("{:.2g}", all.std) : kDash),
+         number(group.ms.size() > 1 ? fmt::format("{:.2g}", all.std) : kDash),
          number(any ? fmt::format("{:.2g}", worst) : kDash)});
   }
   return withTable(

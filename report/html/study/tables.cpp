@@ -81,7 +81,7 @@ Figure nightsFigure(const StudyRecord& record) {
   plot.frame.width = 960;
   plot.frame.height = 260;
   plot.frame.x = {"night", Range{line.x.front() - 0.5, line.x.back() + 0.5}, {}, false, false};
-  plot.frame.y = {"median over sessions [px]", Range{0, 1.1 * top}, {}, false, false};
+  plot.frame.y = {"median over sessions [px]", Range{0, top > 0 ? 1.1 * top : 1}, {}, false, false};
   plot.series.push_back(std::move(line));
   return {toSvg(plot, "study-nights"), "", true};
 }

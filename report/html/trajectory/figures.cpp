@@ -43,6 +43,7 @@ BoxPlot boxesBySequence(const std::vector<TrajectoryRun>& runs, double least, do
       for (const TrajectoryRun& run : runs) {
         if (run.sequence == sequence && run.calibration == plot.series[k]) collect(run, values);
       }
+      std::erase_if(values, [](double v) { return !std::isfinite(v); });
       if (values.empty()) continue;
       plot.boxes.push_back({sequence, quantilesOf(values, least, most), k});
     }
@@ -59,8 +60,10 @@ Figure alongFigure(const std::vector<TrajectoryRun>& runs) {
   frameBoxes(plot, "Position error along the trajectories", "position error [m]");
   return {toSvg(plot, "ate-along"),
           "All paired poses of a sequence's runs under one calibration: whiskers at 5 and 95 %, "
-          "box from 25 to 75 %, line at the median. Failed runs have no poses to show; see the "
-          "completion above.",
+          "box from 25 to 75 %, line at the median." +
+              std::string(runs.size() > 1 ? " Failed runs have no poses to show; see the "
+                                            "completion above."
+                                          : ""),
           true};
 }
 

@@ -66,8 +66,11 @@ std::string effectsOf(const CalibrationSensitivity& s) {
   std::string lost;
   const ParameterSensitivity* largest = nullptr;  // they come largest first
   for (const ParameterSensitivity& p : s.parameters) {
-    if (!p.change_m) lost += (lost.empty() ? "" : ", ") + p.name;
-    if (p.above_chance && !largest) largest = &p;
+    if (!p.change_m) {
+      lost += (lost.empty() ? "" : ", ") + p.name;
+    } else if (p.above_chance && !largest) {
+      largest = &p;
+    }
   }
   std::string text;
   if (!lost.empty()) text = fmt::format("Runs with a change of {} failed. ", lost);
