@@ -96,8 +96,7 @@ void refuseUnlike(const YamlMap& map, const std::vector<CameraCalibration>& befo
   if (before.empty() && !boxminus(camera.T_C0Ci, Transform()).isZero(1e-9)) {
     throw map.fault("T_C0Ci",
                     {InputFault::kContradiction, "T_C0Ci of the first camera is not the identity",
-                     "the place of each camera in the first one, camera 0",
-                     "multiply every T_C0Ci by its inverse, from the left"});
+                     "the place of each camera in the first one, camera 0", "correct the file"});
   }
   for (const CameraCalibration& other : before) {
     if (other.name != camera.name) continue;
