@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -17,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // Raise it when the detector finds other corners than before, or the files change their form.
-constexpr int kRevision = 3;
-constexpr std::string_view kMagic = "plumbline corners 1\n";
+constexpr int kRevision = 4;
+constexpr std::string_view kMagic = "plumbline corners 2\n";
 
 // A corner as it lies in a file.
 struct StoredCorner {
@@ -27,30 +28,36 @@ struct StoredCorner {
 };
 static_assert(sizeof(StoredCorner) == 24);
 
-std::string encode(const std::vector<Corner>& corners) {
-  std::string body;
-  for (const Corner& corner : corners) {
+// The spacing in front, of 0 where the image shows none.
+std::string encode(const Detection& found) {
+  const double spacing = found.spacing.value_or(0);
+  std::string body(reinterpret_cast<const char*>(&spacing), sizeof spacing);
+  for (const Corner& corner : found.corners) {
     const StoredCorner stored{corner.id, corner.uv.x(), corner.uv.y()};
     body.append(reinterpret_cast<const char*>(&stored), sizeof stored);
   }
   return std::string(kMagic) + contentHash(body) + "\n" + body;
 }
 
-std::optional<std::vector<Corner>> decode(std::string_view text) {
+std::optional<Detection> decode(std::string_view text) {
   // Written without a flush: what a power failure left of a file fails by its hash.
   const std::size_t head = kMagic.size() + 17;  // magic, hash, newline
   if (text.size() < head || text.substr(0, kMagic.size()) != kMagic) return std::nullopt;
   const std::string_view body = text.substr(head);
   if (text.substr(kMagic.size(), 16) != contentHash(body)) return std::nullopt;
-  if (body.size() % sizeof(StoredCorner) != 0) return std::nullopt;
-  std::vector<Corner> corners;
-  for (std::size_t at = 0; at < body.size(); at += sizeof(StoredCorner)) {
+  double spacing = 0;
+  if (body.size() % sizeof(StoredCorner) != sizeof spacing) return std::nullopt;
+  std::memcpy(&spacing, body.data(), sizeof spacing);
+  if (std::signbit(spacing) || !std::isfinite(spacing)) return std::nullopt;
+  Detection found;
+  if (spacing != 0) found.spacing = spacing;
+  for (std::size_t at = sizeof spacing; at < body.size(); at += sizeof(StoredCorner)) {
     StoredCorner stored{};
     std::memcpy(&stored, body.data() + at, sizeof stored);
     if (!std::in_range<int>(stored.id)) return std::nullopt;
-    corners.push_back({static_cast<int>(stored.id), {stored.u, stored.v}});
+    found.corners.push_back({static_cast<int>(stored.id), {stored.u, stored.v}});
   }
-  return corners;
+  return found;
 }
 
 }  // namespace
@@ -86,7 +93,7 @@ std::string CornerCache::fileOf(const std::string& key) const {
   return folder_ + "/" + key + ".corners";
 }
 
-std::optional<std::vector<Corner>> CornerCache::find(const std::string& key) const {
+std::optional<Detection> CornerCache::find(const std::string& key) const {
   const std::string path = fileOf(key);
   if (!fs::is_regular_file(path)) return std::nullopt;
   try {
@@ -97,9 +104,9 @@ std::optional<std::vector<Corner>> CornerCache::find(const std::string& key) con
   }
 }
 
-void CornerCache::store(const std::string& key, const std::vector<Corner>& corners) const {
+void CornerCache::store(const std::string& key, const Detection& found) const {
   try {
-    writeFileAtomically(fileOf(key), encode(corners));
+    writeFileAtomically(fileOf(key), encode(found));
   } catch (const InputError&) {  // see the header: the work goes on without
   }
 }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -42,14 +41,13 @@ void completeResolutions(Recording& recording) {
   }
 }
 
-constexpr double kSpacingTolerance = 0.1;  // relative: what no print or lens explains
 constexpr std::size_t kFewSpacings = 3;
 
 // Finds the corners of one image after another, asking the cache first. One per thread.
 class Worker {
  public:
   Worker(const AprilGrid& target, const DetectRequest& request, const CornerCache* cache)
-      : stated_spacing_(target.spacing), detector_(target, request.detector), cache_(cache) {}
+      : detector_(target, request.detector), cache_(cache) {}
 
   std::vector<Corner> corners(const std::string& path, const CameraStream& camera) {
     // The stated size is part of the key: an image of another size is never answered from there.
@@ -58,33 +56,25 @@ class Worker {
       key = fmt::format("{}-{}x{}", cache_->keyOf(path), camera.resolution.width,
                         camera.resolution.height);
     }
-    if (key) {
-      if (auto known = cache_->find(*key)) return *std::move(known);
+    std::optional<Detection> found = key ? cache_->find(*key) : std::nullopt;
+    if (!found) {
+      const GrayImage image = readGrayImage(path, camera.resolution);
+      found = detector_.detect(image.view());
+      if (key) cache_->store(*key, *found);
     }
-    const GrayImage image = readGrayImage(path, camera.resolution);
-    Detection found = detector_.detect(image.view());
-    if (found.spacing) spacings_.push_back(*found.spacing);
-    // What contradicts target.yaml stays out of the cache. A cached image is not searched and shows
-    // no spacing, so that the next run would not know why corners are missing.
-    const bool contradicts =
-        found.spacing && std::abs(*found.spacing / stated_spacing_ - 1) > kSpacingTolerance;
-    if (key && !contradicts) cache_->store(*key, found.corners);
-    return std::move(found.corners);
+    if (found->spacing) spacings_.push_back(*found->spacing);
+    return std::move(found->corners);
   }
 
-  /// As shown by the images that were searched, one each.
+  /// As shown by the images, one each.
   const std::vector<double>& spacings() const { return spacings_; }
 
  private:
-  double stated_spacing_;
   std::vector<double> spacings_;
   AprilGridDetector detector_;
   const CornerCache* cache_;
 };
 
-// Images that the cache answers have no say. Of a recording that was searched before, those that
-// are searched again are the ones that contradicted target.yaml, so that their median does, too,
-// whatever all images together show.
 std::optional<double> medianSpacing(const std::vector<std::unique_ptr<Worker>>& workers) {
   std::vector<double> spacings;
   for (const auto& worker : workers) {

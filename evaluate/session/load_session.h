@@ -30,9 +30,8 @@ struct DetectRequest {
 /// without stated resolution takes that of its first image. The result does not depend on the
 /// threads. Throws InputError for an unreadable image or one of another size than the camera's.
 ///
-/// Returns the target's spacing (gap over tag size) as the images show it: the median over those
-/// that were searched now, not taken from the cache; empty where fewer than 3 tell. Images that
-/// contradict the stated spacing, and then have few corners or none, never enter the cache.
+/// Returns the target's spacing (gap over tag size) as the images show it: their median, whether
+/// searched now or before; empty where fewer than 3 tell.
 std::optional<double> detectCorners(Recording& recording, const DetectRequest& request,
                                     const ProgressSink& progress);
 

@@ -176,15 +176,15 @@ Parser corner_cache() {
   const auto read = [=](const std::string& path) {
     const CornerCache cache(std::filesystem::path(path).parent_path(), AprilGrid{}, {});
     // As it is, and as a body under its right hash: random bytes seldom have it.
-    if (const auto corners = cache.find(kKey)) cache.store(kKey, *corners);
+    if (const auto found = cache.find(kKey)) cache.store(kKey, *found);
     const std::string bytes = readBytes(path);
     const std::string body = bytes.substr(std::min<std::size_t>(bytes.size(), 37));
     writeBytes(path, bytes.substr(0, 20) + contentHash(body) + "\n" + body);
-    const auto corners = cache.find(kKey);
-    if (!corners) return;
+    const auto found = cache.find(kKey);
+    if (!found) return;
     const std::string stored = readBytes(path);
-    cache.store(kKey, *corners);
-    if (cache.find(kKey)->size() != corners->size()) throw Unstable("other corners");
+    cache.store(kKey, *found);
+    if (cache.find(kKey)->corners.size() != found->corners.size()) throw Unstable("other corners");
     if (readBytes(path) != stored) throw Unstable("a file that was found is stored otherwise");
   };
   const auto seeds = [=] {
@@ -192,7 +192,10 @@ Parser corner_cache() {
     const CornerCache cache(scratch.path("."), AprilGrid{}, {});
     std::vector<std::string> seeds;
     for (const std::size_t count : {0, 1, 6}) {
-      cache.store(kKey, std::vector<Corner>(count, Corner{3, {100.25, 200.5}}));
+      Detection found;
+      found.corners.assign(count, Corner{3, {100.25, 200.5}});
+      if (count > 1) found.spacing = 0.3;
+      cache.store(kKey, found);
       seeds.push_back(readBytes(scratch.path(std::string(kKey) + ".corners")));
     }
     return seeds;

@@ -131,13 +131,18 @@ TEST_F(Images, CacheReturnsWhatItWasGiven) {
   const CornerCache cache(path("cache"), AprilGrid{}, DetectorOptions{});
   const std::string key = cache.keyOf(path("a.png"));
   EXPECT_FALSE(cache.find(key));
-  const std::vector<Corner> corners{{3, {1.0 / 3, 2e-17}}, {143, {-0.5, 479.25}}};
-  cache.store(key, corners);
+  Detection detection;
+  detection.corners = {{3, {1.0 / 3, 2e-17}}, {143, {-0.5, 479.25}}};
+  cache.store(key, detection);
   const auto found = cache.find(key);
   ASSERT_TRUE(found);
-  ASSERT_EQ(found->size(), 2u);
-  EXPECT_EQ((*found)[0].uv, corners[0].uv);
-  EXPECT_EQ((*found)[1].id, 143);
+  ASSERT_EQ(found->corners.size(), 2u);
+  EXPECT_EQ(found->corners[0].uv, detection.corners[0].uv);
+  EXPECT_EQ(found->corners[1].id, 143);
+  EXPECT_FALSE(found->spacing);
+  detection.spacing = 0.31;
+  cache.store(key, detection);
+  EXPECT_EQ(cache.find(key).value().spacing, detection.spacing);
 }
 
 TEST_F(Images, CacheKeyFollowsImageTargetAndOptions) {
@@ -159,7 +164,9 @@ TEST_F(Images, DamagedCacheEntryCountsAsAbsent) {
   writePng(path("a.png"), gradient());
   const CornerCache cache(path("cache"), AprilGrid{}, DetectorOptions{});
   const std::string key = cache.keyOf(path("a.png"));
-  cache.store(key, {{0, {1, 2}}, {1, {3, 4}}});
+  Detection detection;
+  detection.corners = {{0, {1, 2}}, {1, {3, 4}}};
+  cache.store(key, detection);
   for (const auto& entry : fs::recursive_directory_iterator(path("cache"))) {
     if (entry.is_regular_file()) fs::resize_file(entry.path(), entry.file_size() - 5);
   }
