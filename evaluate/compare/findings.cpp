@@ -213,13 +213,20 @@ Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction
   const std::string& first = record.calibrations[0].label;
   Finding f;
   f.rule = fmt::format("Corners of {} predicted, {} against {}", p.camera, p.label, first);
+  if (!(p.half_px2 > 0)) {
+    f.evidence = fmt::format(
+        "mean squared error {:+.3g} px^2 over {} views scored under both: too few, or too much "
+        "alike, for an interval",
+        p.difference_px2, p.views);
+    return f;
+  }
   f.evidence =
       fmt::format("{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
                   p.isClear() ? (sigmas < 0 ? p.label : first) + " is better"
                               : std::string("no clear difference"),
                   p.difference_px2, p.std_px2, p.views);
   f.value = std::abs(sigmas);
-  f.threshold = kPredictionSigmas;
+  f.threshold = p.half_px2 / p.std_px2;
   f.unit = "sigma";
   return f;
 }

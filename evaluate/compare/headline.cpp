@@ -7,9 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/compare/findings.h"
 #include "evaluate/compare/parameters.h"
+#include "evaluate/metrics/half_width.h"
 
 namespace plumbline {
 namespace {
@@ -23,25 +25,30 @@ const CalibrationScore* scoreOf(const ComparisonRecord& record, const std::strin
 
 /// The mean squared error of one calibration less that of the first, over all cameras' views.
 struct Prediction {
-  double difference_px2 = 0, std_px2 = 0, first_px2 = 0;
+  double difference_px2 = 0, half_px2 = 0, first_px2 = 0;
   int views = 0;
 };
 
-/// Weighted by views; errors of cameras are taken as independent, so variances add.
-Prediction pooled(const ComparisonRecord& record, const std::string& label) {
+/// Weighted by views; errors of cameras are taken as independent, so variances add. None where a
+/// camera has no interval.
+std::optional<Prediction> pooled(const ComparisonRecord& record, const std::string& label) {
   Prediction p;
+  EstimatedVariance variance;
   for (const PairedPrediction& each : record.paired) {
     if (each.label != label) continue;
+    // Without scatter there is no interval, and without an interval nobody is called better.
+    if (!(each.half_px2 > 0)) return std::nullopt;
     p.difference_px2 += each.views * each.difference_px2;
     p.first_px2 += each.views * each.first_px2;
-    p.std_px2 += each.views * each.views * each.std_px2 * each.std_px2;
+    const double std = each.views * each.std_px2;
+    const EstimatedVariance own{std * std, each.blocks - 1.0};
+    variance = p.views == 0 ? own : sumOf(variance, own);
     p.views += each.views;
   }
-  if (p.views > 0) {
-    p.difference_px2 /= p.views;
-    p.first_px2 /= p.views;
-    p.std_px2 = std::sqrt(p.std_px2) / p.views;
-  }
+  if (p.views == 0) return std::nullopt;
+  p.difference_px2 /= p.views;
+  p.first_px2 /= p.views;
+  p.half_px2 = halfWidth95(std::sqrt(variance.value) / p.views, variance.dof);
   return p;
 }
 
@@ -49,18 +56,17 @@ Prediction pooled(const ComparisonRecord& record, const std::string& label) {
 // difference of the RMSEs follows from the first one's: sqrt(m + d) - sqrt(m).
 std::string predictionWords(const ComparisonRecord& record, const std::string& label) {
   const std::string& first = record.calibrations.front().label;
-  const CalibrationScore* score = scoreOf(record, first);
-  const Prediction p = pooled(record, label);
-  // Without scatter there is no interval, and without an interval nobody is called better.
-  if (score == nullptr || p.views == 0 || !(p.std_px2 > 0)) return "";
-  const double rmse = std::sqrt(p.first_px2);
+  const CalibrationScore *score = scoreOf(record, first), *other_score = scoreOf(record, label);
+  const std::optional<Prediction> p = pooled(record, label);
+  if (score == nullptr || other_score == nullptr || !p) return "";
+  const double rmse = std::sqrt(p->first_px2);
   const auto rmseChange = [&](double change_px2) {
     return std::sqrt(std::max(rmse * rmse + change_px2, 0.0)) - rmse;
   };
-  const double half = kPredictionSigmas * p.std_px2;
-  double low = rmseChange(p.difference_px2 - half), high = rmseChange(p.difference_px2 + half);
-  // Held out of the first calibration; of the other one it is not asked.
-  const std::string corners = score->held_out
+  double low = rmseChange(p->difference_px2 - p->half_px2);
+  double high = rmseChange(p->difference_px2 + p->half_px2);
+  // Of both: who was estimated from these corners predicts them better anyway.
+  const std::string corners = score->held_out && other_score->held_out
                                   ? "held-out corners"
                                   : fmt::format("the corners of {} (not held out)", record.name);
   if (low <= 0 && high >= 0) {
@@ -70,7 +76,7 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
         label, first, corners, low, high);
   }
   const bool other = high < 0;
-  const double best = std::abs(rmseChange(p.difference_px2));
+  const double best = std::abs(rmseChange(p->difference_px2));
   // As a gain of the better one: positive, the smaller end first.
   if (other) low = -low, high = -high;
   return fmt::format(

@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/calibration/parameters.h"
+#include "evaluate/metrics/half_width.h"
 
 namespace plumbline {
 namespace {
@@ -170,10 +172,8 @@ void nameCameras(const Calibrations& calibrations, std::vector<ComparedParameter
   }
 }
 
-constexpr std::size_t kBlock = 10;  // views
-// The interval takes their scatter as known (kPredictionSigmas is the normal's 1.96); of five
-// blocks Student's t would be 2.78.
-constexpr std::size_t kFewestBlocks = 5;
+constexpr std::size_t kBlock = 10;        // views
+constexpr std::size_t kFewestBlocks = 5;  // of fewer the scatter says next to nothing
 
 struct SquaredErrors {
   double sum = 0;
@@ -196,27 +196,12 @@ SquaredByView squaredByView(const CameraStageResult& result) {
   return views;
 }
 
-double meanOf(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return sum / static_cast<double>(values.size());
-}
-
-/// sqrt(sum (v - mean)^2 / (n - 1) / n): of independent values, such as blocks' means.
-double standardError(const std::vector<double>& values) {
-  const double mean = meanOf(values);
-  double squares = 0;
-  for (const double v : values) squares += (v - mean) * (v - mean);
-  const auto n = static_cast<double>(values.size());
-  return std::sqrt(squares / (n - 1) / n);
-}
-
 /// An incomplete last block is left out: it would have another variance.
 std::vector<double> blockMeans(const std::vector<double>& values) {
   std::vector<double> means;
   for (std::size_t at = 0; at + kBlock <= values.size(); at += kBlock) {
-    means.push_back(meanOf({values.begin() + static_cast<std::ptrdiff_t>(at),
-                            values.begin() + static_cast<std::ptrdiff_t>(at + kBlock)}));
+    const auto from = values.begin() + static_cast<std::ptrdiff_t>(at);
+    means.push_back(sampleStatistics({from, from + kBlock}).mean);
   }
   return means;
 }
@@ -288,11 +273,15 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
     p.label = label;
     p.camera = other.cameras[static_cast<std::size_t>(camera)].name;
     p.views = static_cast<int>(values.size());
-    p.difference_px2 = meanOf(values);
+    p.difference_px2 = sampleStatistics(values).mean;
     p.first_px2 = first_sums[camera] / static_cast<double>(values.size());
-    // Views that follow each other are alike, hence blocks. The scatter of very few blocks is
-    // itself uncertain: single views then take their place, with an error that is rather too small.
-    p.std_px2 = standardError(blocks.size() < kFewestBlocks ? values : blocks);
+    // Views that follow each other are alike, hence blocks: single views would have an error that
+    // is too small.
+    if (blocks.size() >= kFewestBlocks) {
+      p.blocks = static_cast<int>(blocks.size());
+      p.std_px2 = standardError(blocks);
+      p.half_px2 = halfWidth95(p.std_px2, p.blocks - 1);
+    }
     out.push_back(std::move(p));
   }
   return out;

@@ -44,9 +44,10 @@ OffsetSummary offsetSummary(const std::string& label, const Calibration& calibra
 
 /// Per camera, over the views that both results of the same session used: mean of
 ///   d_v = mean |e|^2 under `other` - mean |e|^2 under `first`   [px^2]
-/// and its standard error. Pairing takes out what makes a view hard for both; neighbouring views
-/// are alike, so the error comes from means of blocks of 10 consecutive views (of single views
-/// where there are fewer than 5 blocks). Cameras without two common views are left out.
+/// with its standard error and 95 % interval. Pairing takes out what makes a view hard for both;
+/// neighbouring views are alike, so the error comes from means of blocks of 10 consecutive views,
+/// with as many degrees of freedom as blocks less one; below 5 blocks there is neither. Cameras
+/// without two common views are left out.
 std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
                                                 const CameraStageResult& other,
                                                 const std::string& label);

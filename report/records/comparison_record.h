@@ -95,9 +95,6 @@ void fields(V& v, OffsetSummary& o) {
   v.ifSet("per_camera_s", o.per_camera_s, "as written [s]");
 }
 
-/// Half the 95 % interval of a paired prediction, in its standard errors.
-inline constexpr double kPredictionSigmas = 1.959964;
-
 /// Which of two calibrations predicts a camera's corners better: the mean over views of (mean
 /// squared error under `label`) - (under the first calibration) [px^2]; negative: `label` is
 /// better.
@@ -108,11 +105,13 @@ struct PairedPrediction {
   double difference_px2 = 0;
   double std_px2 = 0;
   double first_px2 = 0;  ///< mean over the same views under the first calibration
+  int blocks = 0;       ///< of consecutive views, whose means std_px2 is of; 0: too few, no std_px2
+  double half_px2 = 0;  ///< half the 95 % interval by Student's t; 0 where there is none
 
   /// The difference in its standard errors; 0 without one.
   double sigmas() const { return std_px2 > 0 ? difference_px2 / std_px2 : 0; }
   /// Whether one of the two predicts better: beyond the 95 % interval.
-  bool isClear() const { return std::abs(sigmas()) > kPredictionSigmas; }
+  bool isClear() const { return half_px2 > 0 && std::abs(difference_px2) > half_px2; }
 };
 
 inline std::string partName(const PairedPrediction& p) { return p.label + "/" + p.camera; }
@@ -124,9 +123,12 @@ void fields(V& v, PairedPrediction& p) {
   v("views", p.views, "1", "seen under both");
   v("difference_px2", p.difference_px2, "px^2",
     "mean over views of the squared error less that under the first; negative: better");
-  v("std_px2", p.std_px2, "px^2", "standard error of the mean, from blocks of consecutive views");
+  v("std_px2", p.std_px2, "px^2",
+    "standard error of the mean, from blocks of consecutive views; 0 below 5 blocks");
   v("first_px2", p.first_px2, "px^2",
     "mean over the same views of the squared error under the first");
+  v("blocks", p.blocks, "1", "of consecutive views; 0: fewer than 5, no standard error");
+  v("half_px2", p.half_px2, "px^2", "half the 95 % interval by Student's t; 0: none");
 }
 
 /// Everything that a comparison page shows.

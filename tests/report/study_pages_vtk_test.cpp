@@ -342,12 +342,12 @@ TEST(PerturbationPage, ShowsAnErrorThatIsNoNumber) {
 TEST(ComparisonPage, ReadsPairedPredictionsAsTheVerdict) {
   ComparisonRecord record = test::syntheticComparison();
   const auto readingAt = [&](double sigmas) {
-    record.paired = {{"kalibr", "cam0", 180, sigmas * 0.004, 0.004}};
+    record.paired = {{"kalibr", "cam0", 180, sigmas * 0.004, 0.004, 0.1, 18, 2.11 * 0.004}};
     const std::string page = renderComparisonPage(record);
     return page.substr(page.find("Which predicts better, view by view"), 1500);
   };
   EXPECT_THAT(readingAt(2.5), HasSubstr("plumbline predicts better, by 2.5"));
-  EXPECT_THAT(readingAt(1.9), HasSubstr("no difference (1.9"));
+  EXPECT_THAT(readingAt(2), HasSubstr("no difference (2.0"));
 }
 
 TEST(TrajectoryPage, CountsFailedAndPartialRuns) {

@@ -182,7 +182,8 @@ void addScores(ComparisonRecord& r) {
   r.scores.push_back({});
   r.scores.back().label = "yac";
   r.scores.back().problem = "its camera 1 is not in the session";
-  r.paired = {{"kalibr", "cam0", 180, 0.031, 0.004}, {"yac", "cam1", 170, -0.001, 0.004}};
+  r.paired = {{"kalibr", "cam0", 180, 0.031, 0.004, 0.1, 18, 0.0084},
+              {"yac", "cam1", 170, -0.001, 0.004, 0.1, 17, 0.0085}};
 }
 
 }  // namespace

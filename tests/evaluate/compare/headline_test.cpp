@@ -30,16 +30,19 @@ ComparisonRecord comparison(double difference_px2, double std_px2) {
     p.views = 50;
     p.difference_px2 = difference_px2;
     p.std_px2 = std_px2;
+    p.blocks = 6;
+    p.half_px2 = 2.570582 * std_px2;  // Student's t, 5 degrees of freedom
     p.first_px2 = 0.25;
   }
   return record;
 }
 
 TEST(ComparisonHeadline, SaysWhichPredictsBetterAndByHowMuch) {
-  // sqrt(0.25 + 0.11) - 0.5 = 0.1 px, standard error 0.01 / sqrt(2) px^2 over both cameras
+  // sqrt(0.25 + 0.11) - 0.5 = 0.1 px, standard error 0.01 / sqrt(2) px^2 over both cameras with 10
+  // degrees of freedom: +- 2.228 of them
   const std::string text = comparisonHeadline(comparison(0.11, 0.01));
   EXPECT_THAT(text, HasSubstr("ours predicts held-out corners better by 0.1 px RMSE over views"));
-  EXPECT_THAT(text, HasSubstr("95 % interval 0.088 to 0.11"));
+  EXPECT_THAT(text, HasSubstr("95 % interval 0.087 to 0.11"));
 }
 
 TEST(ComparisonHeadline, TheOtherCanBeBetter) {
@@ -51,6 +54,22 @@ TEST(ComparisonHeadline, AnIntervalWithZeroNamesNoWinner) {
   const std::string text = comparisonHeadline(comparison(0.01, 0.02));
   EXPECT_THAT(text, HasSubstr("predict held-out corners equally well within the 95 % interval"));
   EXPECT_THAT(text, Not(HasSubstr("better")));
+}
+
+TEST(ComparisonHeadline, HeldOutIsWhatNeitherWasEstimatedFrom) {
+  for (const std::size_t own : {0, 1}) {
+    ComparisonRecord record = comparison(0.11, 0.01);
+    record.scores[own].held_out = false;
+    EXPECT_THAT(comparisonHeadline(record),
+                HasSubstr("ours predicts the corners of session (not held out) better"));
+  }
+}
+
+TEST(ComparisonHeadline, NobodyIsBetterWithoutAnInterval) {
+  ComparisonRecord record = comparison(0.11, 0.01);
+  record.paired[1].blocks = 0;
+  record.paired[1].std_px2 = record.paired[1].half_px2 = 0;
+  EXPECT_THAT(comparisonHeadline(record), Not(HasSubstr("predict")));
 }
 
 TEST(ComparisonHeadline, NamesWhereProjectionsDifferMost) {

@@ -139,14 +139,34 @@ CameraStageResult errorsOf(const std::vector<float>& per_view) {
   return result;
 }
 
-TEST(PairedPrediction, MeanAndStandardErrorOfTheDifferences) {
-  const auto paired = pairedPredictions(errorsOf({1, 2, 3}), errorsOf({2, 2, 2}), "b");
+// 50 views, of whose squared errors those of a block of ten are alike: 4, 0, 3, -1 and 9 more.
+TEST(PairedPrediction, MeanAndIntervalAreOfBlocksOfViews) {
+  std::vector<float> first, other;
+  for (const float difference : {4, 0, 3, -1, 9}) {
+    first.insert(first.end(), 10, 2);
+    other.insert(other.end(), 10, std::sqrt(4 + difference));
+  }
+  const auto paired = pairedPredictions(errorsOf(first), errorsOf(other), "b");
   ASSERT_EQ(paired.size(), 1u);  // the second camera saw nothing
+  EXPECT_EQ(paired[0].views, 50);
+  EXPECT_EQ(paired[0].blocks, 5);
+  EXPECT_NEAR(paired[0].difference_px2, 3, 1e-6);
+  EXPECT_NEAR(paired[0].first_px2, 4, 1e-9);
+  // Squares of the deviations from 3: 1, 9, 0, 16, 36.
+  EXPECT_NEAR(paired[0].std_px2, std::sqrt(62.0 / 4 / 5), 1e-6);
+  EXPECT_NEAR(paired[0].half_px2, 2.776445 * std::sqrt(62.0 / 4 / 5), 1e-5);
+  EXPECT_FALSE(paired[0].isClear());  // it would be by the normal distribution's 1.96
+}
+
+TEST(PairedPrediction, OfFewBlocksThereIsNoInterval) {
+  const auto paired = pairedPredictions(errorsOf({1, 2, 3}), errorsOf({2, 2, 2}), "b");
+  ASSERT_EQ(paired.size(), 1u);
   EXPECT_EQ(paired[0].views, 3);
-  // Squares 4-1, 4-4, 4-9: mean -2/3; deviation from (3, 0, -5).
+  // Squares 4-1, 4-4, 4-9.
   EXPECT_NEAR(paired[0].difference_px2, -2.0 / 3, 1e-9);
   EXPECT_NEAR(paired[0].first_px2, (1.0 + 4 + 9) / 3, 1e-9);
-  EXPECT_NEAR(paired[0].std_px2, std::sqrt((13.4444444 + 0.4444444 + 18.7777778) / 2 / 3), 1e-6);
+  EXPECT_EQ(paired[0].std_px2, 0);
+  EXPECT_FALSE(paired[0].isClear());
 }
 
 TEST(PairedPrediction, OnlyViewsUnderBothCount) {
@@ -170,7 +190,8 @@ TEST(ComparisonFindings, NameWhatDiffersAndWhichPredictsBetter) {
   ComparisonRecord record;
   record.calibrations = {{"a", "", "", a, {}}, {"b", "", "", b, {}}};
   record.parameters = comparedParameters({a, b});
-  record.paired = {{"b", "cam0", 100, -0.2, 0.01}, {"b", "cam1", 100, 0.019, 0.01}};
+  record.paired = {{"b", "cam0", 100, -0.2, 0.01, 1, 10, 0.0226},
+                   {"b", "cam1", 100, 0.019, 0.01, 1, 10, 0.0226}};
   ImageMap map{"cam0", "b - a", "", 1, 3, 3, 752, 480, {4, 1, 1, 1, 0.1, 1, 1, 1, 6}, {}, {}};
   record.differences = {map};
   const auto findings = comparisonFindings(record);
@@ -192,7 +213,8 @@ TEST(ComparisonFindings, ProjectionsOfAPairAreOneFindingWithItsPlaces) {
     record.differences.push_back(
         {camera, "b - a", "", 1, 3, 3, 752, 480, {4, 1, 1, 1, 0.1, 1, 1, 1, 6}, {}, {}});
   }
-  record.paired = {{"b", "cam0", 100, 0.2, 0.01}, {"b", "cam1", 100, 0.19, 0.01}};
+  record.paired = {{"b", "cam0", 100, 0.2, 0.01, 1, 10, 0.0226},
+                   {"b", "cam1", 100, 0.19, 0.01, 1, 10, 0.0226}};
   const auto findings = comparisonFindings(record);
   const auto projection = [](const Finding& f) { return f.rule.rfind("Projection", 0) == 0; };
   ASSERT_EQ(std::count_if(findings.begin(), findings.end(), projection), 1);
