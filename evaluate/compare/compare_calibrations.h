@@ -76,7 +76,7 @@ struct CompareRequest {
 };
 
 /// Reads the calibrations, and with them what stands beside Kalibr's; compares their parameters and
-/// projections; with a recording scores each on it (scoreCalibration()), compares their predictions
+/// projections; with a recording scores each on it (scoreSession()), compares their predictions
 /// view by view, and gives each the entropy of its cameras' parameters, and of T_SC0 and the
 /// time offset, at its own values, under the same corners, noise and list, without a loss; and
 /// compares their parameters with the recording's own estimate (sessionEstimate()). The
@@ -87,7 +87,7 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
 
 /// comparison.csv: one row per parameter, and per sequence of the trajectories their median ATE;
 /// value, std, difference and significance of each calibration in columns, empty where unknown.
-/// The difference of ATEs is the mean over pairs of runs, in the row of all sequences
+/// The difference of ATEs is the mean over sequences of their pairs of runs, in the row of all
 /// ("ate.all", or the only one).
 std::string comparisonTable(const ComparisonRecord& record);
 

@@ -83,7 +83,8 @@ std::string differenceLines(const TrajectoryStudy& study) {
       continue;
     }
     text += fmt::format(
-        "{} - {}: ATE {:+.4f} m (mean of {} pairs, median {:+.4f}, std {:.4f}); lower in {}; {} "
+        "{} - {}: ATE {:+.4f} m (mean over sequences, of {} pairs, median {:+.4f}, std {:.4f}); "
+        "lower in {}; {} "
         "excluded\n",
         d.b, d.a, d.mean_m, d.pairs, d.median_m, d.std_m, d.b_better, d.left_out);
   }

@@ -302,7 +302,6 @@ struct RunsSummary {
   /// Median over the expected runs of the ATE (RMSE of positions [m]), where one that is not
   /// complete counts as larger than any; empty where the median is such a one.
   std::optional<double> ate_median_m;
-  std::optional<double> ate_complete_median_m;  ///< median over the complete runs alone
   VerdictLevel level = VerdictLevel::kGood;
 };
 
@@ -320,7 +319,6 @@ void fields(V& v, RunsSummary& s) {
   v("ate_median_m", s.ate_median_m, "m",
     "median ATE over the expected runs, a run that is not complete counts as infinite; absent "
     "where the median is infinite");
-  v("ate_complete_median_m", s.ate_complete_median_m, "m", "the same over the complete runs alone");
   v("level", s.level, "`bad` where a run failed, `caution` where one is partial");
 }
 
@@ -330,18 +328,18 @@ struct PairedDifference {
   std::string a, b;
   std::size_t pairs = 0;
   std::size_t left_out = 0;
-  double mean_m = 0;
-  double median_m = 0;
-  double std_m = 0;
+  double mean_m = 0;    ///< over sequences, of the mean of each one's pairs
+  double median_m = 0;  ///< over pairs
+  double std_m = 0;     ///< likewise
   std::size_t b_better = 0;
   std::size_t ties = 0;
   double sign_test_p = 1;
-  /// Pairs with which a mean difference as the present one would be shown at 95 % in 4 of 5
-  /// studies:
-  /// ((1.96 + 0.84) s / mean)^2 with the spread s of the differences. Empty below three pairs.
+  /// Sequences, a pair of runs each, with which a mean difference as the present one would be shown
+  /// at 95 % in 4 of 5 studies: ((1.96 + 0.84) s / mean)^2 with the spread s of the sequences'
+  /// means. Empty below three sequences.
   std::optional<double> pairs_needed;
-  /// 95 % interval of the mean: percentile bootstrap over pairs, 10,000 resamples, fixed seed.
-  /// Empty below five pairs, where it would say nothing.
+  /// 95 % interval of the mean: Student's t over the sequences' means, as runs of one sequence are
+  /// alike. Empty below five sequences.
   std::optional<double> low_m, high_m;
   std::string better;  ///< the one that is, where the interval leaves out 0; otherwise empty
 };
@@ -354,17 +352,19 @@ void fields(V& v, PairedDifference& d) {
   v("b", d.b, "second: d = ATE under b - ATE under a; negative: b is better");
   v("pairs", d.pairs, "1", "complete under both");
   v("left_out", d.left_out, "1", "(sequence, run) under either that is not complete under both");
-  v("mean_m", d.mean_m, "m", "of d");
+  v("mean_m", d.mean_m, "m", "of the sequences' means of d");
   v("median_m", d.median_m, "m", "of d");
   v("std_m", d.std_m, "m", "of d, divisor n");
   v("b_better", d.b_better, "1", "pairs with d < 0");
   v("ties", d.ties, "1", "d = 0; the sign test leaves them out");
   v("sign_test_p", d.sign_test_p, "1", "two-sided, exact (binomial)");
   v("pairs_needed", d.pairs_needed, "1",
-    "pairs that would show such a mean at 95 % in 4 of 5 studies, by the spread of d");
+    "sequences, a pair each, that would show such a mean at 95 % in 4 of 5 studies, by the spread "
+    "of their means");
   std::optional<std::array<double, 2>> interval;
   if (d.low_m && d.high_m) interval = {*d.low_m, *d.high_m};
-  v("mean_interval_m", interval, "m", "95 % interval of the mean: bootstrap over pairs");
+  v("mean_interval_m", interval, "m",
+    "95 % interval of the mean: Student's t over sequences; absent below 5");
   if constexpr (V::kReads) {
     d.low_m.reset();
     d.high_m.reset();

@@ -408,8 +408,8 @@ TEST(TrajectoryPage, CountsRunsThatAreNotCompleteInMedians) {
     run.ate_translation_m.n = 10;
     record.runs.push_back(ate_m == 9 ? failedRun(run, "diverged") : run);
   }
-  record.summary = {{"s", "a", 2, 2, 0, 0, 1, 0.2, 0.2, VerdictLevel::kGood},
-                    {"s", "b", 2, 1, 0, 1, 0.5, {}, 0.1, VerdictLevel::kBad}};
+  record.summary = {{"s", "a", 2, 2, 0, 0, 1, 0.2, VerdictLevel::kGood},
+                    {"s", "b", 2, 1, 0, 1, 0.5, {}, VerdictLevel::kBad}};
   const std::string page = renderTrajectoryPage(record);
   EXPECT_THAT(page, HasSubstr("class=\"number best\">0.2000"));
   EXPECT_THAT(page, Not(HasSubstr("class=\"number best\">0.1000")));

@@ -3,22 +3,19 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
-#include <random>
 #include <set>
 #include <utility>
 
 #include <boost/math/distributions/binomial.hpp>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/trajectory/verdict.h"
 
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kLeastPairs = 5;
-// So that 250 draws lie beyond either end of a 95 % interval.
-constexpr int kResamples = 10'000;
+constexpr std::size_t kLeastSequences = 5;
 
 using Place = std::pair<std::string, std::string>;  // sequence, run
 
@@ -34,58 +31,41 @@ std::map<Place, double> errorsOf(const std::vector<TrajectoryRun>& runs, const s
   return errors;
 }
 
-double meanOf(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-/// Means of bootstrap samples of the pairs, for a percentile interval. Seeded: equal runs give
-/// equal intervals.
-std::vector<double> resampledMeans(const std::vector<double>& values) {
-  std::mt19937_64 random(1);
-  std::vector<double> means;
-  for (int i = 0; i < kResamples; ++i) {
-    double sum = 0;
-    for (std::size_t k = 0; k < values.size(); ++k) sum += values[random() % values.size()];
-    means.push_back(sum / static_cast<double>(values.size()));
-  }
-  return means;
-}
-
-/// For a test of the mean at 95 % with a power of 80 %.
-std::optional<double> pairsNeeded(const PairedDifference& d) {
+/// Sequences for a test of the mean of their `means` at 95 % with a power of 80 %.
+std::optional<double> sequencesNeeded(const std::vector<double>& means) {
   // Normal quantiles of 97.5 % and 80 %: n = (sum times deviation over mean)^2.
   constexpr double kNormal = 1.959964 + 0.841621;
+  const SampleStatistics s = sampleStatistics(means, 1);
   // A deviation of two differences is no basis to plan by; no difference needs no number.
-  if (d.pairs < 3 || d.mean_m == 0) return std::nullopt;
-  const auto n = static_cast<double>(d.pairs);
-  const double spread = kNormal * d.std_m / d.mean_m;
-  // std_m has n in its denominator, the power calculation n - 1.
-  return std::max(2.0, std::ceil(spread * spread * n / (n - 1)));
+  if (s.n < 3 || s.mean == 0) return std::nullopt;
+  const double spread = kNormal * s.std / s.mean;
+  return std::max(2.0, std::ceil(spread * spread));
 }
 
-/// Of differences d [m], b - a: mean, median, deviation (n in the denominator), sign test, and from
-/// kLeastPairs pairs on the bootstrap interval of the mean. Nothing is set for no pairs.
-void summarise(const std::vector<double>& d, PairedDifference& result) {
+/// Of differences d [m], b - a, by sequence. Runs of one sequence are alike, so that sequences are
+/// the units of mean and interval. Nothing is set for no pairs.
+void summarise(const std::map<std::string, std::vector<double>>& by_sequence,
+               PairedDifference& result) {
+  std::vector<double> d, means;
+  for (const auto& [sequence, values] : by_sequence) {
+    d.insert(d.end(), values.begin(), values.end());
+    means.push_back(sampleStatistics(values).mean);
+  }
   result.pairs = d.size();
   if (d.empty()) return;
-  result.mean_m = meanOf(d);
+  result.mean_m = sampleStatistics(means).mean;
   result.median_m = median(d);
-  double squares = 0;
-  for (const double value : d) squares += (value - result.mean_m) * (value - result.mean_m);
-  result.std_m = std::sqrt(squares / static_cast<double>(d.size()));
+  result.std_m = sampleStatistics(d).std;
   for (const double value : d) {
     if (value < 0) ++result.b_better;
     if (value == 0) ++result.ties;
   }
-  result.pairs_needed = pairsNeeded(result);
+  result.pairs_needed = sequencesNeeded(means);
   result.sign_test_p = signTest(result.b_better, d.size() - result.ties);
-  // The percentile interval of a mean of n values is narrower than Student's, by sqrt((n - 1) / n)
-  // and by 1.96 / t: of five normal differences it covers about 85 %, not 95. Runs of one sequence
-  // count as independent pairs besides. The sign test cannot fall below 0.06 with five.
-  if (d.size() < kLeastPairs) return;
-  const std::vector<double> means = resampledMeans(d);
-  result.low_m = quantile(means, 0.025);
-  result.high_m = quantile(means, 0.975);
+  if (means.size() < kLeastSequences) return;
+  const double half = halfWidth95(standardError(means), static_cast<double>(means.size() - 1));
+  result.low_m = result.mean_m - half;
+  result.high_m = result.mean_m + half;
   // d = error of b - error of a: below zero b is better.
   if (*result.low_m > 0 || *result.high_m < 0)
     result.better = result.mean_m < 0 ? result.b : result.a;
@@ -101,13 +81,13 @@ PairedDifference compare(const std::vector<TrajectoryRun>& runs, const std::stri
   for (const auto* errors : {&first, &second}) {
     for (const auto& [place, error] : *errors) places.insert(place);
   }
-  std::vector<double> d;
+  std::map<std::string, std::vector<double>> d;
   for (const Place& place : places) {
     const auto at_a = first.find(place), at_b = second.find(place);
     const bool both = at_a != first.end() && at_b != second.end() && std::isfinite(at_a->second) &&
                       std::isfinite(at_b->second);
     if (both) {
-      d.push_back(at_b->second - at_a->second);
+      d[place.first].push_back(at_b->second - at_a->second);
     } else {
       ++result.left_out;
     }
@@ -157,7 +137,6 @@ RunsSummary summaryOf(const std::vector<TrajectoryRun>& runs, const std::string*
   if (s.expected > 0) {
     s.completion = static_cast<double>(s.complete) / static_cast<double>(s.expected);
   }
-  if (!ate.empty()) s.ate_complete_median_m = median(ate);
   if (s.partial > 0) s.level = VerdictLevel::kCaution;
   if (s.failed > 0) s.level = VerdictLevel::kBad;
   // Complete runs without truth have no error and are not asked for one; failed and partial ones

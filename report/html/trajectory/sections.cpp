@@ -36,7 +36,7 @@ std::vector<Cell> pairedRow(const PairedDifference& d) {
           number(fmt::format("{} of {}", d.b_better, d.pairs)),
           number(fmt::format("{:.3g}", d.sign_test_p)),
           number(d.pairs_needed ? grouped(static_cast<std::size_t>(*d.pairs_needed)) : kDash),
-          {!interval          ? "too few pairs for an interval (five are needed)"
+          {!interval          ? "too few sequences for an interval (five are needed)"
            : d.better.empty() ? "no difference at 95 %"
                               : d.better + " is better"}};
 }
@@ -110,12 +110,15 @@ Section pairedSection(const std::vector<PairedDifference>& differences) {
       "paired",
       "Paired differences",
       "ATE RMSE under one calibration minus that under the other, for the same sequence and run; "
-      "negative means that the first one is better. The interval is a percentile bootstrap of the "
-      "mean over pairs (10\u2009000 resamples); p is of the exact two-sided sign test. Pairs that "
-      "are not complete under both are excluded and counted. A single run cannot rank small "
-      "errors: its error depends on chance as much as on the calibration. With \u201cpairs "
-      "needed\u201d, such a mean difference would be significant at 95 % in four of five studies, "
-      "given the spread of the differences; fewer than three pairs give no spread.",
+      "negative means that the first one is better. Runs of one sequence are alike: mean and "
+      "interval (Student\u2019s t) are of the sequences\u2019 means. Median and the exact "
+      "two-sided "
+      "sign test (p) are over pairs. Pairs that are not complete under both are excluded and "
+      "counted. A single run cannot rank small errors: its error depends on chance as much as on "
+      "the calibration. With \u201csequences needed\u201d, a pair each, such a mean difference "
+      "would "
+      "be significant at 95 % in four of five studies, given the spread of the sequences\u2019 "
+      "means; fewer than three give no spread.",
       {},
       {}};
   Table table{{{"Difference"},
@@ -126,7 +129,7 @@ Section pairedSection(const std::vector<PairedDifference>& differences) {
                {"Median [m]", kNumber},
                {"Better", kNumber},
                {"p (sign test)", kNumber},
-               {"Pairs needed", kNumber},
+               {"Sequences needed", kNumber},
                {"Reading"}},
               {}};
   for (const PairedDifference& d : differences) table.rows.push_back(pairedRow(d));

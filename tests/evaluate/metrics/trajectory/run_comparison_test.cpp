@@ -12,8 +12,10 @@
 namespace plumbline {
 namespace {
 
-TrajectoryRun run(const std::string& sequence, const std::string& calibration, double rmse) {
+TrajectoryRun run(const std::string& sequence, const std::string& calibration, double rmse,
+                  const std::string& repetition = "") {
   TrajectoryRun r;
+  r.run = repetition;
   r.sequence = sequence;
   r.calibration = calibration;
   r.ate_translation_m.rmse = rmse;
@@ -82,25 +84,42 @@ TEST(PairedDifferences, PairsNeededShowTheDifferenceFourTimesInFive) {
   EXPECT_NEAR(shown, 160, 20);  // binomial: 5.7
 }
 
-// 200 studies of 12 pairs with a true mean of 0.1 and standard deviation 0.3: a percentile
-// bootstrap of so few pairs covers a little less than it states (about 92 %); far off would be a
-// fault.
-TEST(PairedDifferences, IntervalCoversTheTruthAboutAsOftenAsItSays) {
+// 400 studies of five sequences with three runs each, which are alike: a true mean of 0.1, a
+// standard deviation of 0.3 over sequences and of 0.05 over their runs.
+TEST(PairedDifferences, IntervalCoversTheTruthAsOftenAsItSays) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0.1, 0.3);
   int covered = 0;
-  for (int study = 0; study < 200; ++study) {
+  for (int study = 0; study < 400; ++study) {
     std::vector<TrajectoryRun> runs;
-    for (int i = 0; i < 12; ++i) {
-      runs.push_back(run(std::to_string(i), "a", 1));
-      runs.push_back(run(std::to_string(i), "b", 1 + noise(random)));
+    for (int i = 0; i < 5; ++i) {
+      const double of_sequence = 1 + noise(random);
+      for (const char* repetition : {"1", "2", "3"}) {
+        runs.push_back(run(std::to_string(i), "a", 1, repetition));
+        const double own = 0.05 * (noise(random) - 0.1) / 0.3;
+        runs.push_back(run(std::to_string(i), "b", of_sequence + own, repetition));
+      }
     }
     const auto d = pairedDifferences(runs);
     ASSERT_TRUE(d[0].low_m && d[0].high_m);
     if (*d[0].low_m <= 0.1 && 0.1 <= *d[0].high_m) ++covered;
   }
-  EXPECT_GE(covered, 172);  // 86 %
-  EXPECT_LE(covered, 198);
+  EXPECT_NEAR(covered, 380, 13);  // binomial: 4.4
+}
+
+TEST(PairedDifferences, RunsOfOneSequenceMakeNoInterval) {
+  std::vector<TrajectoryRun> runs;
+  for (int i = 0; i < 10; ++i) {
+    runs.push_back(run("x", "a", 1, std::to_string(i)));
+    runs.push_back(run("x", "b", 2 + 0.01 * i, std::to_string(i)));
+  }
+  runs.push_back(run("y", "a", 1));
+  runs.push_back(run("y", "b", 1));
+  const PairedDifference d = pairedDifferences(runs)[0];
+  EXPECT_EQ(d.pairs, 11U);
+  EXPECT_NEAR(d.mean_m, 0.5 * 1.045, 1e-12) << "sequences count alike, whatever their runs";
+  EXPECT_FALSE(d.low_m);
+  EXPECT_EQ(d.better, "");
 }
 
 }  // namespace
