@@ -160,7 +160,7 @@ std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
   if (o.runs.runs.empty()) return {};
   RunsRequest request = o.runs;
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
-  request.min_coverage = o.metrics.min_coverage;
+  setLimits(o.metrics, request);
   request.calibrations = comparedLabels(o.calibrations, o.labels);
   return evaluateRuns(request);
 }

@@ -86,7 +86,9 @@ Provenance provenanceOf(const EvaluateTrajectoryOptions& o, const CLI::App& app)
 
 TrajectoryRecord judged(const TrajectoryEvaluation& evaluation, const EvaluateTrajectoryOptions& o,
                         const CLI::App& app) {
-  TrajectoryRecord record = studyOfOne(evaluation.run, o.metrics.min_coverage);
+  RunsRequest limits;
+  setLimits(o.metrics, limits);
+  TrajectoryRecord record = studyOfOne(evaluation.run, limits);
   record.verdict = trajectoryVerdict(record);
   record.provenance = provenanceOf(o, app);
   return record;
@@ -126,7 +128,6 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
 struct EvaluateTrajectoriesOptions {
   RunsRequest request;
   TrajectoryMetricWords metrics;
-  double max_ate_m = 0;
   std::string body;
   ResultOptions output;
 };
@@ -139,9 +140,6 @@ void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) 
       ->required();
   o.output.declareResult(app);
   declareCoverage(app, o.metrics);
-  app.add_option("--max-ate", o.max_ate_m,
-                 "ATE [m] above which a run has diverged (default: what never moving would reach)")
-      ->check(CLI::PositiveNumber);
   app.add_option("--body", o.body, "Rigid body of motion-capture exports");
   app.add_option("--threads", o.request.threads, "Threads (0: all cores)")
       ->check(CLI::NonNegativeNumber)
@@ -152,13 +150,12 @@ void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) 
 RunsRequest evaluateTrajectoriesRequest(const EvaluateTrajectoriesOptions& o) {
   RunsRequest request = o.request;
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
-  request.min_coverage = o.metrics.min_coverage;
+  setLimits(o.metrics, request);
   request.how.estimate_w_first = o.metrics.estimate_w_first;
   request.how.truth_w_first = o.metrics.truth_w_first;
   request.how.estimate_inverted = o.metrics.estimate_inverted;
   request.how.truth_inverted = o.metrics.truth_inverted;
   request.how.read_truth.body = o.body;
-  if (o.max_ate_m > 0) request.max_ate_m = o.max_ate_m;
   return request;
 }
 

@@ -35,7 +35,6 @@ struct OdometryCommandOptions {
   std::string with = "builtin";
   std::string estimate = toString(HintKind::kNone);
   TrajectoryMetricWords metrics;
-  double max_ate_m = 0;
   ResultOptions output;
 };
 
@@ -77,10 +76,6 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   app.add_option("--memory-limit", r.memory_mb, "Limit on its address space [MB] (0: none)")
       ->check(numberWithin(0, kMostMegabytes))
       ->capture_default_str();
-  app.add_option("--max-ate", o.max_ate_m,
-                 "ATE [m] above which a run has diverged (default: the ATE of an estimate that "
-                 "never moves)")
-      ->check(CLI::PositiveNumber);
   app.add_option("--threads", r.threads, "Parallel runs (0: all cores)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
@@ -107,7 +102,7 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
   request.how.truth_w_first = o.metrics.truth_w_first;
   request.how.truth_inverted = o.metrics.truth_inverted;
   request.min_coverage = o.metrics.min_coverage;
-  if (o.max_ate_m > 0) request.max_ate_m = o.max_ate_m;
+  if (o.metrics.max_ate_m > 0) request.max_ate_m = o.metrics.max_ate_m;
   return request;
 }
 

@@ -89,6 +89,7 @@ void checkTrajectoryOption(const std::string& option, const std::string& words) 
   CLI::App app;
   TrajectoryMetricWords metrics;
   declareTrajectoryMetrics(app, metrics);
+  declareCoverage(app, metrics);
   app.set_help_flag();
   std::vector<std::string> line{"--" + option};
   if (!words.empty()) line.push_back(words);

@@ -224,7 +224,7 @@ const FailureRow kRows[] = {
     {Code::kStageNotBegun, "the guide never started its {stage} stage",
      "record longer; decisions.jsonl states the reason for each frame"},
     {Code::kNoFrameOfPart, "no frame of the {part} has a plausible pose of the target",
-     "record longer, or split the frames into shorter blocks"},
+     "record longer, with the target in view throughout"},
     {Code::kPoolUnobservable,
      "the frames of the pool do not determine the cameras, though all frames do",
      "record longer, with the target tilted, rolled, and all over the image"},

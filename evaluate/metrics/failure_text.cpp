@@ -104,8 +104,6 @@ std::string likelyCause(double estimate, double truth) {
       }
     }
   }
-  // What was given as --time-offset is in `estimate` already (explainTooFewPairs()): this adds to
-  // it.
   const double offset = truth - estimate;
   if ((estimate < kEpochStarts) != (truth < kEpochStarts)) {
     return fmt::format(
@@ -209,8 +207,11 @@ void addOfCalibration(const Failure& f, Words& words) {
 void addOfTrajectory(const Failure& f, Words& words) {
   switch (f.code) {
     case Code::kNoCommonTime:
+      // From the estimate's own stamps: what is suggested takes the place of an offset that was
+      // given.
       words.push_back(
-          fmt::arg("likely", likelyCause(f.number("estimate_from_s"), f.number("truth_from_s"))));
+          fmt::arg("likely", likelyCause(f.number("estimate_from_s") - f.number("given_s"),
+                                         f.number("truth_from_s"))));
       return;
     case Code::kPartnersInGaps:
     case Code::kTooFewPartners:

@@ -268,13 +268,17 @@ TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
 /// Failed where it diverged, else complete or partial.
 TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
   // An estimate that stands still has the truth's spread as its ATE, after the best alignment.
-  // A least-squares scale (sim3) may shrink an estimate to a point, which has just this ATE: under
-  // it no run exceeds the default limit, and divergence shows by --max-ate alone.
-  const double limit = request.max_ate_m.value_or(spreadOf(run.truth_m));
+  // A least-squares scale (sim3) may shrink an estimate to a point, which has just this ATE, so
+  // that none exceeds it: half of it is an estimate that explains three quarters of the squared
+  // distances.
+  const bool shrinks = run.alignment.kind == toString(AlignmentKind::kSim3);
+  const double limit = request.max_ate_m.value_or((shrinks ? 0.5 : 1) * spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;
   // So that NaN, too, has diverged.
   if (!(ate <= limit)) {
-    const char* which = request.max_ate_m ? "the limit" : "the ATE of an estimate that never moves";
+    const char* which = request.max_ate_m ? "the limit"
+                        : shrinks         ? "half the ATE of an estimate that never moves"
+                                          : "the ATE of an estimate that never moves";
     return failedRun(std::move(run), fmt::format("diverged: ATE {:.3f} m, more than {:.3f} m ({})",
                                                  ate, limit, which));
   }
@@ -356,12 +360,11 @@ TrajectoryRecord evaluateRuns(const RunsRequest& request) {
   return {studyOf(std::move(runs)), "", {}, {}};
 }
 
-TrajectoryRecord studyOfOne(TrajectoryRun run, double min_coverage) {
-  // By its coverage alone: one run by itself is not called diverged, however large its error.
+TrajectoryRecord studyOfOne(TrajectoryRun run, const RunsRequest& request) {
   run.sequence = nameOfFile(run.truth);
   run.run = nameOfFile(run.estimate);
   const std::string name = run.run;
-  return {studyOf({withCompletion(std::move(run), min_coverage)}), name, {}, {}};
+  return {studyOf({withStatus(std::move(run), request)}), name, {}, {}};
 }
 
 }  // namespace plumbline

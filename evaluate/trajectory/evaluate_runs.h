@@ -45,7 +45,8 @@ struct RunsRequest {
   double min_coverage = kLeastCoverage;  ///< of TrajectoryMetricOptions::coverage's span; a run
                                          ///< below is partial
   /// ATE (RMSE of positions [m]) above which a run has diverged. Unset: the RMS distance of the
-  /// truth's positions from their mean, which an estimate that never moves would reach.
+  /// truth's positions from their mean, which an estimate that never moves would reach; half of it
+  /// under sim3, whose scale may shrink an estimate to a point.
   std::optional<double> max_ate_m;
   /// The only words that {calibration} may stand for, each with runs or without; empty: any.
   std::vector<std::string> calibrations;
@@ -68,10 +69,11 @@ TrajectoryRecord evaluateRuns(const RunsRequest& request);
 TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::path& truth_path,
                         const TrajectoryFile& truth, const RunsRequest& request);
 
-/// A study of one run, so that it can be kept and shown as many are: partial below `min_coverage`,
-/// never failed. `run` and `sequence` are named after the files of estimate and truth, or after the
-/// folder of the recording where a file lies in one ("MH_01/mav0/vicon0/data.csv": "MH_01").
-TrajectoryRecord studyOfOne(TrajectoryRun run, double min_coverage);
+/// A study of one run, so that it can be kept and shown as many are: failed where it diverged,
+/// partial below the least coverage, as `request` has the limits. `run` and `sequence` are named
+/// after the files of estimate and truth, or after the folder of the recording where a file lies in
+/// one ("MH_01/mav0/vicon0/data.csv": "MH_01").
+TrajectoryRecord studyOfOne(TrajectoryRun run, const RunsRequest& request);
 
 /// Why nothing, or too little, was paired: both spans in seconds and what most likely differs (the
 /// unit, the epoch, the clock), or how far the nearest stamps are apart. Neither trajectory is

@@ -59,8 +59,7 @@ constexpr double kRigidDeg = 5;             // spread about a body rotation that
 
 Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
                            const Association& association, const AssociationOptions& options) {
-  // As they were compared, the estimate's with the offset that was given: whatever the message
-  // suggests adds to that one.
+  // As they were compared, the estimate's with the offset that was given.
   const Span a = spanOf(estimate, options.time_offset_s);
   const Span b = spanOf(truth, 0);
   if (a.to < b.from || b.to < a.from) {
@@ -68,7 +67,8 @@ Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
             {{"estimate_from_s", a.from},
              {"estimate_to_s", a.to},
              {"truth_from_s", b.from},
-             {"truth_to_s", b.to}}};
+             {"truth_to_s", b.to},
+             {"given_s", options.time_offset_s}}};
   }
   Failure failure{FailureCode::kTooFewPartners,
                   {{"pairs", association.pairs.size()},

@@ -127,6 +127,15 @@ void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
   app.add_option("--coverage-from", o.coverage_from,
                  "Where that span starts: start (of the truth) or first-pose (of the estimate)")
       ->capture_default_str();
+  app.add_option("--max-ate", o.max_ate_m,
+                 "ATE [m] above which a run has diverged (default: the ATE of an estimate that "
+                 "never moves; half of it with --align sim3)")
+      ->check(CLI::PositiveNumber);
+}
+
+void setLimits(const TrajectoryMetricWords& words, RunsRequest& request) {
+  request.min_coverage = words.min_coverage;
+  if (words.max_ate_m > 0) request.max_ate_m = words.max_ate_m;
 }
 
 TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {

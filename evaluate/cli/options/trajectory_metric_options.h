@@ -25,13 +25,18 @@ struct TrajectoryMetricWords {
   bool estimate_inverted = false, truth_inverted = false;
   std::string coverage_from = "start";
   double min_coverage = kLeastCoverage;
+  double max_ate_m = 0;  ///< 0: not given
 };
 
 /// Adds the options to `app`, which fills `words`.
 void declareTrajectoryMetrics(CLI::App& app, TrajectoryMetricWords& words);
 
-/// --min-coverage and --coverage-from, for commands that judge whether a run is complete.
+/// --min-coverage, --coverage-from and --max-ate, for commands that judge whether a run is
+/// complete.
 void declareCoverage(CLI::App& app, TrajectoryMetricWords& words);
+
+/// Theirs that a run's status depends on.
+void setLimits(const TrajectoryMetricWords& words, RunsRequest& request);
 
 /// The words as values; throws InputError that names an option and what it may be.
 TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& words);

@@ -96,6 +96,15 @@ TEST_F(CommandTrajectory, Sim3FindsTheScale) {
   EXPECT_LT(figures["ate"]["translation_m"]["rmse"], 1e-8);
 }
 
+TEST_F(CommandTrajectory, SaysWhereTheEstimateDiverged) {
+  write(estimate(), circle(100, 50));
+  const auto figures = nlohmann::json::parse(run("--json -").text);
+  EXPECT_EQ(figures["status"], "failed");
+  EXPECT_THAT(figures["problem"], HasSubstr("diverged: ATE"));
+  EXPECT_EQ(figures["verdict"]["level"], "bad");
+  EXPECT_EQ(nlohmann::json::parse(run("--max-ate 100 --json -").text)["status"], "complete");
+}
+
 TEST_F(CommandTrajectory, AnEstimateMayComeFromAPipe) {
   const std::string piped = "evaluate trajectory - " + truth().string() + " --json - < ";
   EXPECT_EQ(nlohmann::json::parse(plumbline(piped + estimate().string()).text)["n"],

@@ -20,7 +20,7 @@ constexpr const char* kNumbers =
     "samples_from_s samples_to_s views least offered fullest asked frames "
     "iterations calibrated session offset_s translation_std_m rotation_std_rad "
     "offset_std_s pairs across rms_deg rms_m distance_m estimate_from_s "
-    "estimate_to_s truth_from_s truth_to_s poses truth in_gaps max_gap_s max_dt_s "
+    "estimate_to_s given_s truth_from_s truth_to_s poses truth in_gaps max_gap_s max_dt_s "
     "nearest_s as_read_deg reordered_deg aligned count apart_s pause_s from_s to_s "
     "std_s joined longest_s ";
 constexpr const char* kWords = "trajectory camera stage part calibration problem which alignment";

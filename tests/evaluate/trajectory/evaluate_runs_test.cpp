@@ -150,6 +150,22 @@ TEST_F(EvaluateRuns, NothingIsDropped) {
   EXPECT_EQ(record.paired[0].left_out, 5U);
 }
 
+// What moves otherwise than its truth: least squares over the scale shrinks it to a point.
+TEST_F(EvaluateRuns, AFreeScaleDoesNotHideDivergence) {
+  Trajectory lost = spiral(0);
+  for (StampedPose& pose : lost.poses) {
+    const double a = secondsBetween(lost.poses[0].t, pose.t);
+    pose.p = {5 * std::cos(0.3 * a * a), 5 * std::sin(0.3 * a * a), 3 * std::sin(a)};
+  }
+  put("results/good/MH_01_0.txt", lost);
+  RunsRequest r = request();
+  r.how.metrics.alignment.kind = AlignmentKind::kSim3;
+  const TrajectoryRecord record = evaluateRuns(r);
+  EXPECT_THAT(find(record, "good", "MH_01", "0").problem,
+              HasSubstr("half the ATE of an estimate that never moves"));
+  EXPECT_EQ(find(record, "good", "MH_01", "1").status, RunStatus::kComplete);
+}
+
 TEST_F(EvaluateRuns, ThreadsDoNotMatterAndTheFilesSayAll) {
   RunsRequest one = request(), many = request();
   one.threads = 1;

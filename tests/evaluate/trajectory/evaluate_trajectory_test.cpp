@@ -69,6 +69,10 @@ TEST(EvaluateTrajectories, NoOverlapNamesBothSpansAndTheCause) {
   EXPECT_THAT(textOf(refusal(spiralFrom(12), spiralFrom(1.4e9))).cure, HasSubstr("epoch"));
   EXPECT_THAT(textOf(refusal(spiralFrom(1.4e9 + 7200), spiralFrom(1.4e9))).cure,
               HasSubstr("time zone"));
+  TrajectoryMetricOptions given;
+  given.association.time_offset_s = 10;
+  const auto still = evaluateTrajectories(spiralFrom(1000), spiralFrom(1100), given);
+  EXPECT_THAT(textOf(still.failure()).cure, HasSubstr("--time-offset 100"));
 }
 
 TEST(EvaluateTrajectories, TooFewPairsSayHowFarTheStampsAreApart) {
