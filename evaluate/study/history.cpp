@@ -98,7 +98,9 @@ class Judge {
  private:
   // Spans of one figure in the order of nights; equal values of successive nights are one span.
   void judgeFigure(const std::vector<FigureSpan>& spans) {
-    if (spans.back().last_night != night_) return;  // no figure of this night
+    // No figure of this night: its step is no longer planned, or gave none; the latter is a figure
+    // itself, "failed".
+    if (spans.back().last_night != night_) return;
     const StudyFigure& last = spans.back().figure;
     Series series;
     series.last = &last;
@@ -185,9 +187,10 @@ class Judge {
     std::size_t at = 0;
     for (const auto& [night, values] : changes) {
       // Page's one-sided cumulated sum (1954): slack is the drift a night that is let pass.
-      // After a night that was far off it falls by slack alone, night by night, also where the
-      // figures are back in order: (S - cusum) / slack nights, or until it is accepted.
-      sum = std::max(0.0, sum + medians[at++] / scale - t_.slack);
+      const double step = medians[at++] / scale - t_.slack;
+      // After an alarm it begins anew with a night that is in order: it would else stay high for as
+      // long as the nights before were far off.
+      sum = sum > t_.cusum && step <= 0 ? 0 : std::max(0.0, sum + step);
       first = sum == 0 ? 0 : first == 0 ? night : first;
     }
     if (sum <= t_.cusum) return;

@@ -216,6 +216,7 @@ class Merger {
   /// may be compared with.
   void addFigure(const Step& step, const StepResult& result, const std::string& name,
                  const std::string& unit, const std::optional<double>& value) {
+    if (!value || !std::isfinite(*value)) lacking_.insert(step.name);
     // Both stages have the cameras' parameters where they are freed: the first counts.
     if (!value || !named_.insert(step.session + "/" + name).second) return;
     merged_.figures.push_back(
@@ -229,13 +230,18 @@ class Merger {
     };
     if (step.kind == StepKind::kCalibrate) {
       const StudySession& s = rows.sessions.at(0);
-      add("camera_rmse_px", "px", s.camera_rmse_px);
-      add("camera_imu_rmse_px", "px", s.camera_imu_rmse_px);
-      add("camera_entropy_nats", "nat", s.camera_entropy_nats);
-      add("camera_imu_entropy_nats", "nat", s.camera_imu_entropy_nats);
-      add("time_offset_s", "s", s.time_offset_s);
-      add("time_offset_std_s", "s", s.time_offset_std_s);
-      add("calibration_s", "s", s.calibration_s);
+      // What a stage gives that was not asked for is not missing.
+      const auto addIfThere = [&](const std::string& name, const std::string& unit,
+                                  const std::optional<double>& value) {
+        if (value) add(name, unit, value);
+      };
+      addIfThere("camera_rmse_px", "px", s.camera_rmse_px);
+      addIfThere("camera_imu_rmse_px", "px", s.camera_imu_rmse_px);
+      addIfThere("camera_entropy_nats", "nat", s.camera_entropy_nats);
+      addIfThere("camera_imu_entropy_nats", "nat", s.camera_imu_entropy_nats);
+      addIfThere("time_offset_s", "s", s.time_offset_s);
+      addIfThere("time_offset_std_s", "s", s.time_offset_std_s);
+      addIfThere("calibration_s", "s", s.calibration_s);
       for (const ParameterEstimate& p : s.estimates) add("estimates/" + p.name, p.unit, p.value);
     }
     for (const StudyHeldOut& h : rows.held_out) {
@@ -243,23 +249,44 @@ class Merger {
           h.rmse_px);
     }
     for (const StudyPerturbation& p : rows.perturbations) {
-      if (!p.recovered_ms) continue;
-      add(fmt::format("perturbation_error_ms/{:g}", p.offset_ms), "ms",
-          std::abs(*p.recovered_ms - p.offset_ms));
+      std::optional<double> error;
+      if (p.recovered_ms) error = std::abs(*p.recovered_ms - p.offset_ms);
+      add(fmt::format("perturbation_error_ms/{:g}", p.offset_ms), "ms", error);
     }
     // Another odometry's runs differ from each other, so they are no regressions.
     if (step.kind == StepKind::kOdometry && !isBuiltinOdometry(step)) return;
     for (const StudyTrajectory& t : rows.trajectories) add("ate_m/" + step.part, "m", t.ate_m);
   }
 
-  // Whether a session has a calibration at all is a figure too; not where its step was lost.
+  /// Whether later nights are judged by its figures.
+  static bool isJudged(const Step& step) {
+    switch (step.kind) {
+      case StepKind::kCalibrate:
+      case StepKind::kPerturb:
+      case StepKind::kEstimate:
+      case StepKind::kTrajectory:
+        return true;
+      case StepKind::kEvaluate:
+        return !isOfOther(step);
+      case StepKind::kOdometry:
+        return isBuiltinOdometry(step);
+      default:
+        return false;
+    }
+  }
+
+  // Whether a step gave all figures that it is judged by is a figure too: of a calibration
+  // "failed", of another step "failed/STEP"; not where it was lost.
   void addFigures() {
     for (const Step& step : steps_) {
       const auto result = results_.find(step.name);
-      if (step.kind != StepKind::kCalibrate || result == results_.end()) continue;
+      if (!isJudged(step) || result == results_.end()) continue;
       const StepStatus status = result->second.status;
       if (status != StepStatus::kDone && status != StepStatus::kFailed) continue;
-      addFigure(step, result->second, "failed", "1", status == StepStatus::kDone ? 0.0 : 1.0);
+      const bool failed = status == StepStatus::kFailed || lacking_.count(step.name) > 0;
+      const std::string of_step = "/" + step.name.substr(step.name.rfind('/') + 1);
+      addFigure(step, result->second, "failed" + (step.kind == StepKind::kCalibrate ? "" : of_step),
+                "1", failed ? 1.0 : 0.0);
     }
   }
 
@@ -308,6 +335,7 @@ class Merger {
   std::vector<std::string> failures_;
   std::vector<std::string> missing_;
   std::set<std::string> named_;
+  std::set<std::string> lacking_;  // steps that are done without a figure that they should give
 };
 
 }  // namespace

@@ -126,8 +126,6 @@ Finding endpointFinding(const StudyRecord& record) {
 /// without figures.
 void addFurtherFindings(StudyRecord& record) {
   Finding finding;
-  // Of figures that this night has: one that is missing, as of a run that lost track, raises no
-  // alarm (judgeFigure()); failed steps and sessions are counted above.
   finding.rule = "Regressions";
   finding.value = static_cast<double>(record.alarms.size());
   finding.unit = "1";
@@ -184,7 +182,7 @@ PreparedNight prepareNight(const NightRequest& request) {
   // Every process of the night appends to it.
   writeFileAtomically((night.folder / kEngineLog).string(), "");
   // Only now that the lock keeps others away.
-  removeLeftovers(night.folder, night.steps);
+  removeLeftovers(night.folder);
   if (request.redo_failed) forgetFailures(night.folder, night.steps);
   if (request.recheck > 0) {
     chooseRechecks(night.folder, night.steps, request.recheck, nightAfter(store));

@@ -3,6 +3,8 @@
 
 #include <cerrno>
 #include <cstring>
+#include <set>
+#include <string>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -121,10 +123,23 @@ void takeNightFolder(const fs::path& folder, const StudyDefinition& study) {
           "\n");
 }
 
-void removeLeftovers(const fs::path& folder, const std::vector<Step>& steps) {
+void removeLeftovers(const fs::path& folder) {
   removeDeadTemporaries(folder);
-  // Steps make their results beside their folders.
-  for (const Step& step : steps) removeDeadWorkplaces(fs::absolute(folder / step.name));
+  // Steps, also those that are no longer planned, make their results beside their folders:
+  // sessions/p1/.STEP.partial-XXXXXX.
+  std::set<fs::path> places;
+  for (const char* of_steps : {"sessions", "recordings"}) {
+    if (!fs::is_directory(folder / of_steps)) continue;
+    for (auto it = fs::recursive_directory_iterator(folder / of_steps);
+         it != fs::recursive_directory_iterator(); ++it) {
+      if (it.depth() == 1) it.disable_recursion_pending();
+      const std::string name = it->path().filename().string();
+      const auto end = name.find(".partial-");
+      if (it.depth() != 1 || name[0] != '.' || end == std::string::npos) continue;
+      places.insert(fs::absolute(it->path().parent_path() / name.substr(1, end - 1)));
+    }
+  }
+  for (const fs::path& place : places) removeDeadWorkplaces(place);
 }
 
 void requireNightFolder(const fs::path& folder) {

@@ -40,8 +40,8 @@ class NightLock {
 void takeNightFolder(const std::filesystem::path& folder, const StudyDefinition& study);
 
 /// Removes what processes that were killed left: temporary files in the study's folder, and beside
-/// the folders of steps the results in the making (removeDeadWorkplaces()).
-void removeLeftovers(const std::filesystem::path& folder, const std::vector<Step>& steps);
+/// the folders of steps, planned or not, the results in the making (removeDeadWorkplaces()).
+void removeLeftovers(const std::filesystem::path& folder);
 
 /// Throws InputError unless a study's results lie in the folder.
 void requireNightFolder(const std::filesystem::path& folder);

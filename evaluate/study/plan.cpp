@@ -43,9 +43,10 @@ bool isShared(StepKind kind, const std::string& option) {
       return isOneOf(option, kOfMeasurements) || isOneOf(option, kOfIntervals) ||
              option == "outliers" || option == "imu";
     case StepKind::kCompare:
-      return isOneOf(option, kOfMeasurements) || isOneOf(option, kOfIntervals);
+      return isOneOf(option, kOfMeasurements) || isOneOf(option, kOfIntervals) || option == "imu";
     case StepKind::kReplay:
-      return isOneOf(option, kOfIntervals) || option == "only" || option == "imu";
+      return isOneOf(option, kOfMeasurements) || isOneOf(option, kOfIntervals) ||
+             option == "models" || option == "imu";
     case StepKind::kOdometry:
       return option == "imu";
     case StepKind::kEstimate:
@@ -132,6 +133,8 @@ class Planner {
   void addOptions(StepBuilder& step, StepKind kind) {
     for (const auto& [option, words] : study_.calibrate) {
       if (!isShared(kind, option)) continue;
+      // The guide has to know the models before it begins.
+      if (kind == StepKind::kReplay && option == "models" && words == "auto") continue;
       step.words({"--" + option});
       if (option == "cameras" || option == "imu") {
         step.reads(words);

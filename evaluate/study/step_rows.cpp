@@ -56,7 +56,7 @@ StudyHeldOut heldOutOf(const CalibrationRecord& record) {
   // One calibration was evaluated on one recording.
   const CalibrationScore& score = record.held.value().scores.at(0);
   if (score.reprojection.count > 0) row.rmse_px = score.reprojection.rmse_px;
-  if (!row.rmse_px) row.failure = score.problem;
+  row.failure = score.problem;
   return row;
 }
 

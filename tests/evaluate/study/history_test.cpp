@@ -193,6 +193,18 @@ TEST(HistoryTest, CusumFindsADriftThatNoNightShows) {
   EXPECT_LE(cusum->night, 15);
 }
 
+TEST(HistoryTest, ANightThatWasMendedRaisesNoAlarmAfterwards) {
+  History history;
+  for (int night = 1; night <= 6; ++night) {
+    if (night > 1) history.nextNight();
+    for (int s = 0; s < 3; ++s) {
+      history.add("s" + std::to_string(s), "ate_m/x", night == 4 ? 0.15 : 0.1,
+                  std::to_string(night));
+    }
+    EXPECT_EQ(history.judge().empty(), night != 4) << "night " << night;
+  }
+}
+
 // Nights that differ by noise of half the floor: how often is one called worse?
 TEST(HistoryTest, NoiseRaisesFewAlarms) {
   std::mt19937_64 random(11);

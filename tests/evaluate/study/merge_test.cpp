@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a night says of steps that failed, or have no result.
+#include <cmath>
+#include <map>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -86,6 +90,29 @@ TEST_F(MergeTest, AStepThatWasLeftOutCountsAndSaysWhy) {
   EXPECT_EQ(night_.steps_left_out, 1);
   EXPECT_THAT(record.verdict.findings[1].evidence,
               HasSubstr("1 of 7 steps failed, 1 that need them were left out, 1 were not done"));
+}
+
+TEST_F(MergeTest, AFigureThatIsMissingIsAFailure) {
+  const auto failures = [&] {
+    merged();
+    std::map<std::string, double> found;
+    for (const StudyFigure& f : night_.figures) {
+      if (f.name.starts_with("failed")) found[f.name] = f.value;
+    }
+    return found;
+  };
+  EXPECT_EQ(failures(), (std::map<std::string, double>{{"failed", 0}, {"failed/evaluate_e1", 0}}));
+  StudyRecord none, nan;
+  none.trajectories = {{"a", "s1", "", std::nullopt, "diverged"}};
+  nan.held_out = {{"a", "e2", std::nan(""), ""}};
+  done(StepKind::kTrajectory, "trajectory_s1", "s1", none);
+  done(StepKind::kEvaluate, "evaluate_e2", "e2", nan);
+  failed(StepKind::kPerturb, "perturb", "");
+  const auto now = failures();
+  EXPECT_EQ(now.at("failed/trajectory_s1"), 1);
+  EXPECT_EQ(now.at("failed/evaluate_e2"), 1);
+  EXPECT_EQ(now.at("failed/perturb"), 1);
+  EXPECT_EQ(now.at("failed/evaluate_e1"), 0);
 }
 
 TEST_F(MergeTest, AFailedPerturbationIsOneOfEveryOffset) {

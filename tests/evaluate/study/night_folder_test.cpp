@@ -46,11 +46,18 @@ TEST_F(NightFolder, WhatAKilledNightWasWritingIsRemoved) {
   takeNightFolder(folder_.path(), study("a"));
   folder_.write("plan.jsonl.partial-dEAd02", "half");
   folder_.write("sessions/p1/.calibrate.partial-dEAd03/lock", "");
-  Step step;
-  step.name = "sessions/p1/calibrate";
-  removeLeftovers(folder_.path(), {step});
+  removeLeftovers(folder_.path());
   EXPECT_EQ(files(), (std::set<std::string>{"plumbline-study.json", "sessions"}));
   EXPECT_TRUE(fs::is_empty(fs::path(folder_.path()) / "sessions/p1"));
+}
+
+// Of a recording that was taken out of the study, say: no plan names its steps.
+TEST_F(NightFolder, HalfResultsOfStepsThatAreNoLongerPlannedAreRemoved) {
+  folder_.write("recordings/gone/.detect.partial-dEAd03/lock", "");
+  folder_.write("recordings/gone/detect/result.txt", "whole");
+  removeLeftovers(folder_.path());
+  EXPECT_FALSE(fs::exists(folder_.path("recordings/gone/.detect.partial-dEAd03")));
+  EXPECT_TRUE(fs::exists(folder_.path("recordings/gone/detect/result.txt")));
 }
 
 TEST_F(NightFolder, AResultThatWasMovedAsideIsPutBackAndForeignFoldersStay) {
@@ -59,9 +66,7 @@ TEST_F(NightFolder, AResultThatWasMovedAsideIsPutBackAndForeignFoldersStay) {
   folder_.write("sessions/p1/.calibrate.partial-dEAd03/log.txt", "of its command");
   folder_.write("sessions/p1/.notes.partial-mine", "mine");
   folder_.write("sessions/p1/.calibrate.partial-notYet/result", "no lock as yet");
-  Step step;
-  step.name = "sessions/p1/calibrate";
-  removeLeftovers(folder_.path(), {step});
+  removeLeftovers(folder_.path());
   EXPECT_TRUE(fs::exists(folder_.path("sessions/p1/calibrate/step.json")));
   EXPECT_FALSE(fs::exists(folder_.path("sessions/p1/.calibrate.partial-dEAd03")));
   EXPECT_TRUE(fs::exists(folder_.path("sessions/p1/.notes.partial-mine")));
@@ -72,10 +77,10 @@ TEST_F(NightFolder, WhatALiveProcessWritesStays) {
   folder_.write("summary.json.partial-aLIve1", "half");
   const int file = open(folder_.path("summary.json.partial-aLIve1").c_str(), O_RDONLY);
   ASSERT_EQ(flock(file, LOCK_EX | LOCK_NB), 0);
-  removeLeftovers(folder_.path(), {});
+  removeLeftovers(folder_.path());
   EXPECT_EQ(files(), (std::set<std::string>{"summary.json.partial-aLIve1"}));
   close(file);
-  removeLeftovers(folder_.path(), {});
+  removeLeftovers(folder_.path());
   EXPECT_TRUE(files().empty());
 }
 

@@ -109,6 +109,32 @@ TEST_F(PlanTest, OptionsChangeWhatTheyGoInto) {
   EXPECT_THAT(changed(before, plan("thresholds: {regression_sigma: 7}\nlimit_s: 10\n")), IsEmpty());
 }
 
+TEST_F(PlanTest, EveryStepGetsTheOptionsThatItTakes) {
+  write("imu.yaml", "");
+  write("kalibr.json", "");
+  const std::string session =
+      "  - {name: a, participant: p1, method: free, period: 1, path: p1_free, other: [{tool: k, "
+      "path: kalibr.json}]}\n";
+  const StudyDefinition definition = readStudy(
+      study("replay: true\ncalibrate: {imu: imu.yaml, models: pinhole-radtan, resolution: 9x9, "
+            "sync-tolerance-ms: 1, loss: none, pixel-sigma: 2, min-corners: 5, gravity: 9.8}\n",
+            session),
+      kAnyOption);
+  InputHashes hashes(root_ / "hashes.txt");
+  int checked = 0;
+  for (const Step& step : planStudy(definition, hashes, {"1", "program"})) {
+    const bool replay = step.name == "sessions/a/replay";
+    if (!replay && step.name != "sessions/a/compare_k") continue;
+    ++checked;
+    for (const char* option : {"--imu", "--resolution", "--sync-tolerance-ms", "--loss",
+                               "--pixel-sigma", "--min-corners", "--gravity"}) {
+      EXPECT_THAT(step.words, testing::Contains(option)) << step.name;
+    }
+    if (replay) EXPECT_THAT(step.words, testing::Contains("--models"));
+  }
+  EXPECT_EQ(checked, 2);
+}
+
 TEST_F(PlanTest, InputKeysOutliveVersions) {
   const auto one = plan("", "1"), two = plan("", "2");
   for (const auto& [name, step] : one) EXPECT_EQ(step.inputs_key, two.at(name).inputs_key) << name;
