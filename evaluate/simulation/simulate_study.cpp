@@ -54,12 +54,6 @@ struct Visit {
   int suggestions = 0, reached = 0;
 };
 
-double meanOf(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return values.empty() ? 0 : sum / static_cast<double>(values.size());
-}
-
 // To the milliseconds that STUDY.yaml states: the truth is of the figures that are analysed.
 double rounded(double seconds) { return std::round(1e3 * seconds) / 1e3; }
 
@@ -216,12 +210,12 @@ Json timeEffects(const std::vector<Visit>& visits, double limit_s) {
     for (const Visit* v : {&free, &guided}) log_period.push_back(std::log(at(*v, 2) / at(*v, 1)));
   }
   Json effects{{"limit_s", limit_s},
-               {"guided_less_free_s", meanOf(method_s)},
-               {"second_less_first_s", meanOf(period_s)}};
+               {"guided_less_free_s", sampleStatistics(method_s).mean},
+               {"second_less_first_s", sampleStatistics(period_s).mean}};
   if (!log_method.empty()) {
     // Geometric means, as the study compares times by factors.
-    effects["guided_over_free"] = std::exp(meanOf(log_method));
-    effects["second_over_first"] = std::exp(meanOf(log_period));
+    effects["guided_over_free"] = std::exp(sampleStatistics(log_method).mean);
+    effects["second_over_first"] = std::exp(sampleStatistics(log_period).mean);
   }
   effects["outcomes"] = std::move(outcomes);
   return effects;

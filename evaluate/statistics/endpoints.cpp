@@ -182,10 +182,12 @@ bool isEndpoint(const std::string& name, const std::vector<CaptureStage>& stages
 
 std::optional<double> figureOf(const StudyRecord& record, const StudySession& session,
                                const std::string& name) {
-  // Who finished beyond the limit keeps the time, while curves and restricted means end at the
-  // limit (timeOf()).
-  if (name == "capture_s" && !session.finished) return record.limit_s;
-  return findFigure(session, name).value;
+  if (name != "capture_s") return findFigure(session, name).value;
+  // The limit for who gave up, and no more for who took longer (timeOf()): giving up would else be
+  // the better result.
+  if (!session.finished) return record.limit_s;
+  return session.capture_s ? std::optional(std::min(*session.capture_s, record.limit_s))
+                           : std::nullopt;
 }
 
 std::optional<Endpoint> endpointOf(const StudyRecord& record, const std::string& name) {

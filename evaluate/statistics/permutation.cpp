@@ -2,19 +2,15 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numeric>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/statistics/bootstrap.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kRounding = 1e-12;  // of the largest value: sums in another order are the same
-
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
 
 /// The shifts at which permutations change sides; those that change nothing are only counted.
 struct Crossings {
@@ -123,11 +119,13 @@ Crossings flipped(const std::vector<double>& differences, const PermutationOptio
 PermutationResult resultOf(double estimate, double rounding, Crossings crossings,
                            const PermutationOptions& options) {
   auto& shifts = crossings.shifts;
+  // So that the interval ends at 0 exactly where p counts a shift as none.
+  for (double& shift : shifts) shift = std::abs(shift) <= rounding ? 0 : shift;
   std::sort(shifts.begin(), shifts.end());
   const double total = crossings.total();
-  // Shifts of zero, but for rounding, are on both sides.
-  const auto positive = std::upper_bound(shifts.begin(), shifts.end(), rounding);
-  const auto not_negative = std::lower_bound(shifts.begin(), shifts.end(), -rounding);
+  // Shifts of zero are on both sides.
+  const auto positive = std::upper_bound(shifts.begin(), shifts.end(), 0.0);
+  const auto not_negative = std::lower_bound(shifts.begin(), shifts.end(), 0.0);
   const double above = crossings.unchanged + static_cast<double>(positive - shifts.begin());
   const double below = crossings.unchanged + static_cast<double>(shifts.end() - not_negative);
   // Twice the smaller tail: with groups of different sizes the distribution is not symmetric, and
@@ -168,7 +166,8 @@ PermutationResult shiftBetween(const std::vector<double>& x, const std::vector<d
   TwoGroups groups(x, y);
   const bool few =
       choose(x.size() + y.size(), x.size()) <= static_cast<double>(options.enumerated_up_to);
-  return resultOf(mean(x) - mean(y), kRounding * std::max(largest(x), largest(y)),
+  return resultOf(sampleStatistics(x).mean - sampleStatistics(y).mean,
+                  kRounding * std::max(largest(x), largest(y)),
                   few ? groups.all() : groups.drawn(options), options);
 }
 
@@ -176,7 +175,7 @@ PermutationResult shiftOfPairs(const std::vector<double>& differences,
                                const PermutationOptions& options) {
   assert(!differences.empty());
   options.check();
-  return resultOf(mean(differences), kRounding * largest(differences),
+  return resultOf(sampleStatistics(differences).mean, kRounding * largest(differences),
                   flipped(differences, options), options);
 }
 

@@ -101,7 +101,7 @@ std::string quadeSentence(const StudyQuade& q, const std::string& words) {
       fmt::format("Quade's F({}, {}) = {:.3g}", q.dof1, q.dof2, q.statistic);
   if (!q.p) {
     return fmt::format(
-        "{}: {} ({}); all participants had the same order, so method and order are confounded",
+        "{}: {} ({}); the methods' orders are not balanced, so method and order are confounded",
         words, statistic, participantsText(q.participants));
   }
   return fmt::format("{}: the methods {} ({}, {}; {})", words,

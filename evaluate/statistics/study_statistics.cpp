@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <set>
 
 #include <fmt/format.h>
@@ -95,20 +96,18 @@ std::vector<Endpoint> endpointsOf(const StudyRecord& record) {
   return endpoints;
 }
 
-/// Whether each two methods came in both orders; otherwise a p-value of "the methods" would be one
-/// of the period as well.
-bool ordersVary(const StudyRecord& record) {
+/// Whether each two methods came in both orders equally often, but for an odd participant;
+/// otherwise a p-value of "the methods" would be one of the period as well.
+bool ordersAreBalanced(const StudyRecord& record) {
   for (std::size_t a = 0; a < record.methods.size(); ++a) {
     for (std::size_t b = a + 1; b < record.methods.size(); ++b) {
-      bool forth = false, back = false;
+      int forth = 0, back = 0;
       for (const std::string& participant : participantsOf(record)) {
         const auto first = periodOf(record, participant, record.methods[a]);
         const auto second = periodOf(record, participant, record.methods[b]);
-        if (first && second) (*first < *second ? forth : back) = true;
+        if (first && second) ++(*first < *second ? forth : back);
       }
-      // One participant of the other order is enough for this; Quade's test then has the period
-      // among its chance.
-      if (!forth || !back) return false;
+      if (forth == 0 || back == 0 || std::abs(forth - back) > 1) return false;
     }
   }
   return true;
@@ -117,7 +116,7 @@ bool ordersVary(const StudyRecord& record) {
 /// Words wait until Holm's correction is known, which is over all endpoints.
 void addEffects(StudyRecord& record, const PairedOptions& options) {
   StudyStatistics& s = record.statistics;
-  const bool vary = ordersVary(record);
+  const bool balanced = ordersAreBalanced(record);
   std::vector<std::string> words;
   // A ratio or a difference is decided for an endpoint as a whole (endpointOf()), so that all its
   // methods are compared on one scale.
@@ -136,7 +135,7 @@ void addEffects(StudyRecord& record, const PairedOptions& options) {
                  test.statistic,
                  test.dof1,
                  test.dof2,
-                 vary ? std::optional(test.p) : std::nullopt,
+                 balanced ? std::optional(test.p) : std::nullopt,
                  {}};
     q.sentence = quadeSentence(q, endpoint.words);
     s.quade.push_back(std::move(q));
@@ -225,7 +224,7 @@ StudySurvival survivalOf(const StudyRecord& record, const std::string& method) {
 }
 
 /// Without other censoring than at the limit the restricted mean is the mean of the times up to it,
-/// so that exchanging the methods within participants turns signs of their differences.
+/// so that what is said of paired figures holds of it: the period is taken out.
 StudyTimeDifference timeDifferenceOf(const StudyRecord& record, const std::string& method,
                                      const PairedOptions& options) {
   StudyTimeDifference time;
@@ -241,21 +240,12 @@ StudyTimeDifference timeDifferenceOf(const StudyRecord& record, const std::strin
   const EndpointPairs found = pairsOf(known, {"capture_s", "s", "", false}, time.baseline, method);
   time.participants = static_cast<int>(found.pairs.size());
   if (found.pairs.size() > 1) {
-    std::vector<double> differences;
-    int method_first = 0;
-    for (const PairedValues& p : found.pairs) {
-      differences.push_back(p.method - p.baseline);
-      method_first += p.method_first ? 1 : 0;
-    }
-    // Over all, whatever their order: of groups of n_B and n_M participants it holds (n_B - n_M) /
-    // n of the period's effect (paired_analysis.h), which effectOf() takes out.
-    const PermutationResult r = shiftOfPairs(differences, options.permutation);
+    const PairedAnalysis a = analysePairs(found.pairs, options);
+    time.design = a.design;
+    time.difference_s = intervalOf(a.effect, false);
+    time.exact = a.effect.exact;
     // All in one order: the difference is one of method and period together, and has no p-value.
-    const bool both = method_first > 0 && method_first < time.participants;
-    time.design = both ? StudyDesign::kCrossover : StudyDesign::kOneOrder;
-    time.difference_s = {r.estimate, r.low, r.high};
-    time.exact = r.exact;
-    if (both) time.p = r.p;
+    if (a.design == StudyDesign::kCrossover) time.p = a.effect.p;
   }
   time.sentence = timeSentence(time, record.limit_s);
   return time;

@@ -93,7 +93,7 @@ struct StudyQuade {
   int participants = 0;
   double statistic = 0;
   int dof1 = 0, dof2 = 0;
-  std::optional<double> p;  ///< empty where all had one order: it would not be the methods' own
+  std::optional<double> p;  ///< empty without balanced orders: it would not be the methods' own
   std::string sentence;
 };
 
@@ -106,7 +106,7 @@ void fields(V& v, StudyQuade& q) {
   v("statistic", q.statistic, "1", "F");
   v("dof1", q.dof1, "methods - 1");
   v("dof2", q.dof2, "(methods - 1) (participants - 1)");
-  v("p", q.p, "1", "of F; absent where two methods came in one order for all");
+  v("p", q.p, "1", "of F; absent where two methods did not come in both orders equally often");
   v("sentence", q.sentence, "in words");
 }
 
@@ -151,7 +151,7 @@ struct StudyTimeDifference {
   int participants = 0;
   StudyDesign design = StudyDesign::kTooFew;
   StudyInterval difference_s;
-  std::optional<double> p;  ///< permutation within participants; none where all had one order
+  std::optional<double> p;  ///< as for an effect; none where all had one order
   bool exact = false;
   std::string sentence;
 };
@@ -164,8 +164,9 @@ void fields(V& v, StudyTimeDifference& d) {
   v("method", d.method, "method compared");
   v("participants", d.participants, "1", "with both");
   v("design", d.design, "as for an effect");
-  v("difference_s", d.difference_s, "s", "of restricted means, method - baseline");
-  v("p", d.p, "1", "permutation within participants, two-sided");
+  v("difference_s", d.difference_s, "s",
+    "of times up to the limit, method - baseline, with the period taken out");
+  v("p", d.p, "1", "as for an effect");
   v("exact", d.exact, "every permutation was evaluated");
   v("sentence", d.sentence, "in words");
 }

@@ -89,6 +89,13 @@ TEST(ShiftBetween, CallsEqualSumsEqualWhateverTheirRounding) {
   EXPECT_DOUBLE_EQ(shiftOfPairs({0, 0, 0, 0, 0, 0, 0}).p, 1);
 }
 
+// 0.1 + 0.2 - 0.3 is 5.6e-17, which p takes for no shift at all.
+TEST(ShiftOfPairs, EndsItsIntervalAtNoShiftButForRounding) {
+  const auto result = shiftOfPairs({0.1 + 0.2 - 0.3, 1, 2, 3, 4, 5});
+  EXPECT_GT(result.p, 0.05);
+  EXPECT_EQ(result.low.value(), 0);
+}
+
 TEST(Permutations, ThatAreDrawnComeNearToAllOfThem) {
   const std::vector<double> x{0.9, 1.4, 0.1, 1.1, 0.8, 2.0, 0.6, 1.9},
       y{0.2, 0.3, 1.2, -0.4, 0.9, 0.1, 0.5, 0.0};
