@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/batch/camera/problem.h"
+#include "evaluate/metrics/calibration/score.h"
 #include "evaluate/results/progress.h"
 
 namespace plumbline {
@@ -99,12 +100,8 @@ class SessionStages {
   Result<CameraStageResult> choosing(const LoadedSession& loaded, TargetMode mode) {
     auto stage = calibrated(loaded, mode, request_.camera);
     if (!stage) return stage;
-    Chosen chosen{{}, stage->summary.reprojection.rmse_px};
-    for (const CameraCalibration& camera : stage->cameras) {
-      chosen.models.push_back(
-          {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
-    }
-    chosen_.emplace(rigOf(loaded.session), std::move(chosen));
+    chosen_.emplace(rigOf(loaded.session),
+                    Chosen{modelsOf(stage->cameras), stage->summary.reprojection.rmse_px});
     return stage;
   }
 

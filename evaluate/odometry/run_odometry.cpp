@@ -202,12 +202,13 @@ ExternalRun runExternalOnce(const Plan& plan, const OdometryRequest& request, bo
 }
 
 /// By how much the columns moved about the last one over the second half, RMS. For systems that
-/// print no deviation: their estimate settles, so that it is less than its error.
-Eigen::VectorXd movedAtLast(const Eigen::MatrixXd& values) {
-  // One value or two have no second half that moves: 0 then says nothing of the estimate.
+/// print no deviation: their estimate settles, so that it is less than its error. None of fewer
+/// than four values, whose second half hardly moves: 0 would say nothing of the estimate.
+std::optional<Eigen::VectorXd> movedAtLast(const Eigen::MatrixXd& values) {
+  if (values.cols() < 4) return std::nullopt;
   const Eigen::Index half = (values.cols() + 1) / 2;
   const Eigen::MatrixXd moved = values.rightCols(half).colwise() - values.rightCols<1>();
-  return (moved.rowwise().squaredNorm() / static_cast<double>(half)).cwiseSqrt();
+  return Eigen::VectorXd((moved.rowwise().squaredNorm() / static_cast<double>(half)).cwiseSqrt());
 }
 
 /// What the other system's online calibration ends at, in a run of its own.
@@ -226,7 +227,8 @@ void addRefined(const Plan& plan, const OdometryRequest& request, const fs::path
   if (!run.offsets_s.empty()) {
     const auto count = static_cast<Eigen::Index>(run.offsets_s.size());
     r.offset_hint_s = run.offsets_s.back();
-    r.offset_hint_std_s = movedAtLast(Eigen::RowVectorXd::Map(run.offsets_s.data(), count)).value();
+    const auto moved = movedAtLast(Eigen::RowVectorXd::Map(run.offsets_s.data(), count));
+    if (moved) r.offset_hint_std_s = moved->value();
   }
   if (run.T_SC0.empty() || request.hint != HintKind::kExtrinsics) return;
   Eigen::MatrixXd changes(6, static_cast<Eigen::Index>(run.T_SC0.size()));
@@ -234,7 +236,7 @@ void addRefined(const Plan& plan, const OdometryRequest& request, const fs::path
     changes.col(i) = boxminus(run.T_SC0[static_cast<std::size_t>(i)], used.T_SC0);
   }
   r.T_SC0_hint = Vector6d(changes.rightCols<1>());
-  r.T_SC0_hint_std = Vector6d(movedAtLast(changes));
+  if (const auto moved = movedAtLast(changes)) r.T_SC0_hint_std = Vector6d(*moved);
 }
 
 Outcome runExternalPlan(const Plan& plan, const OdometryRequest& request, const fs::path& out) {

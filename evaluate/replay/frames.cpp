@@ -169,4 +169,14 @@ Session ReplayRun::sessionFrom(int first) const {
   return sessionOfFrames(wanted);
 }
 
+std::vector<int> thinned(const std::vector<int>& frames, int most) {
+  if (static_cast<int>(frames.size()) <= most) return frames;
+  std::vector<int> kept;
+  for (int i = 0; i < most; ++i) {
+    kept.push_back(
+        frames[frames.size() * static_cast<std::size_t>(i) / static_cast<std::size_t>(most)]);
+  }
+  return kept;
+}
+
 }  // namespace plumbline

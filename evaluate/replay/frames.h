@@ -89,4 +89,7 @@ struct ReplayRun {
   Session sessionFrom(int first = 0) const;
 };
 
+/// At most `most` of the frames, evenly spread.
+std::vector<int> thinned(const std::vector<int>& frames, int most);
+
 }  // namespace plumbline

@@ -13,6 +13,7 @@
 #include "calibrator/guidance/guide.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/session_folder.h"
+#include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/replay/frames.h"
@@ -270,11 +271,7 @@ class Judge {
   static void startFrom(const std::vector<CameraCalibration>& cameras,
                         CameraStageOptions& options) {
     options.start = cameras;
-    options.models.clear();
-    for (const CameraCalibration& camera : cameras) {
-      options.models.push_back(
-          {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
-    }
+    options.models = modelsOf(cameras);
   }
 
   /// Of each frame as counterfactuals() counts those of `session`, its position in the recording.

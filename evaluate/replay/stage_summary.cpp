@@ -13,6 +13,7 @@
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
 #include "evaluate/metrics/failure_text.h"
+#include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
 namespace {
@@ -192,9 +193,10 @@ StageBatches<CameraImuStageResult> cameraImuBatches(const ReplayRun& run,
   const auto first = std::find_if(run.decisions.begin(), run.decisions.end(),
                                   [](const auto& d) { return d.stage == GuideStage::kCameraImu; });
   if (first == run.decisions.end()) return {};
-  // As it comes, converged or not: `converged` of the summaries tells which.
-  const auto batch = [&](const Session& session) {
-    return calibrateCameraImu(session, cameras, run.camera_imu);
+  const auto batch = [&](const Session& session) -> Result<CameraImuStageResult> {
+    auto stage = calibrateCameraImu(session, cameras, run.camera_imu);
+    if (stage && !stage->summary.converged) return notConverged(*stage);
+    return stage;
   };
   return batchesOf(batch(run.sessionOfFrames(run.accepted(GuideStage::kCameraImu))),
                    batch(run.sessionFrom(first->frame)));

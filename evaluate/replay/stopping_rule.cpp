@@ -13,6 +13,7 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/information/covariance.h"
+#include "evaluate/replay/frames.h"
 #include "evaluate/replay/stage_summary.h"
 
 namespace plumbline {
@@ -40,13 +41,7 @@ std::vector<int> heldOutFrames(const ReplayRun& run, const std::vector<int>& kep
       others.push_back(d.frame);
     }
   }
-  if (static_cast<int>(others.size()) <= most) return others;
-  std::vector<int> spread;
-  for (int i = 0; i < most; ++i) {
-    spread.push_back(
-        others[static_cast<std::size_t>(i) * others.size() / static_cast<std::size_t>(most)]);
-  }
-  return spread;
+  return thinned(others, most);
 }
 
 /// The frames kept, then those after "finish" that the same threshold would have taken.
@@ -291,7 +286,7 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   for (const int count : counts) {
     const auto batch = calibrateCameraImu(run.sessionOfFrames(firstOf(order, count)), cameras, imu);
     // Frames that cannot be solved are not enough.
-    holds.push_back(batch.ok() && isEnough(batch->imu));
+    holds.push_back(batch.ok() && batch->summary.converged && isEnough(batch->imu));
   }
   if (const auto first = holdsFrom(holds)) {
     const int frame = order[static_cast<std::size_t>(counts[*first] - 1)];

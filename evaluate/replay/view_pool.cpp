@@ -46,17 +46,6 @@ std::vector<int> among(const std::vector<int>& frames, const std::vector<int>& u
   return both;
 }
 
-/// At most `most` of them, evenly spread.
-std::vector<int> thinned(const std::vector<int>& frames, int most) {
-  if (static_cast<int>(frames.size()) <= most) return frames;
-  std::vector<int> kept;
-  for (int i = 0; i < most; ++i) {
-    kept.push_back(
-        frames[frames.size() * static_cast<std::size_t>(i) / static_cast<std::size_t>(most)]);
-  }
-  return kept;
-}
-
 /// Sums over corners.
 struct ErrorSum {
   double squares = 0;

@@ -257,13 +257,17 @@ bool canBeCalibrated(const Calibration& calibration) {
                      });
 }
 
-CameraStageOptions withModelsOf(const Calibration& calibration, CameraStageOptions options) {
-  options.models.clear();
-  options.start.clear();
-  for (const CameraCalibration& camera : calibration.cameras) {
-    options.models.push_back(
-        {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
+std::vector<CameraModelPair> modelsOf(const std::vector<CameraCalibration>& cameras) {
+  std::vector<CameraModelPair> models;
+  for (const CameraCalibration& camera : cameras) {
+    models.push_back({camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
   }
+  return models;
+}
+
+CameraStageOptions withModelsOf(const Calibration& calibration, CameraStageOptions options) {
+  options.models = modelsOf(calibration.cameras);
+  options.start.clear();
   return options;
 }
 

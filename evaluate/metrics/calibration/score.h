@@ -30,7 +30,7 @@ struct ScoreOptions {
   /// Entropies weight the corners by the stages' loss; false: all alike, so that two calibrations
   /// are judged by the same corners.
   bool entropy_under_loss = true;
-  /// 2 or more: also K-fold validation, see scoreCalibration().
+  /// 2 or more: also K-fold validation, see scoreSession().
   int folds = 0;
 
   /// Throws InputError for values out of range.
@@ -46,6 +46,9 @@ struct SessionScores {
 
 /// Whether the program can estimate every camera's models; some it can only score.
 bool canBeCalibrated(const Calibration& calibration);
+
+/// The models of each camera.
+std::vector<CameraModelPair> modelsOf(const std::vector<CameraCalibration>& cameras);
 
 /// Options that calibrate anew with the calibration's models, but none of its values as a start:
 /// these may have been estimated with corners that the new one must not have seen.

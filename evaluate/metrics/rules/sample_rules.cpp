@@ -34,7 +34,7 @@ struct Jitter {
   double size_s = 0;
   std::string evidence;
 };
-constexpr std::size_t kFewest = 100;  // frames
+constexpr std::size_t kFewest = 100;  // frames, or intervals between them
 
 /// Where the solution leaves the shifts to the intervals between frames: rotation residuals along
 /// the motion, with opposite signs in neighbours.
@@ -42,15 +42,18 @@ std::optional<Jitter> jitterOfIntervals(const CameraImuStageResult& stage) {
   constexpr double kAlong = 2;          // residuals along the rate over those across, squared
   constexpr double kAlternates = -0.2;  // correlation of neighbours; -1/2 where stamps alone err
   double along = 0, across = 0, rates = 0, neighbours = 0, before = 0;
+  std::size_t used = 0;
+  std::size_t k = 0, last = 0;  // frames at which this residual and the one before begin
   // If frame k's stamp is late by e_k, interval k's rotation is off along the rate w by |w| (e_k+1
   // - e_k): neighbours then correlate by -1/2, and the sum of squares along the rate exceeds that
   // across, which is per axis, by 2 |w|^2 times the variance of e.
-  for (std::size_t k = 0; k + 1 < stage.states.size() && k < stage.imu_residuals.size(); ++k) {
-    const ImuIntervalResidual& r = stage.imu_residuals[k];
-    // Residuals are of the links between frames, and states of frames: behind a gap of the IMU,
-    // which has no link, the two are no longer parallel. What comes after the first gap is not
-    // looked at.
-    if (r.t != stage.frames[k].t || !(r.dt_s > 0)) break;
+  for (const ImuIntervalResidual& r : stage.imu_residuals) {
+    // States are of frames, and residuals of the links between them: where the IMU has a gap there
+    // is none.
+    while (k + 1 < stage.states.size() && stage.frames[k].t < r.t) ++k;
+    if (k + 1 >= stage.states.size()) break;
+    if (stage.frames[k].t != r.t || !(r.dt_s > 0)) continue;
+    if (k != last + 1) before = 0;
     const Eigen::Matrix3d turn = stage.states[k].T_FS.R.transpose() * stage.states[k + 1].T_FS.R;
     const Eigen::Vector3d rate = logSO3(turn) / r.dt_s;
     const double part = rate.norm() > 0 ? r.rotation_rad.dot(rate.normalized()) : 0;
@@ -59,8 +62,10 @@ std::optional<Jitter> jitterOfIntervals(const CameraImuStageResult& stage) {
     rates += rate.squaredNorm();
     neighbours += part * before;
     before = part;
+    last = k;
+    ++used;
   }
-  if (stage.imu_residuals.size() < kFewest || !(along > 0) || !(across > 0)) return std::nullopt;
+  if (used < kFewest || !(along > 0) || !(across > 0)) return std::nullopt;
   // Both, since either alone has other causes: a gyroscope whose scale is off errs along the motion
   // too, and white noise of poses alternates as well, but in all directions.
   const bool found = along > kAlong * across && neighbours < kAlternates * along;

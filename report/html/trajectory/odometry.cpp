@@ -13,7 +13,8 @@ namespace plumbline::html_internal {
 namespace {
 
 Cell hintCell(const OdometryRunRecord& o) {
-  if (!o.offset_hint_s || !o.offset_hint_std_s) return number(kDash);
+  if (!o.offset_hint_s) return number(kDash);
+  if (!o.offset_hint_std_s) return number(fmt::format("{:.3g}", 1e3 * *o.offset_hint_s));
   return number(fmt::format("{} \u00b1 {}",
                             withPrecisionOf(1e3 * *o.offset_hint_s, 1e3 * *o.offset_hint_std_s),
                             twoDigits(1e3 * *o.offset_hint_std_s)));

@@ -130,6 +130,17 @@ TEST(SampleRules, StampsThatJitterAreFoundWithTheirSize) {
   EXPECT_TRUE(judgeStampJitter({}, {}).empty());
 }
 
+// Over a gap of the IMU there is no residual; those behind it count, and a handful is too few.
+TEST(SampleRules, StampsThatJitterAreFoundBeyondAGapOfTheImu) {
+  CameraImuStageResult stage = stageWithJitter(2e-3, 1e-4);
+  stage.imu_residuals.erase(stage.imu_residuals.begin() + 10);
+  const Findings findings = judgeStampJitter(stage, {});
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_NEAR(findings.front().value, 2, 0.3);
+  for (std::size_t i = 10; i < stage.imu_residuals.size(); ++i) ++stage.imu_residuals[i].t;
+  EXPECT_TRUE(judgeStampJitter(stage, {}).empty());
+}
+
 TEST(SampleRules, StampsThatJitterAreFoundInTheCornersToo) {
   CameraImuStageResult stage;
   stage.frames.resize(400);

@@ -208,9 +208,10 @@ TEST_F(OtherOdometry, OnlineCalibrationOfAnotherSystemIsAHint) {
                   t_d, q[0], q[1], q[2], q[3], T_C0S.t.x() + shift, T_C0S.t.y(), T_C0S.t.z());
     return std::string(text);
   };
-  write(folder_ / "vio.sh",
-        "cp " + (folder_ / "truth.txt").string() + " $2\ngrep -q 'refine: true' $1 || exit 0\n" +
-            printed(0.009, 0.05) + printed(0.003, 0.012) + printed(0.002, 0.01));
+  write(folder_ / "vio.sh", "cp " + (folder_ / "truth.txt").string() +
+                                " $2\ngrep -q 'refine: true' $1 || exit 0\n" + printed(0.02, 0.1) +
+                                printed(0.009, 0.05) + printed(0.003, 0.012) +
+                                printed(0.002, 0.01));
   const auto runner = [&](const std::string& change) {
     write(folder_ / "vio.yaml",
           "name: vio\nexecutable: sh\narguments: " + (folder_ / "vio.sh").string() +
@@ -230,6 +231,15 @@ TEST_F(OtherOdometry, OnlineCalibrationOfAnotherSystemIsAHint) {
   EXPECT_NEAR(hint["offset_hint_std_s"], std::sqrt(1e-6 / 2), 1e-9);  // 3, 2 ms
   const Eigen::Vector3d moved = used.imu->T_SC0.R * Eigen::Vector3d(-0.01, 0, 0);
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(hint["T_SC0_hint"][i], i < 3 ? moved[i] : 0, 1e-7) << i;
+  write(folder_ / "vio.sh", "cp " + (folder_ / "truth.txt").string() +
+                                " $2\ngrep -q 'refine: true' $1 || exit 0\n" +
+                                printed(0.002, 0.01));
+  ASSERT_EQ(runner("refine: false").exit_code, 0);
+  const json once = document()["runs"][0]["odometry"];
+  EXPECT_NEAR(once["offset_hint_s"], 0.002, 1e-9);
+  for (const char* std : {"offset_hint_std_s", "T_SC0_hint_std"}) {
+    EXPECT_TRUE(once.value(std, json()).is_null()) << std;
+  }
   const Outcome wrong = runner("refine: no");
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.text, HasSubstr("no file of the runner holds 'refine: no'"));

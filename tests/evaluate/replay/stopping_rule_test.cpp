@@ -79,6 +79,16 @@ TEST_F(Stopping, WhatCannotBeSolvedIsNotJudged) {
   EXPECT_THAT(audit.explanation, HasSubstr("pairs of consecutive frames"));
 }
 
+TEST_F(Stopping, BatchesThatDidNotConvergeAreNoReference) {
+  decide(GuideStage::kCameraImu, 1, 2.5);
+  ReplayRun r = run();
+  r.camera_imu.max_iterations = 1;
+  const auto& cameras = recording_.truth.cameras;
+  const StopAudit audit = judgeCameraImuStop(r, cameras, cameraImuBatches(r, cameras));
+  EXPECT_EQ(audit.verdict, Stop::kNotJudged);
+  EXPECT_THAT(audit.explanation, HasSubstr("converge"));
+}
+
 TEST_F(Stopping, ACameraImuStageThatStopsAtOnceIsEarly) {
   decide(GuideStage::kCameraImu, 1, 2.5);
   const StopAudit audit = imuAudit();
