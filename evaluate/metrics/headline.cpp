@@ -18,30 +18,17 @@ std::string sentence(std::string text) {
   return text + (text.ends_with('.') ? "" : ".");
 }
 
-/// The largest of all deviations that are shown (formal, cluster-robust, bootstrap) of T_SC0's
-/// translation ('t' [m]) or rotation ('r' [rad]): the letter behind the dot of "T_SC0.tx". 0
-/// without a camera-IMU stage.
-double largestShown(const std::vector<ParameterEstimate>& estimates, char axis) {
-  double largest = 0;
-  for (const ParameterEstimate& e : estimates) {
-    if (!e.name.starts_with("T_SC0.") || e.name[6] != axis) continue;
-    largest = std::max({largest, e.std, e.robust_std.value_or(0), e.resample_std.value_or(0)});
-  }
-  return largest;
-}
-
 /// What a good headline says of the camera-IMU stage; "" where there was none.
 std::string imuWords(const CalibrationRecord& record) {
   const std::vector<ParameterEstimate> estimates = parameterEstimates(record, Stage::kCameraImu);
   if (estimates.empty()) return "";
-  double offset_s = 0;
-  for (const ParameterEstimate& e : estimates) {
-    if (e.name != "time_offset") continue;
-    offset_s = std::max({e.std, e.robust_std.value_or(0), e.resample_std.value_or(0)});
-  }
+  const auto largest = [&](const std::vector<std::string>& parts, const std::string& of) {
+    return largestStd(estimates, parts, of, false).value;
+  };
   return fmt::format(
       "; T_SC0 to {:.2g} mm and {:.2g} deg (1 sigma, worst axis), time offset to {:.2g} ms",
-      1e3 * largestShown(estimates, 't'), kDegrees * largestShown(estimates, 'r'), 1e3 * offset_s);
+      1e3 * largest({"tx", "ty", "tz"}, "T_SC0"), kDegrees * largest({"rx", "ry", "rz"}, "T_SC0"),
+      1e3 * largest({""}, "time_offset"));
 }
 
 }  // namespace

@@ -40,9 +40,14 @@ void addEntropyCard(std::vector<Card>& cards, const std::string& stage, const St
                    true});
 }
 
-/// Beside the assumed density, where residuals were held against it.
+/// Beside the assumed density, where residuals were held against it; a group of less redundancy
+/// than the noise check moves (ImuNoiseOptions::least_redundancy) has a factor of 1 that says
+/// nothing.
 std::string densityNote(const ImuNoiseCheck& check) {
-  return check.redundancy > 0 ? fmt::format("{:.2f} \u00d7 assumed density", check.factor) : "";
+  constexpr double kTold = 10;
+  if (!(check.redundancy > 0)) return "";
+  return check.redundancy < kTold ? "noise density not known: too few residuals"
+                                  : fmt::format("{:.2f} \u00d7 assumed density", check.factor);
 }
 
 void addStageCards(std::vector<Card>& cards, const std::string& stage, const StageSummary& s,

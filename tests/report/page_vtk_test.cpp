@@ -270,6 +270,16 @@ TEST(KeyFigures, EntropyStandsWithItsParametersAndNoise) {
   EXPECT_EQ(entropies, 2);
 }
 
+TEST(KeyFigures, AFactorThatNothingTellsIsNotShown) {
+  CalibrationRecord record = syntheticRecord({.frames = 4});
+  record.camera_imu->imu_summary.noise.gyro = {0.5, 1, 9};
+  record.camera_imu->imu_summary.noise.accel = {0.5, 1.2, 11};
+  for (const html_internal::Card& card : html_internal::keyFigures(record)) {
+    if (card.label == "Gyroscope residual") EXPECT_THAT(card.note, HasSubstr("not known"));
+    if (card.label == "Accelerometer residual") EXPECT_THAT(card.note, HasSubstr("1.20 \u00d7"));
+  }
+}
+
 TEST(DensityRemark, ShowsWhatTheVerdictJudged) {
   Finding finding;
   finding.advice = "Raise it.";
