@@ -59,9 +59,6 @@ std::vector<TimeNs> stampsOf(const std::vector<Frame>& frames) {
 Result<Solution> solveCameras(const Session& session, const CameraStageOptions& options) {
   auto stage = calibrateCameras(session, options);
   if (!stage) return stage.failure();
-  if (!stage->summary.converged) {
-    return Failure{FailureCode::kCamerasNotConverged, {{"iterations", stage->summary.iterations}}};
-  }
   Solution solution;
   solution.calibration.cameras = std::move(stage.value().cameras);
   solution.summary = std::move(stage.value().summary);
