@@ -69,6 +69,24 @@ TEST(CameraGuide, SaysHowLongAViewWillTake) {
   });
 }
 
+// Whoever wants so many views is asked for the best, worth it or not; no way is to blame.
+TEST(CameraGuide, AsksForTheBestWhereNoViewIsWorthIt) {
+  const LiveRig rig("euroc", 5, 0.3);
+  GuideOptions options;
+  options.views.threshold_nats = 1;
+  options.views.min_views = 100;
+  options.pace.speed_m_s = 0.35;
+  CameraGuide guide(rig.guideRig(), options);
+  int below = 0;
+  for (const Decision& d : test::playGuided(guide, rig, 400)) {
+    if (!d.opened || d.round->mi_nats[static_cast<std::size_t>(d.round->best)] >= 1) continue;
+    EXPECT_EQ(d.opened->candidate, d.round->names[static_cast<std::size_t>(d.round->best)]);
+    EXPECT_EQ(d.detail, "");
+    ++below;
+  }
+  EXPECT_GT(below, 0);
+}
+
 TEST(CameraGuide, AsksForNoViewOnWhoseWayTheTargetIsLost) {
   const LiveRig rig("euroc", 3, 0.2);
   int checked = 0;
