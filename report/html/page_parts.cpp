@@ -40,14 +40,11 @@ void addEntropyCard(std::vector<Card>& cards, const std::string& stage, const St
                    true});
 }
 
-/// Beside the assumed density, where residuals were held against it; a group of less redundancy
-/// than the noise check moves (ImuNoiseOptions::least_redundancy) has a factor of 1 that says
-/// nothing.
+/// Beside the assumed density, where residuals were held against it.
 std::string densityNote(const ImuNoiseCheck& check) {
-  constexpr double kTold = 10;
   if (!(check.redundancy > 0)) return "";
-  return check.redundancy < kTold ? "noise density not known: too few residuals"
-                                  : fmt::format("{:.2f} \u00d7 assumed density", check.factor);
+  return tellsDensity(check) ? fmt::format("{:.2f} \u00d7 assumed density", check.factor)
+                             : "noise density not known: too few residuals";
 }
 
 void addStageCards(std::vector<Card>& cards, const std::string& stage, const StageSummary& s,

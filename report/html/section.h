@@ -28,6 +28,10 @@ std::string scaledSeconds(double seconds, double std);
 /// Thousands apart by thin spaces ("358 210").
 std::string grouped(std::size_t count);
 
+/// Whether a noise check tells a density. A group of less redundancy than the check moves
+/// (ImuNoiseOptions::least_redundancy) keeps a factor of 1, which says nothing.
+inline bool tellsDensity(const ImuNoiseCheck& check) { return check.redundancy >= 10; }
+
 /// A quantity in the unit in which people read it: m as mm, rad as degrees, s as ms.
 struct ReadableUnit {
   std::string unit;

@@ -290,6 +290,8 @@ TEST(DensityRemark, ShowsWhatTheVerdictJudged) {
   EXPECT_THAT(words(&finding), HasSubstr("within the verdict's bounds"));
   finding.level = VerdictLevel::kCaution;
   EXPECT_THAT(words(&finding), HasSubstr("Raise it."));
+  EXPECT_EQ(html_internal::densityRemark("Gyro", {0.5, 1, 7}, nullptr),
+            "Gyro: density not known, too few residuals (redundancy 7).");
 }
 
 TEST(WithPrecisionOf, ShowsTwoDigitsOfTheDeviation) {

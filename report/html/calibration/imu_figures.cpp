@@ -251,6 +251,10 @@ FigureGroup biasFigures(const CameraImuStageResult& stage, TimeNs origin) {
 
 std::string densityRemark(const std::string& sensor, const ImuNoiseCheck& check,
                           const Finding* judged) {
+  if (!tellsDensity(check)) {
+    return fmt::format("{}: density not known, too few residuals (redundancy {:.0f}).", sensor,
+                       check.redundancy);
+  }
   std::string text = fmt::format("{}: {:.2f} \u00d7 the assumed density (redundancy {:.0f})",
                                  sensor, check.factor, check.redundancy);
   if (judged == nullptr) return text + ": not judged.";
