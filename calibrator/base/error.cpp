@@ -58,6 +58,7 @@ constexpr CodeRow kCodes[] = {
     {Code::kTooFewViewsAsked, "TooFewViewsAsked", Reason::kTooFewViews},
     {Code::kNoPlausiblePose, "NoPlausiblePose", Reason::kTooFewViews, Input::kTarget},
     {Code::kNoFramePose, "NoFramePose", Reason::kTooFewViews, Input::kTarget},
+    {Code::kFilterLeftNoFrame, "FilterLeftNoFrame", Reason::kTooFewViews},
     {Code::kInformationNotFinite, "InformationNotFinite", Reason::kNotObservable},
     {Code::kFocalLengthFree, "FocalLengthFree", Reason::kNotObservable},
     {Code::kPrincipalPointFree, "PrincipalPointFree", Reason::kNotObservable},

@@ -85,6 +85,7 @@ enum class FailureCode {
   kTooFewViewsAsked,      ///< as kTooFewViews, where the option min_corners (asked) is to blame
   kNoPlausiblePose,       ///< camera, views
   kNoFramePose,           ///< frames
+  kFilterLeftNoFrame,     ///< frames
   kInformationNotFinite,  ///< the weights are out of measure
   kFocalLengthFree,       ///< camera, direction (parameters)
   kPrincipalPointFree,    ///< camera, direction (parameters)

@@ -170,8 +170,10 @@ std::optional<HandEyeState> refined(std::span<const HandEyePair> pairs, const Ha
                                     const Noise& noise, bool with_offset) {
   HandEyeSteps steps(pairs, start, noise, with_offset);
   const MinimiserSummary end = minimise(steps, {.tolerance = 1e-4});
-  // Exact pairs leave nothing but rounding: no step lowers the cost, and the last one was short.
-  if (!end.converged() && !(end.last_step < 1e-2)) return std::nullopt;
+  // Exact pairs leave nothing but rounding: no step lowers the cost. The last one was short, or as
+  // long as the rounding of many pairs under a noise that is set, not found.
+  const bool exact = noise.sigma_m == kNoSmaller && noise.sigma_rad == kNoSmaller;
+  if (!end.converged() && !exact && !(end.last_step < 1e-2)) return std::nullopt;
   return steps.state();
 }
 

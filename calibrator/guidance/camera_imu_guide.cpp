@@ -113,11 +113,16 @@ bool CameraImuGuide::State::showsTarget(const GuideFrame& frame) const {
 bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
   if (!gate.hasTarget(showsTarget(frame), d)) return false;
   // A frame later than the samples by more than a pause of theirs: the IMU has stopped, and only
-  // the biases' walk would join the frame to the others. By their stamps or, since nothing is known
-  // of the clocks' offset before the start, by the frame that brought them.
+  // the biases' walk would join the frame to the others. By their stamps or, as long as nothing is
+  // known of the clocks' offset, by the frame that brought them.
   const bool none = recording.samples().empty();
-  const double since_s =
-      none ? 0 : secondsBetween(std::max(recording.samples().back().t, samples_came), frame.t);
+  double since_s = 0;
+  if (!none) {
+    const TimeNs last = recording.samples().back().t;
+    const TimeNs in_cameras_clock =
+        tracker ? last - toNanoseconds(tracker->window().estimate().timeOffset()) : samples_came;
+    since_s = secondsBetween(std::max(last, in_cameras_clock), frame.t);
+  }
   if (!none && since_s <= recording.longestInterval()) return true;
   d.reason = GuideReason::kNoImu;
   note(d, none ? "no IMU sample has arrived"

@@ -89,7 +89,7 @@ constexpr std::array<const char*, 2> enumWords(FirstTrajectory /*of*/) {
 /// Next best trajectory of the paper. The defaults make operators fast
 /// (docs/counterfactuals.md); patient() is closer to the paper's program.
 struct TrajectoryGuideOptions : MeasurementModel {
-  int start_frames = 20;  ///< frames that start the estimate; as many more as it takes
+  int start_frames = 20;  ///< frames that start the estimate, more than window; more as it takes
   int window = 3;         ///< states in the fixed-lag window
   int min_corners = 16;
   double threshold_nats = kGuideThresholdNats;

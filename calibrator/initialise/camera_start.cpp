@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -179,12 +180,16 @@ Failure noOverlap(const std::vector<std::string>& names, const std::vector<bool>
 
 /// Of some of them, the one with the least sum of distances to all.
 Transform mostCentral(const std::vector<Transform>& transforms) {
-  constexpr std::size_t kTried = 16;  // evenly: with gross errors in fewer than half, one is good
-  const std::size_t tried = std::min(kTried, transforms.size());
+  constexpr std::size_t kTried = 16;
+  const std::size_t n = transforms.size();
   Transform best;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < tried; ++i) {
-    const Transform& candidate = transforms[i * transforms.size() / tried];
+  for (std::size_t i = 0; i < std::min(kTried, n); ++i) {
+    // Steps of the golden ratio, so that gross errors at regular distances are not all that is
+    // tried; one and the same may be tried twice.
+    const double share = std::fmod(std::numbers::phi * static_cast<double>(i), 1.0);
+    const Transform& candidate =
+        transforms[static_cast<std::size_t>(share * static_cast<double>(n))];
     double sum = 0;
     for (const Transform& T : transforms) sum += boxminus(T, candidate).norm();
     if (!(sum < least)) continue;

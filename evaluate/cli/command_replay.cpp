@@ -121,7 +121,7 @@ void declareViews(CLI::App& app, ViewGuideOptions& o) {
 
 void declareTrajectories(CLI::App& app, TrajectoryGuideOptions& o) {
   app.add_option("--imu-start-frames", o.start_frames,
-                 "Frames from which the camera-IMU stage is initialised")
+                 "Frames from which the camera-IMU stage is initialised, more than --imu-window")
       ->check(numberFrom(3))
       ->capture_default_str();
   app.add_option("--imu-window", o.window, "States in the camera-IMU stage's window")

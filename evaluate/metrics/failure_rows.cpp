@@ -129,6 +129,8 @@ const FailureRow kRows[] = {
      "check tagRows, tagCols and the order of a tag's corners, and the camera's model"},
     {Code::kNoFramePose, "none of {frames} frames gives a plausible pose of the target",
      "check the target's layout (tagRows, tagCols, tagSpacing) and the cameras' models"},
+    {Code::kFilterLeftNoFrame, "corners were rejected until none of {frames} frames was left",
+     "--outliers rejects too much: raise K of sigma:K, or give none"},
     {Code::kInformationNotFinite, "the information matrix of the cameras is not finite",
      "check --pixel-sigma and the scale of --loss: one of them is far out of range"},
     {Code::kFocalLengthFree,

@@ -265,8 +265,8 @@ TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
   return run;
 }
 
-/// Failed where it diverged, else complete or partial.
-TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
+/// What is wrong with the ATE of a run that diverged; empty where it did not.
+std::string divergenceOf(const TrajectoryRun& run, const RunsRequest& request) {
   // An estimate that stands still has the truth's spread as its ATE, after the best alignment.
   // A least-squares scale (sim3) may shrink an estimate to a point, which has just this ATE, so
   // that none exceeds it: half of it is an estimate that explains three quarters of the squared
@@ -274,14 +274,17 @@ TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
   const bool shrinks = run.alignment.kind == toString(AlignmentKind::kSim3);
   const double limit = request.max_ate_m.value_or((shrinks ? 0.5 : 1) * spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;
-  // So that NaN, too, has diverged.
-  if (!(ate <= limit)) {
-    const char* which = request.max_ate_m ? "the limit"
-                        : shrinks         ? "half the ATE of an estimate that never moves"
-                                          : "the ATE of an estimate that never moves";
-    return failedRun(std::move(run), fmt::format("diverged: ATE {:.3f} m, more than {:.3f} m ({})",
-                                                 ate, limit, which));
-  }
+  if (ate <= limit) return "";  // NaN, too, has diverged
+  const char* which = request.max_ate_m ? "the limit"
+                      : shrinks         ? "half the ATE of an estimate that never moves"
+                                        : "the ATE of an estimate that never moves";
+  return fmt::format("diverged: ATE {:.3f} m, more than {:.3f} m ({})", ate, limit, which);
+}
+
+/// Failed where it diverged, else complete or partial.
+TrajectoryRun withStatus(TrajectoryRun run, const RunsRequest& request) {
+  const std::string divergence = divergenceOf(run, request);
+  if (!divergence.empty()) return failedRun(std::move(run), divergence);
   return withCompletion(std::move(run), request.min_coverage);
 }
 
@@ -364,7 +367,14 @@ TrajectoryRecord studyOfOne(TrajectoryRun run, const RunsRequest& request) {
   run.sequence = nameOfFile(run.truth);
   run.run = nameOfFile(run.estimate);
   const std::string name = run.run;
-  return {studyOf({withStatus(std::move(run), request)}), name, {}, {}};
+  // Whoever looks at one run wants its errors, however large; among others it is no complete one.
+  const std::string divergence = divergenceOf(run, request);
+  run = withCompletion(std::move(run), request.min_coverage);
+  if (!divergence.empty()) {
+    run.status = RunStatus::kPartial;
+    run.problem = divergence;
+  }
+  return {studyOf({std::move(run)}), name, {}, {}};
 }
 
 }  // namespace plumbline

@@ -69,10 +69,10 @@ TrajectoryRecord evaluateRuns(const RunsRequest& request);
 TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::path& truth_path,
                         const TrajectoryFile& truth, const RunsRequest& request);
 
-/// A study of one run, so that it can be kept and shown as many are: failed where it diverged,
-/// partial below the least coverage, as `request` has the limits. `run` and `sequence` are named
-/// after the files of estimate and truth, or after the folder of the recording where a file lies in
-/// one ("MH_01/mav0/vicon0/data.csv": "MH_01").
+/// A study of one run, so that it can be kept and shown as many are: partial, with its errors,
+/// where it diverged or is below the least coverage, as `request` has the limits. `run` and
+/// `sequence` are named after the files of estimate and truth, or after the folder of the recording
+/// where a file lies in one ("MH_01/mav0/vicon0/data.csv": "MH_01").
 TrajectoryRecord studyOfOne(TrajectoryRun run, const RunsRequest& request);
 
 /// Why nothing, or too little, was paired: both spans in seconds and what most likely differs (the

@@ -250,6 +250,7 @@ CameraSolution solveAgain(const Session& session, const CameraStageResult& earli
 
 bool describeBoard(const CameraProblem& problem, const CameraSolution& bent, TargetFit& fit) {
   const TargetModel& model = *problem.target;
+  fit.blocks = 0;
   fit.shape.terms = *bent.estimate.target;
   fit.shape.higher = model.grid.shape.higher;
   fit.shape.corners = model.grid.shape.corners;

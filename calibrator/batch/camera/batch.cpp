@@ -297,7 +297,9 @@ Result<CameraStageResult> solveAndReport(const Session& session, std::vector<Pac
       solveStage(session, corners, problem, start.estimate, options, most_parameters);
   const double solve_s = watch.lap();
   if (problem.frames.empty()) {
-    return Failure{FailureCode::kNoFramePose, {{"frames", start.frames.size()}}};
+    const bool filtered = options.filter != CornerFilter::kNone || options.select_views;
+    return Failure{filtered ? FailureCode::kFilterLeftNoFrame : FailureCode::kNoFramePose,
+                   {{"frames", start.frames.size()}}};
   }
   auto result = stageResult(session, problem, solved.solution, ResidualList::kKeep);
   if (!result) return result;

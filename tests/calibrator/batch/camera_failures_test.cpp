@@ -109,7 +109,7 @@ TEST(CameraFailures, ACalibrationOfWhichAFilterLeavesNoFrameIsNone) {
   options.filter_sigmas = 1e-6;
   const auto result = calibrateCameras(s.session, options);
   ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.failure().code, FailureCode::kNoFramePose);
+  EXPECT_EQ(result.failure().code, FailureCode::kFilterLeftNoFrame);
 }
 
 TEST(CameraFailures, AFreeDirectionIsNamedByItsParameterWhateverTheCamerasName) {

@@ -104,8 +104,6 @@ TEST(CameraImu, ReportsWhatItUsed) {
   EXPECT_EQ(r.imu_summary.dof, static_cast<int>(15 * r.imu_residuals.size()));
 }
 
-// What was read differs from the truth by its stated deviation, and from the prediction by the
-// residual; of rotations that to first order in the angle turned (a tenth of a radian here).
 // The cost has them (view_gram.h).
 TEST(CameraImu, CornersBeyondTheFoldOfALensAreListedAsUsed) {
   const SimulatedSession s = simulate(exactRecording(200, 1));
@@ -138,6 +136,8 @@ TEST(CameraImu, CornersBeyondTheFoldOfALensAreListedAsUsed) {
   EXPECT_NEAR(squares, cost, 1e-5 * cost);
 }
 
+// What was read differs from the truth by its stated deviation, and from the prediction by the
+// residual; of rotations that to first order in the angle turned (a tenth of a radian here).
 TEST(CameraImu, ReadingsSpreadAboutTheTruthByTheirDeviation) {
   const SimulatedSession s = simulate(noisyRecording(3, 20));
   const CameraImuStageResult r = solved(s, matchedOptions(s, 0.2));

@@ -99,9 +99,10 @@ TEST_F(CommandTrajectory, Sim3FindsTheScale) {
 TEST_F(CommandTrajectory, SaysWhereTheEstimateDiverged) {
   write(estimate(), circle(100, 50));
   const auto figures = nlohmann::json::parse(run("--json -").text);
-  EXPECT_EQ(figures["status"], "failed");
+  EXPECT_EQ(figures["status"], "partial");
   EXPECT_THAT(figures["problem"], HasSubstr("diverged: ATE"));
-  EXPECT_EQ(figures["verdict"]["level"], "bad");
+  EXPECT_GT(figures["ate"]["translation_m"]["rmse"], 0) << "its errors stay, however large";
+  EXPECT_EQ(figures["verdict"]["level"], "caution");
   EXPECT_EQ(nlohmann::json::parse(run("--max-ate 100 --json -").text)["status"], "complete");
 }
 
