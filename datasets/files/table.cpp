@@ -5,7 +5,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -29,6 +28,12 @@ std::size_t decimalsOf(std::string_view number) {
   if (point == std::string_view::npos) return 0;
   const auto* const first = number.begin() + point + 1;
   return static_cast<std::size_t>(std::find_if_not(first, number.end(), isDigit) - first);
+}
+
+// A comma may end a row.
+std::string_view lastCell(std::string_view row) {
+  if (!row.empty() && row.back() == ',') row = trimmedText(row.substr(0, row.size() - 1));
+  return row.substr(row.find_last_of(", \t") + 1);
 }
 
 /// nan begins a row of numbers, other letters a line of names.
@@ -122,7 +127,7 @@ std::optional<double> TextTable::takeNumber() {
   const auto [value, stop] = scanNumber(at_, end_);
   // A number ends where its cell does: "1.5px" is none.
   if (stop == nullptr || (stop != end_ && *stop != ',' && !isBlank(*stop))) return std::nullopt;
-  before_ = std::exchange(number_, {at_, static_cast<std::size_t>(stop - at_)});
+  number_ = {at_, static_cast<std::size_t>(stop - at_)};
   takeSeparator(stop);
   return value;
 }
@@ -185,13 +190,31 @@ double TextTable::number(const char* name) {
   return *value;
 }
 
+std::size_t TextTable::fixedDecimals() const {
+  constexpr int kTelling = 10;  // rows: of fewer, shortest digits may all be as many by chance
+  std::size_t decimals = 0;
+  int rows = 0;
+  TextLines above(text_);
+  while (above.next() && above.number() < line()) {
+    const std::string_view text = above.text();
+    if (text.empty() || text.front() == '#' || beginsWithName(text)) continue;
+    const std::size_t own = decimalsOf(lastCell(text));
+    if (rows > 0 && own != decimals) return 0;
+    decimals = own;
+    ++rows;
+  }
+  return rows < kTelling ? 0 : decimals;
+}
+
 // A last line without its newline may have lost digits of its last number: that would be a wrong
-// value rather than a missing one.
+// value rather than a missing one. Programs that write the shortest digits end in few by chance.
 void TextTable::checkDecimals() const {
-  if (!truncatedHere() || decimalsOf(number_) >= decimalsOf(before_)) return;
+  // What was cut among its decimals has no exponent, and is not nan or inf.
+  if (!truncatedHere() || number_.find_first_of("eEnN") != std::string_view::npos) return;
+  if (decimalsOf(number_) >= fixedDecimals()) return;
   throw fault({InputFault::kTruncated,
                "the last line ends without a newline and '" + std::string(number_) +
-                   "' has fewer decimals than the numbers before it, so it may be cut",
+                   "' has fewer decimals than that column in all rows before, so it may be cut",
                "a whole last line", "copy the file again, or end the line if it is complete"});
 }
 

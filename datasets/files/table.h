@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -104,6 +105,9 @@ class TextTable {
                              InputFault code = InputFault::kBadNumber) const;
   [[noreturn]] void failMissing(const char* name) const;
   void checkDecimals() const;
+  /// How many decimals the last number of every row before this one has; 0 where they differ or the
+  /// rows are too few to tell.
+  std::size_t fixedDecimals() const;
 
   std::string path_;
   std::string layout_;
@@ -114,7 +118,6 @@ class TextTable {
   const char* end_ = nullptr;
   bool comma_ = false;           // between cells of the current row
   std::string_view number_;      // text of the last number
-  std::string_view before_;      // and of the one before it
   std::string_view stamp_text_;  // of the previous row, whose value is stamp_
   TimeNs stamp_ = 0;
 };

@@ -47,14 +47,20 @@ std::string samples(const std::string& rows) {
   return "#timestamp [ns],wx,wy,wz,ax,ay,az\n" + rows;
 }
 
+// Ten corners with two decimals, then that line.
+std::string afterTenCorners(const std::string& last) {
+  std::string rows;
+  for (int id = 0; id < 10; ++id) rows += "1000000000," + std::to_string(id) + ",1.52,2.51\n";
+  return corners(rows + last);
+}
+
 const std::string kCorners = "cam1/corners.csv";
 const std::vector<BadFile> kBadCorners = {
     {"Empty", kCorners, "", 0, InputFault::kEmpty},
     {"HeaderOnly", kCorners, corners(""), 0, InputFault::kEmpty},
     {"CutRow", kCorners, corners("1000000000,0,1.5,2.5\n1000000000,1,3.5"), 3,
      InputFault::kTruncated},
-    {"CutNumber", kCorners, corners("1000000000,0,1.52,2.51\n1000000000,1,3.12,4.5"), 3,
-     InputFault::kTruncated},
+    {"CutNumber", kCorners, afterTenCorners("1000000000,10,3.12,4.5"), 12, InputFault::kTruncated},
     {"FewColumns", kCorners, corners("1000000000,0,1.5\n1000000000,1,3,4\n"), 2,
      InputFault::kBadColumns},
     {"ManyColumns", kCorners, corners("1000000000,0,1.5,2,9\n"), 2, InputFault::kBadColumns},

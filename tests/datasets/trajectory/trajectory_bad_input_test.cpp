@@ -55,6 +55,19 @@ std::string commas(std::string text) {
   return text;
 }
 
+// Ten positions with two decimals in the last column, then that line.
+std::string afterTenPositions(const std::string& last) {
+  std::string text;
+  for (int i = 0; i < 10; ++i) text += fmt::format("{0} 0.5 0.25 0.{0}5\n", i);
+  return text + last;
+}
+
+std::string afterTen(const std::string& row, const std::string& last) {
+  std::string text;
+  for (int i = 0; i < 10; ++i) text += row;
+  return text + last;
+}
+
 const std::string kGood = "1 0 0 0 0 0 0 1\n";
 const std::string kNs = "#timestamp [ns], x, y, z, qw, qx, qy, qz\n";
 const std::string kS = "# timestamp [s] x y z qx qy qz qw\n";
@@ -108,9 +121,9 @@ const std::vector<BadTrajectory> kCases = {
     {"NotARotation", "1 0 0 0 0 1 0 0 0 0 2 0\n", 1, InputFault::kNotRigid},
     {"Mirrored", "1 0 0 0 0 1 0 0 0 0 -1 0\n", 1, InputFault::kNotRigid},
     {"KittiNan", "1 0 0 0 0 1 0 nan 0 0 1 0\n", 1, InputFault::kNotFinite},
-    {"LastNumberCut", "1 0.5 0.25 0.98\n2 0.5 0.25 0", 2, InputFault::kTruncated},
-    {"KittiNumberCut", "1 0 0 0.5 0 1 0 0.5 0 0 1 0.5\n1 0 0 0.5 0 1 0 0.5 0 0 1.0 0", 2,
-     InputFault::kTruncated},
+    {"LastNumberCut", afterTenPositions("10 0.5 0.25 0.9"), 11, InputFault::kTruncated},
+    {"KittiNumberCut", afterTen("1 0 0 0.5 0 1 0 0.5 0 0 1 0.5\n", "1 0 0 0.5 0 1 0 0.5 0 0 1.0 0"),
+     11, InputFault::kTruncated},
     {"KittiCut", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0", 2, InputFault::kTruncated},
     {"CovarianceNan", "1 0 0 0 0 0 0 1 nan 0 0 1 0 1 1 0 0 1 0 1\n", 1, InputFault::kNotFinite},
     {"MotiveWithoutColumns", "Format Version,1.23,Take Name,test\n\n1,2,3\n", 3,

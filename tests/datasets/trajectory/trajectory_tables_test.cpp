@@ -59,6 +59,29 @@ TEST(TumTrajectory, AcceptsExponentsOtherLineEndsAndNoLastNewline) {
   EXPECT_EQ(file.trajectory.poses[1].t, 1403715529212143517);
 }
 
+// Python's repr, joined by newlines: the last number has few digits by chance.
+TEST(TumTrajectory, OfShortestDigitsTheLastNumberMayHaveFew) {
+  std::string shortest;
+  std::string fixed;
+  for (int i = 0; i < 20; ++i) {
+    shortest += fmt::format("{} 0.5 0.25 {}\n", i, 0.37 * i);
+    fixed += fmt::format("{} 0.5 0.25 {:.2f}\n", i, 0.37 * i);
+  }
+  const auto lastNumber = [](const std::string& text) {
+    return read(text).trajectory.poses.back().p.z();
+  };
+  EXPECT_EQ(lastNumber(shortest + "20 0.5 0.0123457 0.9"), 0.9);
+  EXPECT_EQ(lastNumber(shortest + "20 0.5 0.1 1e-05"), 1e-5);
+  EXPECT_EQ(lastNumber(fixed + "20 0.5 0.0123457 0.95"), 0.95);
+  EXPECT_EQ(lastNumber(fixed + "20 0.5 0.1 1e-05"), 1e-5);
+  // Two rows do not tell how many decimals a program writes.
+  EXPECT_EQ(lastNumber("1 0.5 0.25 0.98\n2 0.5 0.25 0.9"), 0.9);
+  const TrajectoryFile poses = read(
+      "1.5 0.1 0.2 0.3 0 0 0.0123457 0.999924\n1.55 0.1 0.2 0.3 0 0 0.01 0.99995\n"
+      "1.6 0.1 0.2 0.3 0 0 0.0123457 0.999924");
+  EXPECT_EQ(poses.trajectory.poses.size(), 3U);
+}
+
 TEST(TumTrajectory, MayNameItsColumnsInAnotherOrder) {
   const std::string rows = "1 10 20 30 0.5 0.5 0.5 0.5\n1.1 11 21 31 0.6 0 0 0.8\n";
   const TrajectoryFile file = read("# timestamp [s] tx ty tz qw qx qy qz\n" + rows);
