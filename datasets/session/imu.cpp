@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "datasets/calibration/calibration_fields.h"
 #include "datasets/calibration/kalibr/camchain.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
@@ -42,15 +41,6 @@ void refuseDistorted(const YamlMap& map, const KalibrImu& imu) {
        "M, A or C_gyro_i of the accelerometers or gyroscopes is not that of an IMU "
        "without faults",
        "model: calibrated", std::string(kRefusedModel) + "; calibrate with model: calibrated"});
-}
-
-/// A calibration is to the IMU itself, EuRoC's body frame.
-void refuseTurnedBody(const YamlMap& map) {
-  if (!map.has("T_BS") || boxminus(transformField(map, "T_BS"), Transform()).isZero(1e-9)) return;
-  throw map.fault(
-      "T_BS", {InputFault::kUnsupported, "T_BS is not the identity", "samples in the body frame",
-               "a calibration is to the IMU as it measures: write the identity, and "
-               "apply T_BS to the result"});
 }
 
 /// Kalibr's results stand below imu0:, its inputs at the top.
@@ -119,7 +109,6 @@ ImuDescription readImuDescription(const std::string& path) {
   const YamlMap file = YamlMap::load(path, kImuKeys);
   const YamlMap map = unwrapped(file);
   refuseModel(map);
-  refuseTurnedBody(map);
   // The word of EuRoC's sensor.yaml.
   const bool euroc = map.has("rate_hz") && !map.has("update_rate");
   KalibrImu imu = kalibrImu(map, "imu0", euroc ? "rate_hz" : "update_rate");

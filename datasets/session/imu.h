@@ -35,8 +35,9 @@ struct ImuDescription {
 
 /// Reads Kalibr's imu.yaml (flat, or wrapped in imu0: as Kalibr writes it) or EuRoC's
 /// imu0/sensor.yaml (rate_hz in place of update_rate). Throws InputError for missing keys,
-/// densities that are not positive, several IMUs, Kalibr's scale and misalignment models, which are
-/// not supported, and a T_BS that is not the identity.
+/// densities that are not positive, several IMUs, and Kalibr's scale and misalignment models, which
+/// are not supported. EuRoC's T_BS is not used: results are of the IMU's own frame S, in which the
+/// samples are.
 ImuDescription readImuDescription(const std::string& path);
 
 /// Reads EuRoC's imu0/data.csv: stamp [ns], angular rate xyz [rad/s], specific force xyz [m/s^2].
