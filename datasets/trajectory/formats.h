@@ -87,8 +87,8 @@ struct StampEvidence {
 /// stamps are milliseconds or microseconds that no header states.
 StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& evidence);
 
-/// Throws InputError where the median interval is no rate of poses (0.2 ms to 20 s, or more where
-/// the unit is certain), naming the unit in which it would be.
+/// Throws InputError where the median interval is no rate of poses (0.2 ms to 20 s, or to an hour
+/// where the unit is certain), naming the unit in which it would be.
 void checkPoseIntervals(const TrajectorySource& source, const std::vector<StampedPose>& poses,
                         const StampUnit& unit, int line);
 

@@ -12,6 +12,9 @@ constexpr double kEarliest = 6.3e8;                  // 1990 in seconds since 19
 constexpr double kLatest = 4.2e9;                    // 2103
 constexpr TimeNs kShortestInterval = 200'000;        // 5000 poses a second
 constexpr TimeNs kLongestInterval = 20'000'000'000;  // 20 s
+// An hour, where the unit is certain: a header may state another, and stamps that count from a
+// start of their own may look like a time since 1970.
+constexpr TimeNs kLongestRareInterval = 3'600'000'000'000;
 
 const char* unitName(int power) {
   if (power == 0) return "nanoseconds";
@@ -91,8 +94,8 @@ void checkPoseIntervals(const TrajectorySource& source, const std::vector<Stampe
   if (poses.size() < 3) return;
   const int power = unit.power;
   const TimeNs interval = medianInterval(poses);
-  // Poses may be rare, but not more frequent than any sensor.
-  if (interval >= kShortestInterval && (interval <= kLongestInterval || unit.certain)) return;
+  const TimeNs longest = unit.certain ? kLongestRareInterval : kLongestInterval;
+  if (interval >= kShortestInterval && interval <= longest) return;
   if (interval == 0 && power == 9) {
     throw source.fault(line, {InputFault::kWrongUnit, "most stamps are equal to the one before",
                               "stamps with at least six decimals of a second",
@@ -102,11 +105,12 @@ void checkPoseIntervals(const TrajectorySource& source, const std::vector<Stampe
   const bool too_short = interval < kShortestInterval;
   const int likely = too_short ? powerForShort(interval, power) : powerForLong(interval, power);
   if (likely == power) {
-    throw source.fault(line, {InputFault::kWrongUnit,
-                              fmt::format("read in {}, the poses are {:.3g} s apart",
-                                          unitName(power), static_cast<double>(interval) * 1e-9),
-                              "0.2 ms to 20 s between poses",
-                              too_short ? "check the unit of the stamps" : headerCure(power)});
+    throw source.fault(
+        line, {InputFault::kWrongUnit,
+               fmt::format("read in {}, the poses are {:.3g} s apart", unitName(power),
+                           static_cast<double>(interval) * 1e-9),
+               fmt::format("0.2 ms to {} s between poses", longest / 1'000'000'000),
+               too_short || unit.certain ? "check the unit of the stamps" : headerCure(power)});
   }
   throw source.fault(
       line, {InputFault::kWrongUnit,
