@@ -430,6 +430,21 @@ TEST(TrajectoryPage, NamesParametersWhoseRunsFailedAndEffectsOfEitherSign) {
                 "others: changed by 1.0 px it lowers the ATE of 100.00 mm by 20.00 mm."));
 }
 
+TEST(TrajectoryPage, ShowsAHintWhoseDeviationIsNotKnown) {
+  TrajectoryRecord record = test::syntheticTrajectories();
+  OdometryRunRecord odometry;
+  odometry.offset_hint_s = 0.0021;
+  odometry.T_SC0_hint = Vector6d(Vector6d::Constant(0.0123));
+  record.runs[0].odometry = odometry;
+  const std::string page = renderTrajectoryPage(record);
+  const std::size_t at = page.find("Extrinsics, the odometry");
+  ASSERT_NE(at, std::string::npos);
+  const std::string hints = page.substr(at, page.find("</table>", at) - at);
+  EXPECT_THAT(hints, HasSubstr("12.3"));   // mm
+  EXPECT_THAT(hints, HasSubstr("0.705"));  // degrees
+  EXPECT_THAT(hints, Not(HasSubstr("\u00b1")));
+}
+
 TEST(ComparisonPage, SaysWhyAValueIsMissing) {
   const std::string& page = comparisonPage();
   EXPECT_THAT(page, HasSubstr("\u2013 (no std)"));

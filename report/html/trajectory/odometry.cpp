@@ -2,6 +2,7 @@
 // What an odometry says of itself, and what the parameters of its calibration do to its error.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -12,12 +13,18 @@
 namespace plumbline::html_internal {
 namespace {
 
+/// With its deviation, or alone where that is not known.
+Cell hinted(double value, const std::optional<double>& deviation) {
+  if (!deviation) return number(fmt::format("{:.3g}", value));
+  return number(
+      fmt::format("{} \u00b1 {}", withPrecisionOf(value, *deviation), twoDigits(*deviation)));
+}
+
 Cell hintCell(const OdometryRunRecord& o) {
   if (!o.offset_hint_s) return number(kDash);
-  if (!o.offset_hint_std_s) return number(fmt::format("{:.3g}", 1e3 * *o.offset_hint_s));
-  return number(fmt::format("{} \u00b1 {}",
-                            withPrecisionOf(1e3 * *o.offset_hint_s, 1e3 * *o.offset_hint_std_s),
-                            twoDigits(1e3 * *o.offset_hint_std_s)));
+  std::optional<double> deviation;
+  if (o.offset_hint_std_s) deviation = 1e3 * *o.offset_hint_std_s;
+  return hinted(1e3 * *o.offset_hint_s, deviation);
 }
 
 /// What the odometry would change of T_SC0, by component.
@@ -28,14 +35,14 @@ Table extrinsicsTable(const std::vector<TrajectoryRun>& runs) {
   for (const char* axis : {"x", "y", "z"})
     table.columns.push_back({std::string("r") + axis + " [\u00b0]", kNumber});
   for (const TrajectoryRun& run : runs) {
-    if (!run.odometry || !run.odometry->T_SC0_hint || !run.odometry->T_SC0_hint_std) continue;
+    if (!run.odometry || !run.odometry->T_SC0_hint) continue;
+    const OdometryRunRecord& o = *run.odometry;
     std::vector<Cell> row{{runName(run)}};
     for (int i = 0; i < 6; ++i) {
       const double unit = i < 3 ? 1e3 : kDegrees;
-      const double std = unit * (*run.odometry->T_SC0_hint_std)[i];
-      row.push_back(number(fmt::format("{} \u00b1 {}",
-                                       withPrecisionOf(unit * (*run.odometry->T_SC0_hint)[i], std),
-                                       twoDigits(std))));
+      std::optional<double> deviation;
+      if (o.T_SC0_hint_std) deviation = unit * (*o.T_SC0_hint_std)[i];
+      row.push_back(hinted(unit * (*o.T_SC0_hint)[i], deviation));
     }
     table.rows.push_back(std::move(row));
   }
@@ -172,13 +179,14 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
   section = withTable(std::move(section), withoutEmptyColumns(std::move(table)));
   Table extrinsics = extrinsicsTable(runs);
   if (extrinsics.rows.empty()) return section;
-  section.blocks.push_back({"Extrinsics, the odometry's hint",
-                            "The change of T_SC0 (camera 0 in the IMU) that, with the hint of t_d, "
-                            "lets the IMU predict the tracks best, with its standard deviations. "
-                            "No evaluated run uses it; wrong intrinsics bias it.",
-                            std::move(extrinsics),
-                            {},
-                            {}});
+  section.blocks.push_back(
+      {"Extrinsics, the odometry's hint",
+       "The change of T_SC0 (camera 0 in the IMU) that, with the hint of t_d, "
+       "lets the IMU predict the tracks best, with its standard deviations "
+       "where they are known. No evaluated run uses it; wrong intrinsics bias it.",
+       std::move(extrinsics),
+       {},
+       {}});
   return section;
 }
 
