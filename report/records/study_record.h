@@ -110,7 +110,7 @@ struct StudyHeldOut {
   std::string session;
   std::string recording;
   std::optional<double> rmse_px;
-  std::string failure;  ///< empty if there is a score
+  std::string failure;  ///< empty if there is a score that lacks nothing
 };
 
 inline std::string partName(const StudyHeldOut& h) { return h.session + "/" + h.recording; }
@@ -120,7 +120,7 @@ void fields(V& v, StudyHeldOut& h) {
   v("session", h.session, "whose calibration");
   v("recording", h.recording, "on which it was scored");
   v("rmse_px", h.rmse_px, "px", "sqrt(mean |e|^2); only poses are estimated");
-  v.ifSet("failure", h.failure, "why there is no score");
+  v.ifSet("failure", h.failure, "what the score lacks, or why there is none");
 }
 
 /// A calibration with a known offset added to the IMU's stamps.
