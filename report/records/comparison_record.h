@@ -127,8 +127,10 @@ void fields(V& v, PairedPrediction& p) {
     "standard error of the mean, from blocks of consecutive views; 0 below 5 blocks");
   v("first_px2", p.first_px2, "px^2",
     "mean over the same views of the squared error under the first");
-  v("blocks", p.blocks, "1", "of consecutive views; 0: fewer than 5, no standard error");
-  v("half_px2", p.half_px2, "px^2", "half the 95 % interval by Student's t; 0: none");
+  // Absent in documents of before there were intervals, too.
+  v.ifSet("blocks", p.blocks, "of consecutive views; absent: fewer than 5, no standard error");
+  v.ifSet("half_px2", p.half_px2,
+          "half the 95 % interval by Student's t [px^2]; absent: no interval");
 }
 
 /// Everything that a comparison page shows.

@@ -117,6 +117,19 @@ TEST_F(StoreTest, GivesBackAComparison) {
   expectRoundTrips(test::syntheticComparison(), &Store::loadComparison);
 }
 
+// A paired prediction as it was written before there were intervals.
+TEST(ComparisonDocument, IsReadWithoutIntervals) {
+  PairedPrediction p;
+  Json json = toJson(test::syntheticComparison().paired[0]);
+  EXPECT_EQ(json.erase("blocks") + json.erase("half_px2"), 2U);
+  fromJson(json, p);
+  EXPECT_EQ(p.views, 180);
+  EXPECT_EQ(p.blocks, 0);
+  EXPECT_EQ(p.half_px2, 0);
+  EXPECT_FALSE(p.isClear());
+  EXPECT_EQ(toJson(p), json);
+}
+
 TEST_F(StoreTest, GivesBackAReplayAndItsPage) {
   const ReplayRecord saved = test::syntheticReplay();
   expectRoundTrips(saved, &Store::loadReplay);
