@@ -32,10 +32,12 @@ constexpr std::array<Judged, 8> kJudged{{{"failed", 0.1},
                                          {"perturbation_error_ms", 1e-4},
                                          {"ate_m", 1e-6}}};
 
-/// By the part before the slash: "held_out_rmse_px/eval01" is judged as all of its family. Null for
-/// figures that are kept and not judged.
+/// The part before the slash: "held_out_rmse_px" of "held_out_rmse_px/eval01".
+std::string familyOf(const std::string& name) { return name.substr(0, name.find('/')); }
+
+/// A figure is judged as all of its family. Null for figures that are kept and not judged.
 const Judged* judgedAs(const std::string& name) {
-  const std::string family = name.substr(0, name.find('/'));
+  const std::string family = familyOf(name);
   const auto found = std::find_if(kJudged.begin(), kJudged.end(),
                                   [&](const Judged& j) { return family == j.name; });
   return found == kJudged.end() ? nullptr : &*found;
@@ -60,8 +62,7 @@ struct Series {
 
 bool concerns(const StudyAcceptance& a, const StudyFigure& f) {
   const bool session = a.session.empty() || a.session == f.session;
-  const bool name =
-      a.name.empty() || a.name == f.name || a.name == f.name.substr(0, f.name.find('/'));
+  const bool name = a.name.empty() || a.name == f.name || a.name == familyOf(f.name);
   return session && name;
 }
 
@@ -121,17 +122,20 @@ class Judge {
     judgeMedian(series, *how);
     if (!last.session.empty()) {
       // By family: each recording of a session is a series among the others.
-      of_study_[last.name.substr(0, last.name.find('/'))].push_back(std::move(series));
+      of_study_[familyOf(last.name)].push_back(std::move(series));
     }
   }
 
   bool judgeDeterministic(const std::vector<FigureSpan>& spans, int start) {
     const StudyFigure& last = spans.back().figure;
     if (isDuration(last.name)) return false;
+    // A step may fail for what is in no key (memory, a missing program): done again it is mended.
+    const bool only_worse = familyOf(last.name) == "failed";
     for (const FigureSpan& span : spans) {
       const bool same = span.figure.inputs_key == last.inputs_key &&
                         span.figure.version == last.version && span.last_night >= start;
       if (!same || span.figure == last) continue;
+      if (only_worse && span.figure.value >= last.value) continue;
       add(last, spans.back().first_night, "deterministic", span.figure.value, last.value);
       return true;
     }

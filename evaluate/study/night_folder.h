@@ -49,7 +49,7 @@ void requireNightFolder(const std::filesystem::path& folder);
 /// What is wrong with the last night's figures against the nights before.
 ///
 /// Same inputs and same version: another value is an alarm ("deterministic"), for every figure that
-/// is not a duration.
+/// is not a duration; of "failed" and "failed/STEP" a larger one only.
 ///
 /// Otherwise a session's figure x of night n is compared with its own past under the same inputs
 /// ("median"): bad where

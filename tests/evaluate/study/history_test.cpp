@@ -125,6 +125,24 @@ TEST(HistoryTest, ASessionThatFailsIsARegression) {
   EXPECT_EQ(alarms[0].metric, "failed");
 }
 
+// By --redo-failed, after a lack of memory or a missing program: inputs and version stay.
+TEST(HistoryTest, AStepThatIsMendedIsNoRegression) {
+  for (const char* name : {"failed", "failed/estimate_s"}) {
+    History history;
+    history.add("a", name, 1, "1");
+    history.nextNight();
+    history.add("a", name, 0, "1");
+    EXPECT_TRUE(history.judge().empty()) << name;
+    history.nextNight();
+    history.add("a", name, 1, "1");
+    const auto alarms = history.judge();
+    ASSERT_EQ(alarms.size(), 1u) << name;
+    EXPECT_EQ(alarms[0].kind, "deterministic");
+    EXPECT_EQ(alarms[0].night, 3);
+    EXPECT_EQ(alarms[0].was, 0);
+  }
+}
+
 TEST(HistoryTest, WhatWasAcceptedIsTheNewNormal) {
   History history;
   history.add("a", "ate_m/s", 0.10, "1");
