@@ -275,18 +275,40 @@ class Merger {
     }
   }
 
-  // Whether a step gave all figures that it is judged by is a figure too: of a calibration
-  // "failed", of another step "failed/STEP"; not where it was lost.
-  void addFigures() {
+  /// By step: its failure, or that of a step before for which it was left out; no losses.
+  std::map<std::string, const StepResult*> failures() const {
+    std::map<std::string, const StepResult*> found;
     for (const Step& step : steps_) {
       const auto result = results_.find(step.name);
-      if (!isJudged(step) || result == results_.end()) continue;
-      const StepStatus status = result->second.status;
-      if (status != StepStatus::kDone && status != StepStatus::kFailed) continue;
-      const bool failed = status == StepStatus::kFailed || lacking_.count(step.name) > 0;
+      if (result != results_.end()) {
+        if (result->second.status == StepStatus::kFailed) found[step.name] = &result->second;
+        continue;
+      }
+      // Each step stands behind those that it needs.
+      for (const StepNeed& need : step.needs) {
+        const auto failure = found.find(need.name);
+        if (failure != found.end()) found[step.name] = failure->second;
+      }
+    }
+    return found;
+  }
+
+  // Whether a step gave all figures that it is judged by is a figure too: of a calibration
+  // "failed", of another step "failed/STEP"; not where it was lost. One that was left out has it
+  // with version and command of the failure before.
+  void addFigures() {
+    const auto failed = failures();
+    for (const Step& step : steps_) {
+      if (!isJudged(step)) continue;
+      const auto result = results_.find(step.name);
+      const auto failure = failed.find(step.name);
+      const bool done = result != results_.end() && result->second.status == StepStatus::kDone;
+      if (!done && failure == failed.end()) continue;
+      const bool bad = !done || lacking_.count(step.name) > 0;
       const std::string of_step = "/" + step.name.substr(step.name.rfind('/') + 1);
-      addFigure(step, result->second, "failed" + (step.kind == StepKind::kCalibrate ? "" : of_step),
-                "1", failed ? 1.0 : 0.0);
+      addFigure(step, done ? result->second : *failure->second,
+                "failed" + (step.kind == StepKind::kCalibrate ? "" : of_step), "1",
+                bad ? 1.0 : 0.0);
     }
   }
 

@@ -58,6 +58,14 @@ class MergeTest : public testing::Test {
     night_ = mergeNight(study_, folder_.path(), steps_, results_);
     return night_.record;
   }
+  std::map<std::string, double> failures() {
+    merged();
+    std::map<std::string, double> found;
+    for (const StudyFigure& f : night_.figures) {
+      if (f.name.starts_with("failed")) found[f.name] = f.value;
+    }
+    return found;
+  }
 
   TemporaryFolder folder_;
   StudyDefinition study_;
@@ -92,15 +100,31 @@ TEST_F(MergeTest, AStepThatWasLeftOutCountsAndSaysWhy) {
               HasSubstr("1 of 7 steps failed, 1 that need them were left out, 1 were not done"));
 }
 
+// A session of images whose detection fails has no calibration, and its figures would vanish
+// without an alarm.
+TEST_F(MergeTest, AStepThatWasLeftOutForAFailureHasFailed) {
+  failed(StepKind::kDetect, "detect", "");
+  results_["sessions/a/detect"].version = "7";
+  results_["sessions/a/detect"].command = "plumbline detect";
+  add(StepKind::kEstimate, "estimate", "s1").needs = {{"sessions/a/detect", ""}};
+  add(StepKind::kPerturb, "perturb", "").needs = {{"sessions/a/calibrate", ""},
+                                                  {"sessions/a/estimate", ""}};
+  steps_.back().inputs_key = "inputs";
+  const auto now = failures();
+  EXPECT_EQ(now.at("failed/estimate"), 1);
+  EXPECT_EQ(now.at("failed/perturb"), 1);
+  EXPECT_EQ(now.at("failed"), 0);
+  const StudyFigure& figure = night_.figures.back();
+  EXPECT_EQ(figure.name, "failed/perturb");
+  EXPECT_EQ(figure.inputs_key, "inputs");
+  EXPECT_EQ(figure.version, "7");
+  EXPECT_EQ(figure.command, "plumbline detect");
+  results_["sessions/a/detect"].status = StepStatus::kLost;
+  EXPECT_EQ(failures().count("failed/estimate"), 0u) << "it is tried again";
+  EXPECT_EQ(failures().count("failed/perturb"), 0u);
+}
+
 TEST_F(MergeTest, AFigureThatIsMissingIsAFailure) {
-  const auto failures = [&] {
-    merged();
-    std::map<std::string, double> found;
-    for (const StudyFigure& f : night_.figures) {
-      if (f.name.starts_with("failed")) found[f.name] = f.value;
-    }
-    return found;
-  };
   EXPECT_EQ(failures(), (std::map<std::string, double>{{"failed", 0}, {"failed/evaluate_e1", 0}}));
   StudyRecord none, nan;
   none.trajectories = {{"a", "s1", "", std::nullopt, "diverged"}};
