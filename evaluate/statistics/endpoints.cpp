@@ -241,11 +241,13 @@ EndpointPairs pairsOf(const StudyRecord& record, const Endpoint& endpoint,
   return result;
 }
 
-std::vector<std::vector<double>> blocksOf(const StudyRecord& record, const Endpoint& endpoint) {
-  std::vector<std::vector<double>> blocks;
+EndpointBlocks blocksOf(const StudyRecord& record, const Endpoint& endpoint) {
+  EndpointBlocks blocks;
   for (const std::string& participant : participantsOf(record)) {
     std::vector<double> values = valuesOf(record, endpoint, participant, record.methods);
-    if (!values.empty()) blocks.push_back(std::move(values));
+    if (values.empty()) continue;
+    blocks.participants.push_back(participant);
+    blocks.values.push_back(std::move(values));
   }
   return blocks;
 }

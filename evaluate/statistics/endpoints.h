@@ -37,8 +37,12 @@ struct EndpointPairs {
 EndpointPairs pairsOf(const StudyRecord& record, const Endpoint& endpoint,
                       const std::string& baseline, const std::string& method);
 
-/// The participants with the endpoint under all methods, a row each in the order of the methods.
-std::vector<std::vector<double>> blocksOf(const StudyRecord& record, const Endpoint& endpoint);
+/// The participants with the endpoint under all methods.
+struct EndpointBlocks {
+  std::vector<std::string> participants;
+  std::vector<std::vector<double>> values;  ///< a row each, in the order of the methods
+};
+EndpointBlocks blocksOf(const StudyRecord& record, const Endpoint& endpoint);
 
 /// Whether STUDY.yaml may declare it: "ate_m", a number with a unit of a session's field list, a
 /// stage of `stages`, or a parameter's ("estimates....", whose names the calibrations decide).

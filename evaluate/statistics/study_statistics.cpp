@@ -96,13 +96,13 @@ std::vector<Endpoint> endpointsOf(const StudyRecord& record) {
   return endpoints;
 }
 
-/// Whether each two methods came in both orders equally often, but for an odd participant;
-/// otherwise a p-value of "the methods" would be one of the period as well.
-bool ordersAreBalanced(const StudyRecord& record) {
+/// Whether each two methods came in both orders equally often among these participants, but for an
+/// odd one; otherwise a p-value of "the methods" would be one of the period as well.
+bool ordersAreBalanced(const StudyRecord& record, const std::vector<std::string>& participants) {
   for (std::size_t a = 0; a < record.methods.size(); ++a) {
     for (std::size_t b = a + 1; b < record.methods.size(); ++b) {
       int forth = 0, back = 0;
-      for (const std::string& participant : participantsOf(record)) {
+      for (const std::string& participant : participants) {
         const auto first = periodOf(record, participant, record.methods[a]);
         const auto second = periodOf(record, participant, record.methods[b]);
         if (first && second) ++(*first < *second ? forth : back);
@@ -116,7 +116,6 @@ bool ordersAreBalanced(const StudyRecord& record) {
 /// Words wait until Holm's correction is known, which is over all endpoints.
 void addEffects(StudyRecord& record, const PairedOptions& options) {
   StudyStatistics& s = record.statistics;
-  const bool balanced = ordersAreBalanced(record);
   std::vector<std::string> words;
   // A ratio or a difference is decided for an endpoint as a whole (endpointOf()), so that all its
   // methods are compared on one scale.
@@ -127,11 +126,12 @@ void addEffects(StudyRecord& record, const PairedOptions& options) {
     }
     if (record.methods.size() < 3) continue;
     // Participants with the figure under all methods, as ranks are within participants.
-    const auto blocks = blocksOf(record, endpoint);
-    if (blocks.size() < 2) continue;
-    const QuadeTest test = quade(blocks);
+    const EndpointBlocks blocks = blocksOf(record, endpoint);
+    if (blocks.values.size() < 2) continue;
+    const QuadeTest test = quade(blocks.values);
+    const bool balanced = ordersAreBalanced(record, blocks.participants);
     StudyQuade q{endpoint.name,
-                 static_cast<int>(blocks.size()),
+                 static_cast<int>(blocks.values.size()),
                  test.statistic,
                  test.dof1,
                  test.dof2,

@@ -128,6 +128,27 @@ TEST(StudyStatistics, SayNoPValueOfThreeMethodsInOneOrder) {
   EXPECT_THAT(one.statistics.quade.front().sentence, HasSubstr("orders are not balanced"));
 }
 
+// Those without a figure under all methods have no part in the test, nor in its balance.
+TEST(StudyStatistics, BalanceOrdersOfThoseWhoCount) {
+  const auto leaveOut = [](StudyRecord& record, std::size_t participant) {
+    record.sessions[3 * participant + 2].held_out_rmse_px.reset();
+  };
+  StudyRecord skewed = threeMethods(false);  // 0, 2, 4 forth; 5 back
+  leaveOut(skewed, 1);
+  leaveOut(skewed, 3);
+  addStatistics(skewed);
+  ASSERT_FALSE(skewed.statistics.quade.empty());
+  EXPECT_EQ(skewed.statistics.quade.front().participants, 4);
+  EXPECT_FALSE(skewed.statistics.quade.front().p);
+  StudyRecord evened = threeMethods(false);  // 0, 1, 2, 4 forth; 3, 5 back
+  for (std::size_t m = 0; m < 3; ++m) evened.sessions[3 + m].period = static_cast<int>(m) + 1;
+  leaveOut(evened, 1);
+  addStatistics(evened);
+  ASSERT_FALSE(evened.statistics.quade.empty());
+  EXPECT_EQ(evened.statistics.quade.front().participants, 5);
+  EXPECT_TRUE(evened.statistics.quade.front().p);
+}
+
 TEST(StudyStatistics, SpeakFirstOfTheDeclaredEndpoints) {
   StudyRecord record = study(12);
   addStatistics(record);
