@@ -5,6 +5,8 @@
 #include <cstring>
 #include <set>
 #include <string>
+#include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -61,6 +63,16 @@ void refuseForeign(const fs::path& folder) {
                    {InputFault::kForeignFiles, "holds " + name + " and is not a study's folder", "",
                     "choose another folder"});
   }
+}
+
+/// None of what is no folder, cannot be read, or vanishes meanwhile.
+std::vector<fs::path> entriesOf(const fs::path& folder) {
+  std::vector<fs::path> paths;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    paths.push_back(it->path());
+  }
+  return paths;
 }
 
 }  // namespace
@@ -129,14 +141,15 @@ void removeLeftovers(const fs::path& folder) {
   // sessions/p1/.STEP.partial-XXXXXX.
   std::set<fs::path> places;
   for (const char* of_steps : {"sessions", "recordings"}) {
-    if (!fs::is_directory(folder / of_steps)) continue;
-    for (auto it = fs::recursive_directory_iterator(folder / of_steps);
-         it != fs::recursive_directory_iterator(); ++it) {
-      if (it.depth() == 1) it.disable_recursion_pending();
-      const std::string name = it->path().filename().string();
-      const auto end = name.find(".partial-");
-      if (it.depth() != 1 || name[0] != '.' || end == std::string::npos) continue;
-      places.insert(fs::absolute(it->path().parent_path() / name.substr(1, end - 1)));
+    for (const fs::path& owner : entriesOf(folder / of_steps)) {
+      std::error_code error;
+      if (fs::is_symlink(owner, error)) continue;
+      for (const fs::path& path : entriesOf(owner)) {
+        const std::string name = path.filename().string();
+        const auto end = name.find(".partial-");
+        if (name[0] != '.' || end == std::string::npos) continue;
+        places.insert(fs::absolute(owner / name.substr(1, end - 1)));
+      }
     }
   }
   for (const fs::path& place : places) removeDeadWorkplaces(place);

@@ -73,6 +73,21 @@ TEST_F(NightFolder, AResultThatWasMovedAsideIsPutBackAndForeignFoldersStay) {
   EXPECT_TRUE(fs::exists(folder_.path("sessions/p1/.calibrate.partial-notYet/result")));
 }
 
+TEST_F(NightFolder, PlacesThatCannotBeReadAreLeftAlone) {
+  folder_.write("sessions/closed/.calibrate.partial-dEAd01/lock", "");
+  folder_.write("sessions/p1/.calibrate.partial-dEAd02/lock", "");
+  folder_.write("sessions/notes.txt", "no folder");
+  const fs::path sessions = fs::path(folder_.path()) / "sessions";
+  fs::create_directory_symlink("gone", sessions / "link");
+  fs::permissions(sessions / "closed", fs::perms::none);
+  const bool readable = access((sessions / "closed").c_str(), R_OK) == 0;  // as root
+  removeLeftovers(folder_.path());
+  fs::permissions(sessions / "closed", fs::perms::owner_all);
+  EXPECT_TRUE(fs::is_empty(sessions / "p1"));
+  EXPECT_EQ(fs::is_empty(sessions / "closed"), readable);
+  EXPECT_TRUE(fs::exists(sessions / "notes.txt"));
+}
+
 TEST_F(NightFolder, WhatALiveProcessWritesStays) {
   folder_.write("summary.json.partial-aLIve1", "half");
   const int file = open(folder_.path("summary.json.partial-aLIve1").c_str(), O_RDONLY);
