@@ -335,8 +335,8 @@ struct PairedDifference {
   std::size_t ties = 0;
   double sign_test_p = 1;
   /// Sequences, a pair of runs each, with which a mean difference as the present one would be shown
-  /// at 95 % in 4 of 5 studies: ((1.96 + 0.84) s / mean)^2 with the spread s of the sequences'
-  /// means. Empty below three sequences.
+  /// at 95 % in 4 of 5 studies: the least n of five and more with (t_{0.975, n-1} + t_{0.8, n-1})
+  /// s / sqrt(n) <= |mean|, s the spread of the sequences' means. Empty below three sequences.
   std::optional<double> pairs_needed;
   /// 95 % interval of the mean: Student's t over the sequences' means, as runs of one sequence are
   /// alike. Empty below five sequences.
@@ -360,7 +360,7 @@ void fields(V& v, PairedDifference& d) {
   v("sign_test_p", d.sign_test_p, "1", "two-sided, exact (binomial)");
   v("pairs_needed", d.pairs_needed, "1",
     "sequences, a pair each, that would show such a mean at 95 % in 4 of 5 studies, by the spread "
-    "of their means");
+    "of their means; at least 5");
   std::optional<std::array<double, 2>> interval;
   if (d.low_m && d.high_m) interval = {*d.low_m, *d.high_m};
   v("mean_interval_m", interval, "m",

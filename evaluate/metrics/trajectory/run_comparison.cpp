@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/students_t.hpp>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/half_width.h"
@@ -15,7 +16,7 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kLeastSequences = 5;
+constexpr std::size_t kLeastSequences = 5;  // for an interval
 
 using Place = std::pair<std::string, std::string>;  // sequence, run
 
@@ -31,15 +32,24 @@ std::map<Place, double> errorsOf(const std::vector<TrajectoryRun>& runs, const s
   return errors;
 }
 
-/// Sequences for a test of the mean of their `means` at 95 % with a power of 80 %.
+/// The least number of sequences that gives an interval and a power of 80 % at 95 % to the test of
+/// the mean of their `means`: (t_{0.975, n-1} + t_{0.8, n-1}) s / sqrt(n) <= |mean|.
 std::optional<double> sequencesNeeded(const std::vector<double>& means) {
-  // Normal quantiles of 97.5 % and 80 %: n = (sum times deviation over mean)^2.
-  constexpr double kNormal = 1.959964 + 0.841621;
   const SampleStatistics s = sampleStatistics(means, 1);
   // A deviation of two differences is no basis to plan by; no difference needs no number.
   if (s.n < 3 || s.mean == 0) return std::nullopt;
+  const auto suffices = [&s](double sequences) {
+    const boost::math::students_t t(sequences - 1);
+    const double quantiles = boost::math::quantile(t, 0.975) + boost::math::quantile(t, 0.8);
+    return quantiles * s.std <= std::abs(s.mean) * std::sqrt(sequences);
+  };
+  // By normal quantiles, which are smaller, it is two sequences less: from there upwards. Of a
+  // million, two more are no matter.
+  constexpr double kNormal = 1.959964 + 0.841621, kMany = 1e6;
   const double spread = kNormal * s.std / s.mean;
-  return std::max(2.0, std::ceil(spread * spread));
+  double n = std::max(static_cast<double>(kLeastSequences), std::ceil(spread * spread));
+  while (n < kMany && !suffices(n)) ++n;
+  return n;
 }
 
 /// Of differences d [m], b - a, by sequence. Runs of one sequence are alike, so that sequences are

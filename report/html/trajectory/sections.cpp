@@ -118,7 +118,7 @@ Section pairedSection(const std::vector<PairedDifference>& differences) {
       "the calibration. With \u201csequences needed\u201d, a pair each, such a mean difference "
       "would "
       "be significant at 95 % in four of five studies, given the spread of the sequences\u2019 "
-      "means; fewer than three give no spread.",
+      "means; fewer than three give no spread, fewer than five no interval.",
       {},
       {}};
   Table table{{{"Difference"},

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paired differences: which pairs count, the exact sign test, an interval that covers.
 
-#include <cmath>
 #include <random>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -60,8 +61,27 @@ TEST(PairedDifferences, TiesDoNotVote) {
   EXPECT_DOUBLE_EQ(d[0].sign_test_p, 1);
 }
 
-// With the number of pairs that three studies ask for on average, a test at 95 % shows the
-// difference in about four of five: 71 pairs for a spread of three times the mean.
+// (t_{0.975, 9} + t_{0.8, 9}) / sqrt(10) = (2.26216 + 0.88340) / 3.16228 = 0.9947, 1.0650 for nine.
+TEST(PairedDifferences, SequencesNeededAreThoseOfStudentsT) {
+  const auto needed = [](const std::vector<double>& differences) {
+    std::vector<TrajectoryRun> runs;
+    for (std::size_t i = 0; i < differences.size(); ++i) {
+      runs.push_back(run(std::to_string(i), "a", 4));
+      runs.push_back(run(std::to_string(i), "b", 4 + differences[i]));
+    }
+    return pairedDifferences(runs)[0].pairs_needed;
+  };
+  EXPECT_EQ(needed({0, 1, 2}), 10);    // a spread as large as the mean
+  EXPECT_EQ(needed({0, -1, -2}), 10);  // the sign is of no matter
+  EXPECT_EQ(needed({-1, 1, 3}), 34);   // twice as large
+  EXPECT_EQ(needed({1, 2, 3}), 5);     // half: fewer would do, and give no interval
+  EXPECT_EQ(needed({1, 1, 1}), 5);
+  EXPECT_FALSE(needed({1, 0, -1}).has_value());
+  EXPECT_GT(needed({1, 0, -1.000001}).value(), 1e6);
+}
+
+// With as many sequences as it asks for, the interval leaves out 0 in about four of five studies:
+// 73 for a spread of three times the mean.
 TEST(PairedDifferences, PairsNeededShowTheDifferenceFourTimesInFive) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise(0.1, 0.3);
@@ -75,11 +95,10 @@ TEST(PairedDifferences, PairsNeededShowTheDifferenceFourTimesInFive) {
   };
   EXPECT_FALSE(studyOfPairs(2).pairs_needed.has_value()) << "no spread to tell from";
   const double needed = studyOfPairs(4000).pairs_needed.value();
-  EXPECT_NEAR(needed, 2.8016 * 2.8016 * 9, 15);  // the mean of 4000 is known to 5 %
+  EXPECT_NEAR(needed, 73, 15);  // the mean of 4000 is known to 5 %
   int shown = 0;
   for (int study = 0; study < 200; ++study) {
-    const PairedDifference d = studyOfPairs(71);
-    shown += std::abs(d.mean_m) > 1.96 * d.std_m / std::sqrt(70.0) ? 1 : 0;
+    shown += studyOfPairs(73).better.empty() ? 0 : 1;
   }
   EXPECT_NEAR(shown, 160, 20);  // binomial: 5.7
 }
