@@ -333,7 +333,7 @@ struct PairedDifference {
   double std_m = 0;     ///< likewise
   std::size_t b_better = 0;
   std::size_t ties = 0;
-  double sign_test_p = 1;
+  double sign_test_p = 1;  ///< of the signs of the sequences' means, those of 0 left out
   /// Sequences, a pair of runs each, with which a mean difference as the present one would be shown
   /// at 95 % in 4 of 5 studies: the least n of five and more with (t_{0.975, n-1} + t_{0.8, n-1})
   /// s / sqrt(n) <= |mean|, s the spread of the sequences' means. Empty below three sequences.
@@ -356,8 +356,10 @@ void fields(V& v, PairedDifference& d) {
   v("median_m", d.median_m, "m", "of d");
   v("std_m", d.std_m, "m", "of d, divisor n");
   v("b_better", d.b_better, "1", "pairs with d < 0");
-  v("ties", d.ties, "1", "d = 0; the sign test leaves them out");
-  v("sign_test_p", d.sign_test_p, "1", "two-sided, exact (binomial)");
+  v("ties", d.ties, "1", "pairs with d = 0");
+  v("sign_test_p", d.sign_test_p, "1",
+    "two-sided, exact (binomial), of the signs of the sequences' means of d; means of 0 are left "
+    "out");
   v("pairs_needed", d.pairs_needed, "1",
     "sequences, a pair each, that would show such a mean at 95 % in 4 of 5 studies, by the spread "
     "of their means; at least 5");

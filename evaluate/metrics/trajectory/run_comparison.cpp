@@ -53,7 +53,7 @@ std::optional<double> sequencesNeeded(const std::vector<double>& means) {
 }
 
 /// Of differences d [m], b - a, by sequence. Runs of one sequence are alike, so that sequences are
-/// the units of mean and interval. Nothing is set for no pairs.
+/// the units of mean, interval and sign test. Nothing is set for no pairs.
 void summarise(const std::map<std::string, std::vector<double>>& by_sequence,
                PairedDifference& result) {
   std::vector<double> d, means;
@@ -71,7 +71,12 @@ void summarise(const std::map<std::string, std::vector<double>>& by_sequence,
     if (value == 0) ++result.ties;
   }
   result.pairs_needed = sequencesNeeded(means);
-  result.sign_test_p = signTest(result.b_better, d.size() - result.ties);
+  std::size_t negative = 0, signs = 0;
+  for (const double mean : means) {
+    if (mean < 0) ++negative;
+    if (mean != 0) ++signs;
+  }
+  result.sign_test_p = signTest(negative, signs);
   if (means.size() < kLeastSequences) return;
   const double half = halfWidth95(standardError(means), static_cast<double>(means.size() - 1));
   result.low_m = result.mean_m - half;

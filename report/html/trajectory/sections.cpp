@@ -11,7 +11,7 @@
 namespace plumbline::html_internal {
 namespace {
 
-/// Differences in metres; the reading is the record's, `better` of the bootstrap interval.
+/// Differences in metres; the reading is the record's, `better` of the interval.
 std::vector<Cell> pairedRow(const PairedDifference& d) {
   const auto n = std::to_string(d.pairs);
   if (d.pairs == 0) {
@@ -110,10 +110,10 @@ Section pairedSection(const std::vector<PairedDifference>& differences) {
       "paired",
       "Paired differences",
       "ATE RMSE under one calibration minus that under the other, for the same sequence and run; "
-      "negative means that the first one is better. Runs of one sequence are alike: mean and "
-      "interval (Student\u2019s t) are of the sequences\u2019 means. Median and the exact "
-      "two-sided "
-      "sign test (p) are over pairs. Pairs that are not complete under both are excluded and "
+      "negative means that the first one is better. Runs of one sequence are alike: mean, "
+      "interval (Student\u2019s t) and the exact two-sided sign test (p) are of the "
+      "sequences\u2019 means. The median is over pairs. Pairs that are not complete under both are "
+      "excluded and "
       "counted. A single run cannot rank small errors: its error depends on chance as much as on "
       "the calibration. With \u201csequences needed\u201d, a pair each, such a mean difference "
       "would "

@@ -126,6 +126,26 @@ TEST(PairedDifferences, IntervalCoversTheTruthAsOftenAsItSays) {
   EXPECT_NEAR(covered, 380, 13);  // binomial: 4.4
 }
 
+// Of five sequences that differ, four are better under b: in the fifth most runs are, and the mean
+// is not.
+TEST(PairedDifferences, TheSignTestIsOfSequences) {
+  std::vector<TrajectoryRun> runs;
+  const auto add = [&runs](const std::string& sequence, const std::vector<double>& differences) {
+    for (std::size_t i = 0; i < differences.size(); ++i) {
+      runs.push_back(run(sequence, "a", 4, std::to_string(i)));
+      runs.push_back(run(sequence, "b", 4 + differences[i], std::to_string(i)));
+    }
+  };
+  for (const char* sequence : {"s", "t", "u", "v"}) add(sequence, {-1, -1, -2});
+  add("w", {-1, -1, 4});
+  add("x", {-1, 1});
+  const PairedDifference d = pairedDifferences(runs)[0];
+  EXPECT_EQ(d.pairs, 17U);
+  EXPECT_EQ(d.b_better, 15U);
+  EXPECT_EQ(d.ties, 0U);
+  EXPECT_NEAR(d.sign_test_p, 2 * 6 / 32.0, 1e-12) << "a mean of 0 has no sign";
+}
+
 TEST(PairedDifferences, RunsOfOneSequenceMakeNoInterval) {
   std::vector<TrajectoryRun> runs;
   for (int i = 0; i < 10; ++i) {
@@ -139,6 +159,7 @@ TEST(PairedDifferences, RunsOfOneSequenceMakeNoInterval) {
   EXPECT_NEAR(d.mean_m, 0.5 * 1.045, 1e-12) << "sequences count alike, whatever their runs";
   EXPECT_FALSE(d.low_m);
   EXPECT_EQ(d.better, "");
+  EXPECT_DOUBLE_EQ(d.sign_test_p, 1);
 }
 
 }  // namespace
