@@ -161,7 +161,9 @@ Squares squaresOf(std::span<const HandEyePair> pairs, const HandEyeState& state)
 Noise noiseOf(const Squares& squares, std::size_t pairs, const HandEyeOptions& options) {
   const double freedom = 3 * static_cast<double>(pairs) - (options.with_offset ? 6.5 : 6);
   const auto from = [&](double given, double sum) {
-    return given > 0 ? given : std::max(kNoSmaller, std::sqrt(sum / freedom));
+    if (given > 0) return given;
+    const double rms = std::sqrt(sum / freedom);
+    return rms < kNoSmaller ? kNoSmaller : rms;  // NaN stays NaN
   };
   return {from(options.sigma_m, squares.translation), from(options.sigma_rad, squares.rotation)};
 }

@@ -52,8 +52,8 @@ struct MinimiserSummary {
   MinimiserEnd end = MinimiserEnd::kOutOfIterations;
   int iterations = 0;
   /// Length of the last step that was tried with little damping (Damping::isFaithful()): how far
-  /// the minimum is, by the model [standard deviations]. Infinite where a shorter, damped one was
-  /// taken since, for the length was that at another place.
+  /// the minimum was there, by the model [standard deviations]. Damped steps may have been taken
+  /// since.
   double last_step = std::numeric_limits<double>::infinity();
 
   bool converged() const { return end == MinimiserEnd::kConverged; }
@@ -137,17 +137,15 @@ MinimiserSummary minimise(Problem& problem, const MinimiserOptions& options) {
     const double cost = problem.cost();
     const Trial trial = problem.attempt();
     const double length = std::sqrt(std::max(0.0, *decrement));
-    const bool faithful = damping.isFaithful();
-    if (faithful) out.last_step = length;
+    if (damping.isFaithful()) out.last_step = length;
     if (trial.left_domain) {
       out.end = MinimiserEnd::kLeftDomain;
       return out;
     }
-    const bool last = faithful && !trial.renewed &&
+    const bool last = damping.isFaithful() && !trial.renewed &&
                       (length < options.tolerance || *decrement <= options.cost_tolerance * cost);
     const bool better = trial.cost <= cost * (1 + kRoundingOfCost);  // false for NaN
     if (better) {
-      if (!faithful) out.last_step = std::numeric_limits<double>::infinity();
       damping.ease(*decrement, cost, trial.cost);
       problem.accept();
     }
