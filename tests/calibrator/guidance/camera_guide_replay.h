@@ -16,6 +16,16 @@
 
 namespace plumbline::test {
 
+inline constexpr double kGuideSigma = 0.3;  // [px], of corners
+
+/// The guide that takes corners to have that noise, and no gross errors.
+inline GuideOptions guideOptions() {
+  GuideOptions options;
+  options.views.pixel_sigma = kGuideSigma;
+  options.views.cauchy_px = 0;
+  return options;
+}
+
 /// A simulated rig before a target, frame by frame, wherever it is moved to.
 class LiveRig {
  public:

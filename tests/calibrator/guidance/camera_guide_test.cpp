@@ -9,16 +9,7 @@
 namespace plumbline {
 namespace {
 
-using test::LiveRig;
-
-constexpr double kGuideSigma = 0.3;  // [px]
-
-GuideOptions guideOptions() {
-  GuideOptions options;
-  options.views.pixel_sigma = kGuideSigma;
-  options.views.cauchy_px = 0;
-  return options;
-}
+using test::guideOptions, test::kGuideSigma, test::LiveRig;
 
 TEST(CameraGuide, EveryViewKeptReachesTheThresholdAndEveryOtherDoesNot) {
   const LiveRig rig("euroc", 6, kGuideSigma);
