@@ -64,6 +64,22 @@ TEST(HandEye, OfExactPairsIsExact) {
   EXPECT_EQ(found->covariance.rows(), 12);
 }
 
+// The rounding of many pairs with large coordinates is longer than the step that is asked for.
+TEST(HandEye, OfManyExactPairsFarAwayIsExact) {
+  const Eigen::Vector3d far(400, -300, 20);
+  std::vector<HandEyePair> pairs;
+  for (int k = 0; k < 10; ++k) {
+    for (HandEyePair pair : pairsOf({})) {
+      pair.T_VM.t += far;
+      pairs.push_back(pair);
+    }
+  }
+  const auto found = estimateHandEye(pairs);
+  ASSERT_TRUE(found.ok()) << found.failure();
+  EXPECT_LT((found->state.T_VW.t - kT_VW.t - far).norm(), 1e-8);
+  EXPECT_LT(boxminus(found->state.T_SM, kT_SM).norm(), 1e-8);
+}
+
 TEST(HandEye, OfANumberThatIsNoneThereIsNoResult) {
   std::vector<HandEyePair> pairs = pairsOf({});
   pairs[7].T_VM.t.x() = std::numeric_limits<double>::quiet_NaN();

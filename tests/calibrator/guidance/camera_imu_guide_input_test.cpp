@@ -228,6 +228,21 @@ TEST(CameraImuGuideInput, ClocksThatDisagree) {
   expectItWentOn(r, 60);
 }
 
+// Some come with every frame, but ever older ones.
+TEST(CameraImuGuideInput, SamplesThatFallEverFurtherBehind) {
+  auto slow = frames();
+  std::vector<ImuSample> waiting;
+  for (std::size_t i = 60; i < slow.size(); ++i) {
+    waiting.insert(waiting.end(), slow[i].imu.begin(), slow[i].imu.end());
+    slow[i].imu.assign(waiting.begin(),
+                       waiting.begin() + std::min<std::ptrdiff_t>(3, std::ssize(waiting)));
+    waiting.erase(waiting.begin(), waiting.begin() + std::ssize(slow[i].imu));
+  }
+  const Replay r = replayed(slow);
+  EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 1);
+  EXPECT_GT(count(r.decisions, GuideReason::kNoImu), 20);
+}
+
 TEST(CameraImuGuideInput, ATargetThatNeverCameIntoViewIsSaid) {
   auto never = frames();
   for (GuideFrame& frame : never) {
