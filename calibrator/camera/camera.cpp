@@ -8,9 +8,8 @@ namespace {
 
 // uv = (fu m_x + pu, fv m_y + pv) for every model, m its image of the point at unit focal length.
 template <CameraModel Model>
-std::optional<Eigen::Vector2d> projectAs(Model, const Intrinsics& camera,
+std::optional<Eigen::Vector2d> projectAs(Model, const CameraValues& lens,
                                          const Eigen::Vector3d& p_C) {
-  const CameraValues lens(camera);
   const double* k = lens.k.data();
   // Before image(), which does not look whether the point can be seen.
   if (!Model::isInDomain(k, p_C.x(), p_C.y(), p_C.z())) return std::nullopt;
@@ -55,8 +54,22 @@ std::optional<Eigen::Vector3d> unprojectAs(Model, const Intrinsics& camera,
 }  // namespace
 
 std::optional<Eigen::Vector2d> project(const Intrinsics& camera, const Eigen::Vector3d& p_C) {
-  return std::visit([&](auto model) { return projectAs(model, camera, p_C); },
+  return std::visit([&](auto model) { return projectAs(model, CameraValues(camera), p_C); },
                     cameraModelOf(camera));
+}
+
+std::vector<std::optional<Eigen::Vector2d>> project(const Intrinsics& camera,
+                                                    std::span<const Eigen::Vector3d> p_C) {
+  std::vector<std::optional<Eigen::Vector2d>> uv;
+  uv.reserve(p_C.size());
+  // One visit for all: finding the model of each point would take longer than its projection.
+  std::visit(
+      [&](auto model) {
+        const CameraValues lens(camera);
+        for (const Eigen::Vector3d& p : p_C) uv.push_back(projectAs(model, lens, p));
+      },
+      cameraModelOf(camera));
+  return uv;
 }
 
 std::optional<Projection> projectWithJacobians(const Intrinsics& camera,

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "calibrator/base/calibration.h"
 
@@ -26,6 +28,10 @@ struct Projection {
 /// distortion stops growing (folding back). Every model that Kalibr writes projects; throws
 /// InputError for another pair of models, or a wrong number of parameters.
 std::optional<Eigen::Vector2d> project(const Intrinsics& camera, const Eigen::Vector3d& p_C);
+
+/// The same of many points, one after the other.
+std::vector<std::optional<Eigen::Vector2d>> project(const Intrinsics& camera,
+                                                    std::span<const Eigen::Vector3d> p_C);
 
 /// project() with analytic Jacobians.
 std::optional<Projection> projectWithJacobians(const Intrinsics& camera,

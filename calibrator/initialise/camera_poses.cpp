@@ -197,6 +197,15 @@ class PoseSteps {
 
 double PoseRefinement::errorPx() const { return corners > 0 ? std::sqrt(cost / corners) : 0; }
 
+double errorPx(const std::vector<FrameView>& views, const Transform& T_C0F,
+               const GramOptions& options) {
+  PoseRefinement as_it_stands{.T_C0F = T_C0F, .corners = countUsed(views)};
+  for (const FrameView& v : views) {
+    as_it_stands.cost += viewCost(*v.camera, v.T_CiC0 * T_C0F, v.view, options);
+  }
+  return as_it_stands.errorPx();
+}
+
 std::optional<Transform> homographyPose(const Intrinsics& camera, const PackedView& view) {
   const std::vector<RayPoint> points = rayPoints(camera, view);
   if (points.size() < 4) return std::nullopt;

@@ -39,6 +39,10 @@ struct PoseRefinement {
   double errorPx() const;
 };
 
+/// PoseRefinement::errorPx() of a pose as it stands.
+double errorPx(const std::vector<FrameView>& views, const Transform& T_C0F,
+               const GramOptions& options);
+
 struct PoseRefinementOptions {
   GramOptions gram{0, 0};
   int max_iterations = 10;

@@ -173,9 +173,16 @@ double distanceFromPlace(const AprilGrid& target, const Intrinsics& camera, cons
 /// Distances of a view's corners from the pose's prediction; infinite where there is none.
 std::vector<double> distancesOf(const Intrinsics& camera, const PackedView& view,
                                 const Transform& T_CF) {
-  std::vector<double> out;
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(static_cast<std::size_t>(view.count));
   for (int k = 0; k < view.count; ++k) {
-    const auto uv = project(camera, T_CF * Eigen::Vector3d(view.x[k], view.y[k], view.z[k]));
+    points.push_back(T_CF * Eigen::Vector3d(view.x[k], view.y[k], view.z[k]));
+  }
+  const auto projected = project(camera, points);
+  std::vector<double> out;
+  out.reserve(points.size());
+  for (int k = 0; k < view.count; ++k) {
+    const auto& uv = projected[static_cast<std::size_t>(k)];
     out.push_back(uv ? (*uv - Eigen::Vector2d(view.u[k], view.v[k])).norm()
                      : std::numeric_limits<double>::infinity());
   }

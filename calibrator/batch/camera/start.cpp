@@ -159,7 +159,8 @@ CameraPoses ownPoses(const Intrinsics& camera, const PackedCorners& corners,
                      const CameraStageOptions& options) {
   CameraPoses poses(frames.size());
   const double width = camera.resolution.width;
-  const PoseRefinementOptions few = roughPose(camera.resolution, 2);
+  // One step from a homography of 16 corners brings the others in; the batch does the rest.
+  const PoseRefinementOptions few = roughPose(camera.resolution, 1);
   forChunks(static_cast<int>(frames.size()), kFrameChunk, options.threads, [&](const Chunk& chunk) {
     for (int f = chunk.begin; f < chunk.end; ++f) {
       const int v = frames[static_cast<std::size_t>(f)].view[c];
@@ -201,9 +202,14 @@ std::optional<Transform> bestPose(const Frame& frame, std::size_t f,
   const PoseRefinementOptions few = roughPose(resolution, views.size() > 1 ? 1 : 0);
   std::optional<PoseRefinement> best;
   for (const std::size_t c : camerasWithPose(frame, f, corners, own)) {
-    const PoseRefinement pose = refinePose(views, cameras.T_C0Ci[c] * *own[c][f], few);
-    if (!best || pose.cost < best->cost) best = pose;
+    const Transform T_C0F = cameras.T_C0Ci[c] * *own[c][f];
     const bool sure = corners[c].view(frame.view[c]).count > kFewCorners;
+    // The batch moves all poses anyhow: one that suits every camera as it is needs no step here.
+    if (!best && sure && errorPx(views, T_C0F, few.gram) < std::min(kGoodPose, max_error) * width) {
+      return T_C0F;
+    }
+    const PoseRefinement pose = refinePose(views, T_C0F, few);
+    if (!best || pose.cost < best->cost) best = pose;
     if (sure && best->errorPx() < kGoodPose * width) break;
   }
   if (!best || !(best->errorPx() < max_error * width)) return std::nullopt;

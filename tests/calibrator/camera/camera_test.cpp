@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -214,6 +215,16 @@ TEST(Equidistant, TheBoundThatSparesTheSearchNeverReachesBeyondTheFold) {
   }
   EXPECT_GT(spared, 5000);
   EXPECT_GT(folded, 5000);
+}
+
+TEST(Project, ManyPointsAreProjectedAsEachAlone) {
+  std::vector<Eigen::Vector3d> points = {{0, 0, -1}, {0, 0, 0}};  // behind every camera, and at it
+  for (int i = 0; i < 60; ++i) points.emplace_back(0.05 * i - 1.5, std::sin(i), 1.2);
+  for (const Intrinsics& camera : test::everyModel()) {
+    const auto uv = project(camera, points);
+    ASSERT_EQ(uv.size(), points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(uv[i], project(camera, points[i]));
+  }
 }
 
 TEST(Unproject, InvertsProjectOverTheImageForEveryModel) {

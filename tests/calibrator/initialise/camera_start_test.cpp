@@ -109,6 +109,24 @@ TEST(RefinePose, ASecondCameraWithKnownExtrinsicsAddsToTheFirst) {
   EXPECT_EQ(pose.corners, left.view(3).count + right.view(3).count);
 }
 
+TEST(ErrorPx, OfAPoseAsItStandsIsThatOfARefinementWithoutSteps) {
+  const SimulatedSession s = recording("euroc", 0.3);
+  const auto& cameras = s.truth.cameras;
+  const PackedCorners left(s.session.target, s.session.cameras[0].views);
+  const PackedCorners right(s.session.target, s.session.cameras[1].views);
+  const std::vector<FrameView> views = {
+      {&cameras[0].intrinsics, left.view(3), Transform()},
+      {&cameras[1].intrinsics, right.view(3), cameras[1].T_C0Ci.inverse()}};
+  const Transform truth = truePose(s, 0, s.session.cameras[0].views[3]);
+  // Of both coordinates, 0.3 px each; 288 corners, so that it is within some 12 %.
+  EXPECT_NEAR(errorPx(views, truth, {0, 0}), 0.3 * std::sqrt(2), 0.06);
+  const Transform off = boxplus(truth, Vector6d::Constant(0.01));
+  for (const double cauchy_px : {0.0, 2.0}) {
+    EXPECT_NEAR(errorPx(views, off, {cauchy_px, 0}),
+                refinePose(views, off, {{cauchy_px, 0}, 0, 1e-8}).errorPx(), 1e-9);
+  }
+}
+
 TEST(FocalCandidates, TheFirstIsWithinAThirdOfTheTruth) {
   for (const char* rig : {"euroc", "tumvi", "d435i"}) {
     const SimulatedSession s = recording(rig, 0.2);
