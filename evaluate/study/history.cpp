@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "calibrator/base/statistics/statistics.h"
@@ -89,8 +90,8 @@ class Judge {
              figures[end].figure.name == figures[begin].figure.name) {
         ++end;
       }
-      judgeFigure({figures.begin() + static_cast<std::ptrdiff_t>(begin),
-                   figures.begin() + static_cast<std::ptrdiff_t>(end)});
+      // A view of them: a series keeps the last of its figures until the study is judged.
+      judgeFigure(std::span(figures).subspan(begin, end - begin));
     }
     for (const auto& [name, list] : of_study_) judgeStudy(name, list);
     return std::move(alarms_);
@@ -98,7 +99,7 @@ class Judge {
 
  private:
   // Spans of one figure in the order of nights; equal values of successive nights are one span.
-  void judgeFigure(const std::vector<FigureSpan>& spans) {
+  void judgeFigure(std::span<const FigureSpan> spans) {
     // No figure of this night: its step is no longer planned, or gave none; the latter is a figure
     // itself, "failed".
     if (spans.back().last_night != night_) return;
@@ -126,7 +127,7 @@ class Judge {
     }
   }
 
-  bool judgeDeterministic(const std::vector<FigureSpan>& spans, int start) {
+  bool judgeDeterministic(std::span<const FigureSpan> spans, int start) {
     const StudyFigure& last = spans.back().figure;
     if (isDuration(last.name)) return false;
     // A step may fail for what is in no key (memory, a missing program): done again it is mended.
@@ -179,19 +180,17 @@ class Judge {
         changes[night].push_back((value - reference) / unit);
       }
     }
-    std::vector<double> medians;
-    for (const auto& [night, values] : changes) medians.push_back(median(values));
-    // The spread of ordinary nights: the first of the window, before what is looked for.
-    const std::vector<double> ordinary(
-        medians.begin(),
-        medians.begin() + static_cast<std::ptrdiff_t>(std::min(medians.size(), window())));
-    const double scale = std::max(deviation(ordinary, median(ordinary)), t_.floor);
-    double sum = 0;
+    std::vector<double> ordinary;  // the first nights of the window, as far as they had come
+    double sum = 0, last = 0;
     int first = 0;
-    std::size_t at = 0;
     for (const auto& [night, values] : changes) {
+      last = median(values);
+      if (ordinary.size() < window()) ordinary.push_back(last);
+      // As it was on that night: later ones, which may be those that are looked for, would change
+      // what a night adds, and with it the alarms of nights that are as they were.
+      const double scale = std::max(deviation(ordinary, median(ordinary)), t_.floor);
       // Page's one-sided cumulated sum (1954): slack is the drift a night that is let pass.
-      const double step = medians[at++] / scale - t_.slack;
+      const double step = last / scale - t_.slack;
       // After an alarm it begins anew with a night that is in order: it would else stay high for as
       // long as the nights before were far off.
       sum = sum > t_.cusum && step <= 0 ? 0 : std::max(0.0, sum + step);
@@ -202,7 +201,7 @@ class Judge {
     figure.name = name;
     // Any session's: the alarm is of all of them.
     figure.command = list.front().last->command;
-    add(figure, first, "cusum", 0, medians.back());
+    add(figure, first, "cusum", 0, last);
   }
 
   void add(const StudyFigure& f, int first, const char* kind, double was, double is) {

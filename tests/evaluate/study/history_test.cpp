@@ -207,6 +207,7 @@ TEST(HistoryTest, CusumFindsADriftThatNoNightShows) {
   ASSERT_NE(cusum, alarms.end());
   EXPECT_EQ(cusum->session, "");
   EXPECT_EQ(cusum->metric, "held_out_rmse_px");
+  EXPECT_EQ(cusum->command, "plumbline held_out_rmse_px/e");
   EXPECT_GE(cusum->night, 11);
   EXPECT_LE(cusum->night, 15);
 }
@@ -220,6 +221,19 @@ TEST(HistoryTest, ANightThatWasMendedRaisesNoAlarmAfterwards) {
                   std::to_string(night));
     }
     EXPECT_EQ(history.judge().empty(), night != 4) << "night " << night;
+  }
+}
+
+// Where nights after the shift are as many as those before, their spread is that of the shift.
+TEST(HistoryTest, AShiftThatStaysKeepsItsAlarm) {
+  History history;
+  for (int night = 1; night <= 20; ++night) {
+    if (night > 1) history.nextNight();
+    for (int s = 0; s < 3; ++s) {
+      history.add("s" + std::to_string(s), "held_out_rmse_px/e", night <= 4 ? 0.2 : 0.2028,
+                  night <= 4 ? "1" : "2");
+    }
+    EXPECT_EQ(history.judge().empty(), night < 7) << "night " << night;
   }
 }
 
