@@ -14,6 +14,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kMadToSigma = 1.4826;  // of a normal distribution
+constexpr const char* kFailed = "failed";
 
 /// How a figure is judged, by the first part of its name; more is worse.
 struct Judged {
@@ -24,7 +25,7 @@ struct Judged {
 // Entropies may be near 0, and so have no share of themselves to compare with; a hundredth of a nat
 // is a hundredth of a parameter's standard deviation. Offsets are compared with what a clock
 // resolves.
-constexpr std::array<Judged, 8> kJudged{{{"failed", 0.1},
+constexpr std::array<Judged, 8> kJudged{{{kFailed, 0.1},
                                          {"camera_rmse_px", 1e-6},
                                          {"camera_imu_rmse_px", 1e-6},
                                          {"held_out_rmse_px", 1e-6},
@@ -131,7 +132,7 @@ class Judge {
     const StudyFigure& last = spans.back().figure;
     if (isDuration(last.name)) return false;
     // A step may fail for what is in no key (memory, a missing program): done again it is mended.
-    const bool only_worse = familyOf(last.name) == "failed";
+    const bool only_worse = familyOf(last.name) == kFailed;
     for (const FigureSpan& span : spans) {
       const bool same = span.figure.inputs_key == last.inputs_key &&
                         span.figure.version == last.version && span.last_night >= start;
@@ -144,6 +145,7 @@ class Judge {
   }
 
   void judgeMedian(const Series& series, const Judged& how) {
+    const bool failure = familyOf(how.name) == kFailed;
     std::vector<double> good;
     int first_bad = 0;
     double was = 0;
@@ -152,9 +154,13 @@ class Judge {
         const std::size_t from = good.size() > window() ? good.size() - window() : 0;
         const std::vector<double> recent(good.begin() + static_cast<std::ptrdiff_t>(from),
                                          good.end());
-        const double middle = median(recent);
+        // What was done once can be done, however often it failed: the least in place of the
+        // median, and no deviation.
+        const double middle =
+            failure ? *std::min_element(recent.begin(), recent.end()) : median(recent);
         const double scale =
-            std::max({deviation(recent, middle), t_.floor * std::abs(middle), how.least});
+            failure ? how.least
+                    : std::max({deviation(recent, middle), t_.floor * std::abs(middle), how.least});
         if (value - middle > t_.sigma * scale) {
           // Not among the good ones: a step that stays would become the median and end its own
           // alarm.

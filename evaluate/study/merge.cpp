@@ -275,13 +275,16 @@ class Merger {
     }
   }
 
-  /// By step: its failure, or that of a step before for which it was left out; no losses.
+  /// By step: its failure or loss, or that of a step before for which it was left out. Not where an
+  /// input changed meanwhile, which says nothing of any state of the data.
   std::map<std::string, const StepResult*> failures() const {
     std::map<std::string, const StepResult*> found;
     for (const Step& step : steps_) {
       const auto result = results_.find(step.name);
       if (result != results_.end()) {
-        if (result->second.status == StepStatus::kFailed) found[step.name] = &result->second;
+        const StepStatus status = result->second.status;
+        const bool failed = status == StepStatus::kFailed || status == StepStatus::kLost;
+        if (failed) found[step.name] = &result->second;
         continue;
       }
       // Each step stands behind those that it needs.
@@ -294,8 +297,8 @@ class Merger {
   }
 
   // Whether a step gave all figures that it is judged by is a figure too: of a calibration
-  // "failed", of another step "failed/STEP"; not where it was lost. One that was left out has it
-  // with version and command of the failure before.
+  // "failed", of another step "failed/STEP". One that was left out has it with version and command
+  // of the failure before.
   void addFigures() {
     const auto failed = failures();
     for (const Step& step : steps_) {

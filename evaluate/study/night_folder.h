@@ -54,8 +54,8 @@ void requireNightFolder(const std::filesystem::path& folder);
 /// Otherwise a session's figure x of night n is compared with its own past under the same inputs
 /// ("median"): bad where
 ///   x_n - median > sigma max(1.4826 MAD, floor |median|, least)
-/// over the last `window` nights that were not bad themselves. The alarm names the first night of
-/// the unbroken run of bad ones.
+/// over the last `window` nights that were not bad themselves; "failed" and "failed/STEP" where
+/// they were 0 on any of these. The alarm names the first night of the unbroken run of bad ones.
 ///
 /// And a study's ("cusum"): d_n is the median over sessions of (x_n - x_r) / max(|x_r|, least /
 /// floor), r the session's first night under the same inputs, so that only sessions that both

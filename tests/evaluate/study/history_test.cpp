@@ -125,6 +125,18 @@ TEST(HistoryTest, ASessionThatFailsIsARegression) {
   EXPECT_EQ(alarms[0].metric, "failed");
 }
 
+// However often it failed before it was done.
+TEST(HistoryTest, WhatWasDoneOnceIsNotToFail) {
+  History history;
+  const double values[] = {1, 1, 0, 1};
+  for (int i = 0; i < 4; ++i) {
+    if (i > 0) history.nextNight();
+    history.add("a", "failed/perturb", values[i], std::to_string(i));
+    EXPECT_EQ(history.judge().empty(), i < 3) << "night " << i + 1;
+  }
+  EXPECT_EQ(history.judge()[0].night, 4);
+}
+
 // By --redo-failed, after a lack of memory or a missing program: inputs and version stay.
 TEST(HistoryTest, AStepThatIsMendedIsNoRegression) {
   for (const char* name : {"failed", "failed/estimate_s"}) {

@@ -119,9 +119,21 @@ TEST_F(MergeTest, AStepThatWasLeftOutForAFailureHasFailed) {
   EXPECT_EQ(figure.inputs_key, "inputs");
   EXPECT_EQ(figure.version, "7");
   EXPECT_EQ(figure.command, "plumbline detect");
-  results_["sessions/a/detect"].status = StepStatus::kLost;
-  EXPECT_EQ(failures().count("failed/estimate"), 0u) << "it is tried again";
-  EXPECT_EQ(failures().count("failed/perturb"), 0u);
+}
+
+// Killed, beyond its limits, without room: it is tried again, and until then nobody has its
+// figures.
+TEST_F(MergeTest, AStepThatWasLostHasFailed) {
+  results_["sessions/a/calibrate"].status = StepStatus::kLost;
+  add(StepKind::kEvaluate, "evaluate_e2", "e2").needs = {{"sessions/a/calibrate", ""}};
+  auto now = failures();
+  EXPECT_EQ(now.at("failed"), 1);
+  EXPECT_EQ(now.at("failed/evaluate_e2"), 1);
+  EXPECT_EQ(now.at("failed/evaluate_e1"), 0);
+  results_["sessions/a/calibrate"].status = StepStatus::kChanged;
+  now = failures();
+  EXPECT_EQ(now.count("failed"), 0u) << "no state of the data failed";
+  EXPECT_EQ(now.count("failed/evaluate_e2"), 0u);
 }
 
 TEST_F(MergeTest, AFigureThatIsMissingIsAFailure) {
