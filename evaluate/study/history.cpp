@@ -232,4 +232,21 @@ std::vector<StudyAlarm> judgeNight(int night, const std::vector<FigureSpan>& fig
   return Judge(night, accepted, thresholds).judge(figures);
 }
 
+std::vector<std::string> calibratedFromOtherInputs(int night,
+                                                   const std::vector<FigureSpan>& figures) {
+  std::vector<std::string> sessions;
+  for (const FigureSpan& last : figures) {
+    const bool fails = last.figure.name == kFailed && last.figure.value > 0;
+    if (!fails || last.last_night != night) continue;
+    bool same = false, other = false;
+    for (const FigureSpan& span : figures) {
+      const StudyFigure& f = span.figure;
+      if (f.name != kFailed || f.session != last.figure.session || f.value > 0) continue;
+      (f.inputs_key == last.figure.inputs_key ? same : other) = true;
+    }
+    if (other && !same) sessions.push_back(last.figure.session);
+  }
+  return sessions;
+}
+
 }  // namespace plumbline

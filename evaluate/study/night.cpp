@@ -122,9 +122,22 @@ Finding endpointFinding(const StudyRecord& record) {
   return finding;
 }
 
-/// What is known after the merge: regressions against earlier nights, and declared endpoints
-/// without figures.
-void addFurtherFindings(StudyRecord& record) {
+Finding calibratedBeforeFinding(const std::vector<std::string>& sessions) {
+  Finding finding;
+  finding.rule = "Sessions calibrated before";
+  finding.value = static_cast<double>(sessions.size());
+  finding.unit = "1";
+  finding.level = VerdictLevel::kCaution;
+  finding.evidence = fmt::format(
+      "without a calibration, but with one on an earlier night from other data or options: {}",
+      fmt::join(sessions, ", "));
+  finding.advice = "Look whether their recordings are whole";
+  return finding;
+}
+
+/// What is known after the merge: regressions against earlier nights, sessions whose data or
+/// options changed and give no calibration any more, and declared endpoints without figures.
+void addFurtherFindings(StudyRecord& record, const std::vector<std::string>& calibrated_before) {
   Finding finding;
   finding.rule = "Regressions";
   finding.value = static_cast<double>(record.alarms.size());
@@ -141,6 +154,7 @@ void addFurtherFindings(StudyRecord& record) {
   }
   auto findings = std::move(record.verdict.findings);
   findings.push_back(std::move(finding));
+  if (!calibrated_before.empty()) findings.push_back(calibratedBeforeFinding(calibrated_before));
   if (!record.endpoints.empty()) findings.push_back(endpointFinding(record));
   record.verdict = makeVerdict(std::move(findings));
   // The headline of a good study is what it found, of any other what is wrong.
@@ -208,9 +222,10 @@ NightOutcome finishNight(const PreparedNight& night, const StepResults& results,
   store.addAlarms(number, record.alarms);
   record.nights = store.nights();
   addStatistics(record);
-  addFurtherFindings(record);
-  writeRecords(night.folder, record);
   NightOutcome outcome;
+  outcome.calibrated_before = calibratedFromOtherInputs(number, store.figures());
+  addFurtherFindings(record, outcome.calibrated_before);
+  writeRecords(night.folder, record);
   outcome.level = record.verdict.level;
   outcome.document = documentOf(record);
   writeFileAtomically((night.folder / kSummaryFile).string(), outcome.document);
@@ -239,6 +254,10 @@ std::string nightSummary(const NightOutcome& o, const fs::path& folder) {
         o.steps_failed, o.steps_left_out, o.steps_missing);
   }
   add(text, "\n");
+  if (!o.calibrated_before.empty()) {
+    add(text, "  had one on an earlier night, from other data or options: {}\n",
+        fmt::join(o.calibrated_before, ", "));
+  }
   if (!o.alarms.empty()) {
     add(text, "REGRESSION: {} figures changed against earlier nights\n", o.alarms.size());
   }

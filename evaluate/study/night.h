@@ -42,7 +42,8 @@ struct NightOutcome {
   int sessions = 0, sessions_failed = 0;
   std::size_t steps = 0;
   int steps_failed = 0, steps_left_out = 0, steps_missing = 0;
-  std::vector<StudyAlarm> alarms;  ///< not accepted
+  std::vector<StudyAlarm> alarms;              ///< not accepted
+  std::vector<std::string> calibrated_before;  ///< calibratedFromOtherInputs()
   VerdictLevel level = VerdictLevel::kGood;
   std::string document;  ///< summary.json
 };

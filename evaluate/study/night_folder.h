@@ -68,6 +68,11 @@ std::vector<StudyAlarm> judgeNight(int night, const std::vector<FigureSpan>& fig
                                    const std::vector<StudyAcceptance>& accepted,
                                    const RegressionThresholds& thresholds);
 
+/// Sessions without a calibration on the last night that had one on an earlier night, but from
+/// other data or options only: judgeNight() has nothing to compare them with.
+std::vector<std::string> calibratedFromOtherInputs(int night,
+                                                   const std::vector<FigureSpan>& figures);
+
 /// What a night's steps say together.
 struct MergedNight {
   StudyRecord record;  ///< without statistics, alarms and nights

@@ -115,6 +115,27 @@ TEST(HistoryTest, NewDataStartAnew) {
   EXPECT_TRUE(history.judge().empty());
 }
 
+// A recording that was damaged is another one: no regression, but its session is named.
+TEST(HistoryTest, ASessionThatFailsWithNewDataIsNamed) {
+  std::vector<FigureSpan> spans;
+  const auto add = [&](const std::string& session, int night, const std::string& inputs,
+                       double value) {
+    spans.push_back({{session, "failed", "1", inputs, "1", value, ""}, night, night});
+  };
+  add("damaged", 1, "old", 0);
+  add("damaged", 2, "new", 1);
+  add("never", 1, "old", 1);
+  add("never", 2, "new", 1);
+  add("mended", 1, "old", 1);
+  add("mended", 2, "new", 0);
+  add("regression", 1, "old", 0);
+  add("regression", 2, "old", 1);
+  EXPECT_THAT(calibratedFromOtherInputs(2, spans), testing::ElementsAre("damaged"));
+  NightOutcome outcome;
+  outcome.calibrated_before = {"damaged"};
+  EXPECT_THAT(nightSummary(outcome, ""), testing::HasSubstr("other data or options: damaged\n"));
+}
+
 TEST(HistoryTest, ASessionThatFailsIsARegression) {
   History history;
   history.add("a", "failed", 0, "1");

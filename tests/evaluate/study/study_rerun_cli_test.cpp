@@ -79,6 +79,16 @@ TEST_F(StudyRerun, ACorruptSessionCostsItselfAlone) {
   EXPECT_EQ(doneAgain(before, scratch_ / "night").size(), 1u);
 }
 
+TEST_F(StudyRerun, ASessionThatIsDamagedAfterItsCalibrationIsNamed) {
+  const fs::path data = ownData(), night = doneNight();
+  write(data / "p1_free/mav0/cam0/corners.csv", "no corners\n1,2\n");
+  const Outcome outcome = study(data, night);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text,
+              HasSubstr("had one on an earlier night, from other data or options: p1_free"));
+  EXPECT_THAT(read(night / "index.html"), HasSubstr("Sessions calibrated before"));
+}
+
 TEST_F(StudyRerun, TheListOfCommandsGivesTheSameStore) {
   const fs::path night = scratch_ / "night";
   const Outcome list = study(root_ / "data", night, "--engine commands");
