@@ -181,6 +181,7 @@ StudyMethod methodOf(const StudyRecord& record, const std::string& name) {
     if (!s.finished) ++m.gave_up;
     if (s.status != StudyStatus::kOk) continue;
     ++m.calibrated;
+    if (!s.verdict) continue;
     ++(s.verdict == VerdictLevel::kGood      ? m.good
        : s.verdict == VerdictLevel::kCaution ? m.caution
                                              : m.bad);

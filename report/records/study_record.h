@@ -54,11 +54,11 @@ struct StudySession {
   bool finished = true;  ///< false: gave up
   std::vector<CaptureStage> stages;
   StudyStatus status = StudyStatus::kOk;
-  std::string failed_step;  ///< e.g. "calibrate"; empty if none failed
-  std::string message;      ///< of the step that failed
-  VerdictLevel verdict = VerdictLevel::kGood;
-  std::string verdict_rule;      ///< of the gravest finding; empty where all are good
-  std::string verdict_sentence;  ///< its rule, evidence and advice
+  std::string failed_step;              ///< e.g. "calibrate"; empty if none failed
+  std::string message;                  ///< of the step that failed
+  std::optional<VerdictLevel> verdict;  ///< none without a calibration
+  std::string verdict_rule;             ///< of the gravest finding; empty where all are good
+  std::string verdict_sentence;         ///< its rule, evidence and advice
   std::optional<double> camera_rmse_px, camera_imu_rmse_px;
   std::optional<double> held_out_rmse_px;  ///< sqrt(mean of rmse^2 over held-out recordings)
   std::optional<double> camera_entropy_nats, camera_imu_entropy_nats;

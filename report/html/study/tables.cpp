@@ -20,7 +20,7 @@ Cell verdictCell(const StudySession& s) {
   if (s.status == StudyStatus::kFailed) {
     return {"failed at " + s.failed_step, Cell::Kind::kText, VerdictLevel::kBad, {}};
   }
-  const std::string level = toString(s.verdict);
+  const std::string level = s.verdict ? toString(*s.verdict) : kDash;
   return {s.verdict_rule.empty() ? level : level + ": " + s.verdict_rule,
           Cell::Kind::kText,
           s.verdict,

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/fields/json_fields.h"
 #include "evaluate/study/night_folder.h"
 #include "tests/datasets/temporary_folder.h"
 
@@ -25,6 +26,7 @@ class MergeTest : public testing::Test {
     study_.offsets_ms = {100, 1};
     StudyRecord calibrated;
     calibrated.sessions = {session.row};
+    calibrated.sessions[0].verdict = VerdictLevel::kGood;
     done(StepKind::kCalibrate, "calibrate", "", calibrated);
     StudyRecord compared;
     compared.others = {{"a", "kalibr", {}, {}, ""}};
@@ -149,6 +151,15 @@ TEST_F(MergeTest, AFigureThatIsMissingIsAFailure) {
   EXPECT_EQ(now.at("failed/evaluate_e2"), 1);
   EXPECT_EQ(now.at("failed/perturb"), 1);
   EXPECT_EQ(now.at("failed/evaluate_e1"), 0);
+}
+
+TEST_F(MergeTest, ASessionWithoutACalibrationHasNoVerdict) {
+  EXPECT_EQ(merged().sessions[0].verdict, VerdictLevel::kGood);
+  results_["sessions/a/calibrate"].status = StepStatus::kFailed;
+  const StudyRecord record = merged();
+  EXPECT_EQ(record.sessions[0].status, StudyStatus::kFailed);
+  EXPECT_FALSE(record.sessions[0].verdict);
+  EXPECT_FALSE(toJson(record.sessions[0]).contains("verdict"));
 }
 
 TEST_F(MergeTest, AFailedPerturbationIsOneOfEveryOffset) {
