@@ -75,13 +75,15 @@ std::vector<StudyPerturbation> perturbationsOf(const PerturbationRecord& record,
   return rows;
 }
 
-// Ours is the first calibration of the comparison, the other the second.
+// Ours is the first calibration of the comparison, the other the second. In our deviations: few
+// tools state their own, which the comparison's significance needs besides.
 StudyOther otherOf(const ComparisonRecord& record) {
   StudyOther row;
   for (const ComparedParameter& p : record.parameters) {
     if (p.difference.size() < 2 || !p.difference[1]) continue;
-    row.differences.push_back({p.name, p.unit, *p.difference[1],
-                               p.significance.size() > 1 ? p.significance[1] : std::nullopt});
+    const std::optional<double> std = p.std.empty() ? std::nullopt : p.std[0];
+    row.differences.push_back({p.name, p.unit, *p.difference[1], std::nullopt});
+    if (std && *std > 0) row.differences.back().sigmas = *p.difference[1] / *std;
   }
   return row;
 }

@@ -165,7 +165,7 @@ void fields(V& v, StudyTrajectory& t) {
 struct StudyDifference {
   std::string parameter, unit;
   double difference = 0;         ///< other - ours
-  std::optional<double> sigmas;  ///< over our deviation
+  std::optional<double> sigmas;  ///< difference / our deviation
 };
 
 template <class V>
@@ -173,7 +173,7 @@ void fields(V& v, StudyDifference& d) {
   v("parameter", d.parameter, "as in a covariance");
   v("unit", d.unit, "its unit");
   v("difference", d.difference, "the other tool's minus Plumbline's");
-  v("sigmas", d.sigmas, "1", "over Plumbline's standard deviation");
+  v("sigmas", d.sigmas, "1", "difference / Plumbline's formal standard deviation");
 }
 
 /// Another tool's result of a session.

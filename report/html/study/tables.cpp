@@ -156,7 +156,7 @@ Section othersSection(const StudyRecord& record) {
   return withTable({"tools",
                     "Other tools",
                     "Their calibrations of the same recordings, scored on the same held-out ones; "
-                    "differences in Plumbline's standard deviations.",
+                    "differences in Plumbline's formal standard deviations.",
                     {},
                     {}},
                    std::move(table));

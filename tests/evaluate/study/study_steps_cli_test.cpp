@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The steps that a study has only where its definition or its recordings ask for them.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/evaluate/study/study_nights.h"
@@ -34,6 +35,13 @@ TEST_F(StudySteps, AnotherToolsFolderIsComparedAndHeldOut) {
     focal = true;
     EXPECT_LT(std::abs(d.at("difference").get<double>()), 3) << d;
     EXPECT_GT(std::abs(d.at("difference").get<double>()), 1e-6) << d;
+    // The truth's file states no deviation: in Plumbline's.
+    const Json& estimates = summary.at("sessions")[0].at("estimates");
+    const auto ours = std::find_if(estimates.begin(), estimates.end(),
+                                   [](const Json& e) { return e.at("name") == "cam0.fu"; });
+    ASSERT_NE(ours, estimates.end());
+    EXPECT_NEAR(d.at("sigmas").get<double>() * ours->at("std").get<double>(),
+                d.at("difference").get<double>(), 1e-6);
   }
   EXPECT_TRUE(focal) << other;
 }
