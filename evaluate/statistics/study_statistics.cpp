@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -201,22 +202,30 @@ StudyMethod methodOf(const StudyRecord& record, const std::string& name) {
   return m;
 }
 
-/// Time to finish of one method's sessions; all that are not done by limit_s are censored there.
+/// Time to finish of one method's participants; all that are not done by limit_s are censored
+/// there.
 StudySurvival survivalOf(const StudyRecord& record, const std::string& method) {
   StudySurvival result;
   result.method = method;
-  std::vector<TimeToEvent> times;
-  std::set<std::string> tried, finished;
+  std::map<std::string, std::vector<TimeToEvent>> of_participant;
   for (const StudySession& s : record.sessions) {
     const auto time = s.method == method ? timeOf(record, s) : std::nullopt;
-    if (!time) continue;
-    // Sessions are the units of the curve, also several of one participant.
-    times.push_back(*time);
-    tried.insert(s.participant);
-    if (time->done) finished.insert(s.participant);
+    if (time) of_participant[s.participant].push_back(*time);
   }
-  result.participants = static_cast<int>(tried.size());
-  result.finished = static_cast<int>(finished.size());
+  std::vector<TimeToEvent> times;
+  for (const auto& [participant, sessions] : of_participant) {
+    // The mean of several sessions, an unfinished one with the limit: done where any of them was,
+    // so that there is no censoring but at the limit.
+    TimeToEvent mean{0, false};
+    for (const TimeToEvent& session : sessions) {
+      mean.t += session.t / static_cast<double>(sessions.size());
+      mean.done = mean.done || session.done;
+    }
+    if (!mean.done) mean.t = record.limit_s;
+    times.push_back(mean);
+    result.finished += mean.done ? 1 : 0;
+  }
+  result.participants = static_cast<int>(times.size());
   const std::vector<SurvivalPoint> curve = kaplanMeier(times);
   for (const SurvivalPoint& p : curve) result.curve.push_back({p.t, p.survival, p.at_risk});
   result.restricted_mean_s = restrictedMean(curve, record.limit_s);

@@ -101,7 +101,8 @@ double heightAt(const StudySurvival& s, double t_s) {
   return height;
 }
 
-/// Every session where it ended: on the curve's step, or at the limit where it was given up.
+/// Every session where it ended, at the curve's height: on its step where a participant has no
+/// other session of the method, at the limit where it was given up.
 void addEnds(const StudyRecord& record, const StudySurvival& s, const Colour& colour,
              LinePlot& plot) {
   for (const StudySession& session : record.sessions) {
@@ -145,8 +146,9 @@ Figure survivalFigure(const StudyRecord& record) {
   // A little above 1, where every curve begins.
   plot.frame.y = {"share", Range{0, 1.03}, {}, false, false};
   return {toSvg(plot, "study-survival"),
-          "Kaplan-Meier estimate; participants who gave up count as not done until the limit. A "
-          "point is a session and links to it.",
+          "Kaplan-Meier estimate over participants, of several sessions of one the mean time; "
+          "participants who gave up count as not done until the limit. A point is a session and "
+          "links to it.",
           true};
 }
 

@@ -322,6 +322,26 @@ TEST(StudyStatistics, CountParticipantsAndNotTheirSessions) {
   EXPECT_EQ(record.statistics.survival[0].finished, 7);
 }
 
+// p0's second session is no other participant: the curve is over their mean times.
+TEST(StudyStatistics, HaveCurvesOverParticipantsMeanTimes) {
+  StudyRecord record = study(8);
+  record.limit_s = 300;
+  StudySession again = record.sessions[0];
+  again.name += "_again";
+  again.capture_s = *again.capture_s + 20;
+  record.sessions.push_back(again);
+  addStatistics(record);
+  const StudySurvival& free = record.statistics.survival[0];
+  ASSERT_EQ(free.curve.size(), 7u) << "p0's mean is p2's time";
+  EXPECT_EQ(free.curve[0].at_risk, 8);
+  EXPECT_NEAR(free.restricted_mean_s, (60 + 10 + 65 + 70 + 75 + 80 + 85 + 90 + 95) / 8.0, 1e-9);
+  record.sessions.back().finished = false;  // and the other one was finished
+  addStatistics(record);
+  EXPECT_EQ(record.statistics.survival[0].finished, 8);
+  EXPECT_NEAR(record.statistics.survival[0].restricted_mean_s,
+              (0.5 * (60 + 300) + 65 + 70 + 75 + 80 + 85 + 90 + 95) / 8, 1e-9);
+}
+
 // Positive in every session, and yet with a sign.
 TEST(StudyStatistics, CompareEstimatesByDifferences) {
   StudyRecord record = study(6);
