@@ -90,18 +90,15 @@ std::vector<StudyStepRow> stepRows(const std::vector<Step>& steps, const StepRes
   return rows;
 }
 
-/// Of a cumulated drift `is` is the median change over sessions since their first nights, as a
-/// share; but failures and entropies may begin at 0, and are no shares of it.
 std::string alarmSentence(const StudyAlarm& a) {
   const std::string where = a.session.empty() ? "of the study" : "of " + a.session;
   if (a.kind == "deterministic") {
     return fmt::format("{} {} is {:.9g} and was {:.9g} from the same inputs and version", a.metric,
                        where, a.is, a.was);
   }
-  if (a.kind == "cusum") {
-    const bool share = a.metric != "failed" && !a.metric.ends_with("_nats");
+  if (isDrift(a)) {
     return fmt::format("{} {} has become worse{} than on its first night, gradually", a.metric,
-                       where, share ? fmt::format(" by {:.3g} %", 100 * a.is) : "");
+                       where, hasShare(a) ? fmt::format(" by {:.3g} %", 100 * a.is) : "");
   }
   return fmt::format("{} {} is {:.6g}, its median before {:.6g}", a.metric, where, a.is, a.was);
 }

@@ -19,11 +19,11 @@ struct ShownUnit {
 
 ShownUnit shownUnit(const Finding& f) {
   const auto has = [&](const char* words) { return f.evidence.find(words) != std::string::npos; };
-  // A count or a share.
+  // "-": a ratio or a share; "1": a count, also where its evidence tells of a share.
   const bool plain = f.unit == "-" || f.unit == "1";
   if (f.unit == "m" && has(" mm")) return {1e3, " mm"};
   if (f.unit == "s" && has(" us")) return {1e6, " \u00b5s"};
-  if (plain && f.threshold < 1 && has(" %")) return {100, " %"};
+  if (f.unit == "-" && f.threshold < 1 && has(" %")) return {100, " %"};
   return {1, plain ? "" : " " + f.unit};
 }
 

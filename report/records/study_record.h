@@ -207,14 +207,22 @@ struct StudyAlarm {
 
 inline std::string partName(const StudyAlarm& a) { return a.metric + " " + a.session; }
 
+/// A cumulated drift has no value of a session: `is` is the median change over sessions since their
+/// first nights, as a share of it; but failures and entropies may begin at 0, and have no share.
+inline bool isDrift(const StudyAlarm& a) { return a.kind == "cusum"; }
+inline bool hasShare(const StudyAlarm& a) {
+  return isDrift(a) && a.metric != "failed" && !a.metric.ends_with("_nats");
+}
+
 template <class V>
 void fields(V& v, StudyAlarm& a) {
   v("metric", a.metric, "name of the figure");
   v.ifSet("session", a.session, "absent: of the study as a whole");
   v("night", a.night, "the first on which it was off");
   v("kind", a.kind, "`deterministic`: same inputs and version; `median`; `cusum`");
-  v("was", a.was, "before");
-  v("is", a.is, "now");
+  v("was", a.was, "before; of `cusum` 0");
+  v("is", a.is,
+    "now; of `cusum` the median change over sessions, as a share of their first nights'");
   v.ifSet("command", a.command, "to run again");
 }
 

@@ -303,6 +303,46 @@ TEST(UserStudyPage, ShowsCountsOfTheVerdictWithoutAUnit) {
   EXPECT_THAT(userStudyPage(), HasSubstr("data-name=\"threshold\">0</td>"));
 }
 
+// Also where its evidence tells of a share; a cumulated drift is one of the first nights' value.
+TEST(UserStudyPage, ShowsCountsAsCountsAndDriftsAsShares) {
+  StudyRecord record = test::syntheticUserStudy();
+  record.verdict = makeVerdict({{"Regressions", VerdictLevel::kBad,
+                                 "ate_m of the study has become worse by 1.5 %", "", 1, 0, "1"}});
+  record.alarms = {{"ate_m", "", 2, "cusum", 0, 0.015, ""},
+                   {"camera_entropy_nats", "", 2, "cusum", 0, 0.3, ""}};
+  const std::string page = renderStudyPage(record);
+  EXPECT_THAT(page, HasSubstr("data-name=\"value\">1</td>"));
+  EXPECT_THAT(page, HasSubstr("data-name=\"threshold\">0</td>"));
+  const std::string alarms = page.substr(page.find("<section id=\"nights\""));
+  const auto rows = between(alarms.substr(alarms.find("<tbody>")), "<tr>", "</tr>");
+  EXPECT_THAT(rows.at(0), HasSubstr("+1.5 %</td>"));
+  EXPECT_EQ(countOf(rows.at(0), "\u2013</td>"), 1U) << "before";
+  EXPECT_EQ(countOf(rows.at(1), "\u2013</td>"), 2U) << "an entropy has no share";
+}
+
+// A verdict of its calibration is no reason that a participant gave.
+TEST(UserStudyPage, GivesNoReasonForGivingUp) {
+  StudyRecord record = test::syntheticUserStudy();
+  const auto session = std::find_if(record.sessions.begin(), record.sessions.end(),
+                                    [](const StudySession& s) { return !s.finished; });
+  ASSERT_NE(session, record.sessions.end());
+  const auto row = [&] {
+    const std::string page = renderStudyPage(record);
+    const std::string failures = page.substr(page.find("<section id=\"failures\""));
+    for (const auto& r : between(failures.substr(failures.find("<tbody>")), "<tr>", "</tr>")) {
+      if (r.find(session->name) != std::string::npos) return r;
+    }
+    return std::string();
+  };
+  session->verdict = VerdictLevel::kCaution;
+  session->verdict_sentence = "Shape of the target";
+  EXPECT_THAT(row(), HasSubstr("gave up<"));
+  EXPECT_THAT(row(), Not(HasSubstr("Shape of the target")));
+  session->verdict = VerdictLevel::kBad;
+  EXPECT_THAT(row(), HasSubstr("gave up, bad verdict<"));
+  EXPECT_THAT(row(), HasSubstr("Shape of the target"));
+}
+
 TEST(UserStudyPage, HasNoDeviationOfASingleSession) {
   StudyRecord record = test::syntheticUserStudy();
   record.perturbations.resize(1);

@@ -162,7 +162,8 @@ Section boardSection(const StudyRecord& record) {
   plot.frame.width = 960;
   plot.frame.height = 380;
   plot.frame.x = {"session, in the study's order", Range{-0.5, last + 0.5}, {}, false, false};
-  plot.frame.y = {"RMS displacement [mm]", rangeOf({&ends}, 0.08), {}, false, false};
+  plot.frame.y = {
+      "RMS displacement, signed as the term [mm]", rangeOf({&ends}, 0.08), {}, false, false};
   return withFigure(std::move(section), {toSvg(plot, "study-board"),
                                          "Terms that stay below 0.02 mm are not shown.", true});
 }

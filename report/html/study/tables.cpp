@@ -32,13 +32,25 @@ Cell named(const StudyRecord& record, const std::string& session) {
   return s ? linkTo(*s) : tight(session);
 }
 
-/// Failures and bad verdicts with a session; empty if nothing did.
-// The first that holds, the gravest before the others.
-std::string problemOf(const StudySession& s) {
+/// What went wrong with a session, and why: of a calibration that is not there, or whose verdict is
+/// bad. Nobody states why a participant gave up. Empty if nothing did.
+struct Problem {
+  std::string what, why;
+};
+
+Problem problemOf(const StudySession& s) {
+  Problem problem;
+  if (!s.finished) problem = {"gave up", kDash};
+  const auto add = [&](const std::string& what, const std::string& why) {
+    problem = {problem.what.empty() ? what : problem.what + ", " + what, why};
+  };
   // Without a calibration there is no verdict to name.
-  if (s.status == StudyStatus::kFailed) return "failed at " + s.failed_step;
-  if (!s.finished) return "gave up";
-  return s.verdict == VerdictLevel::kBad ? "bad verdict" : "";
+  if (s.status == StudyStatus::kFailed) {
+    add("failed at " + s.failed_step, s.message);
+  } else if (s.verdict == VerdictLevel::kBad) {
+    add("bad verdict", s.verdict_sentence);
+  }
+  return problem;
 }
 
 /// The differences that are largest in deviations.
@@ -115,12 +127,13 @@ Table alarmsTable(const StudyRecord& record) {
   for (const StudyAlarm& a : record.alarms) {
     Cell figure = code(a.metric);
     figure.level = VerdictLevel::kBad;
+    const std::string drift = hasShare(a) ? fmt::format("{:+.3g} %", 100 * a.is) : kDash;
     table.rows.push_back({figure,
                           named(record, a.session),
                           number(std::to_string(a.night)),
                           {a.kind},
-                          number(fmt::format("{:.6g}", a.was)),
-                          number(fmt::format("{:.6g}", a.is)),
+                          number(isDrift(a) ? kDash : fmt::format("{:.6g}", a.was)),
+                          number(isDrift(a) ? drift : fmt::format("{:.6g}", a.is)),
                           code(a.command)});
   }
   return table;
@@ -182,11 +195,11 @@ Section nightsSection(const StudyRecord& record) {
 Section failuresSection(const StudyRecord& record) {
   Table table{{{"Session"}, {"Participant"}, {"Method"}, {"What"}, {"Why"}}, {}};
   for (const StudySession& s : record.sessions) {
-    const std::string problem = problemOf(s);
-    if (problem.empty()) continue;
-    Cell why{s.status == StudyStatus::kFailed ? s.message : s.verdict_sentence};
-    why.level = s.status == StudyStatus::kFailed ? VerdictLevel::kBad : s.verdict;
-    table.rows.push_back({linkTo(s), {s.participant}, {s.method}, {problem}, why});
+    const Problem problem = problemOf(s);
+    if (problem.what.empty()) continue;
+    Cell why{problem.why};
+    if (problem.why != kDash) why.level = VerdictLevel::kBad;
+    table.rows.push_back({linkTo(s), {s.participant}, {s.method}, {problem.what}, why});
   }
   return withTable({"failures",
                     "Failures and bad verdicts",
