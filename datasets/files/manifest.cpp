@@ -125,6 +125,22 @@ std::optional<ForeignEntry> firstForeign(const fs::path& folder, const Manifest&
   return std::nullopt;
 }
 
+void moveUnlisted(const fs::path& folder, const Manifest& manifest, const fs::path& to) {
+  for (const fs::path& path : entriesOf(folder)) {
+    const std::string name = path.lexically_relative(folder).generic_string();
+    if (name == kManifestFile || manifest.files.count(name) > 0) continue;
+    const fs::path place = to / name;
+    if (fs::is_directory(fs::symlink_status(path)) || fs::exists(fs::symlink_status(place))) {
+      continue;
+    }
+    // A file of the new result may have the name of a folder: then that place is taken too.
+    std::error_code taken;
+    fs::create_directories(place.parent_path(), taken);
+    if (taken == std::errc::not_a_directory || taken == std::errc::file_exists) continue;
+    fs::rename(path, place);
+  }
+}
+
 void removeListed(const fs::path& folder, const Manifest& manifest) {
   std::error_code ignored;
   // The manifest goes last: as long as a file is there, it says whose it is.

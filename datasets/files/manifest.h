@@ -44,6 +44,12 @@ struct ForeignEntry {
 std::optional<ForeignEntry> firstForeign(const std::filesystem::path& folder,
                                          const Manifest& manifest);
 
+/// Moves the files and links within `folder` that the manifest does not list to the same places
+/// within `to`, but for those whose place is taken there. Throws std::filesystem::filesystem_error
+/// where one cannot be moved.
+void moveUnlisted(const std::filesystem::path& folder, const Manifest& manifest,
+                  const std::filesystem::path& to);
+
 /// Removes the files that the manifest lists, the manifest, and the folders that are empty then.
 /// Whatever else lies there stays, and so does the folder that holds it.
 void removeListed(const std::filesystem::path& folder, const Manifest& manifest);

@@ -68,7 +68,9 @@ Provenance makeProvenance(const std::string& command,
                           std::vector<std::pair<std::string, std::string>> options) {
   Provenance provenance;
   provenance.version = programVersion();
-  provenance.command = keptArguments().empty() ? command : shellWords(keptArguments());
+  // A study's step writes into a folder that gets its name when all is there.
+  provenance.command =
+      keptArguments().empty() ? command : withFinalNames(shellWords(keptArguments()));
   provenance.date = nowUtc();
   provenance.options = std::move(options);
   return provenance;

@@ -10,6 +10,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "datasets/files/manifest.h"
 #include "datasets/files/numbers.h"
 #include "datasets/files/workplace.h"
 #include "datasets/session/session_folder.h"
@@ -180,6 +181,12 @@ ProcessRequest requestOf(const Step& step, const Places& places, const fs::path&
   return request;
 }
 
+/// Of all that lies in a step's folder: what it does not list is somebody else's.
+void writeManifest(const fs::path& folder) {
+  writeNewFile(folder, kManifestFile,
+               manifestText(manifestOf(folder, programVersion(), "study step")));
+}
+
 /// Where a result is made before it takes the step's folder.
 class StepFolder {
  public:
@@ -189,9 +196,14 @@ class StepFolder {
   fs::path path() const { return workplace_.result(); }
   /// Replaces what is there by what was made: by exchange, so that readers find the older result
   /// or the newer one. Workplace::exchange() says what a kill leaves where this takes two steps.
+  /// What others put into the older one stays.
   void commit() {
+    writeManifest(path());
     Workplace::Moved moved = workplace_.place();
     if (moved == Workplace::Moved::kInTheWay && workplace_.exchange()) {
+      // The older result, now.
+      const fs::path older = workplace_.result();
+      moveUnlisted(older, readManifest(older).value_or(Manifest{}), final_);
       std::error_code ignored;
       fs::remove_all(workplace_.result(), ignored);
       moved = Workplace::Moved::kDone;
@@ -219,6 +231,20 @@ class StepFolder {
 // and what writes a single file, finds it made.
 bool findsFolder(StepKind kind) {
   return kind == StepKind::kEstimate || kind == StepKind::kTrajectory;
+}
+
+/// The command's output goes with its result. Where it is this program's, it tells of the folder
+/// that the result has in the end; of another's nothing is changed.
+template <class Named>
+void keepLog(const fs::path& log, const Step& step, const fs::path& folder, const Named& named) {
+  if (!fs::exists(log)) return;
+  const fs::path kept = folder / kLogFile;
+  fs::rename(log, kept);
+  if (step.kind == StepKind::kEstimate) return;
+  const std::string text(MappedFile(kept.string()).text());
+  if (const std::string final_text = named(text); final_text != text) {
+    writeFileAtomically(kept.string(), final_text);
+  }
 }
 
 void runCommand(const fs::path& night, const Step& step, int threads, const StepFolder& folder,
@@ -251,11 +277,16 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
     }
   }
   // Messages name the hidden folder in which the result was made.
-  result.message = replaceAll(withFinalNames(result.message), folder.path().string(),
-                              (night / step.name).string());
+  const auto named = [&](const std::string& text) {
+    return replaceAll(withFinalNames(text), folder.path().string(), (night / step.name).string());
+  };
+  result.message = named(result.message);
   // Half a result beside the mark of a failure would be taken for one; the log alone stays.
   if (result.status != StepStatus::kDone) folder.clear();
-  if (fs::exists(log)) fs::rename(log, folder.path() / kLogFile);
+  // The command's manifest lists its files alone, and a kill would leave the others behind; the
+  // step's own comes last (StepFolder::commit()).
+  fs::remove(folder.path() / kManifestFile);
+  keepLog(log, step, folder.path(), named);
 }
 
 }  // namespace

@@ -96,6 +96,26 @@ TEST_F(Output, AnEarlierResultIsReplacedOnlyIfThatIsAllowed) {
   EXPECT_EQ(files().size(), 4U);
 }
 
+TEST_F(Output, WhatAManifestDoesNotListMovesToPlacesThatAreFree) {
+  make(request("out"));
+  const auto manifest = readManifest(folder_.path("out"));
+  ASSERT_TRUE(manifest);
+  folder_.write("new/a/taken.txt", "new");
+  folder_.write("new/b", "a file");
+  for (const char* name : {"notes.txt", "a/taken.txt", "a/deep/notes.txt", "b/notes.txt"}) {
+    folder_.write(std::string("out/") + name, "mine");
+  }
+  fs::create_symlink("nowhere", folder_.path("out/a/link"));
+  moveUnlisted(folder_.path("out"), *manifest, folder_.path("new"));
+  EXPECT_EQ(text("new/notes.txt"), "mine");
+  EXPECT_EQ(text("new/a/deep/notes.txt"), "mine");
+  EXPECT_TRUE(fs::is_symlink(folder_.path("new/a/link")));
+  EXPECT_EQ(text("new/a/taken.txt"), "new");
+  EXPECT_EQ(text("out/b/notes.txt"), "mine");
+  EXPECT_EQ(text("out/a/b.txt"), "text");
+  EXPECT_FALSE(fs::exists(folder_.path("new/a/b.txt")));
+}
+
 TEST_F(Output, AnEmptyFolderIsTaken) {
   fs::create_directories(folder_.path("out"));
   make(request("out"));

@@ -23,5 +23,14 @@ TEST(Provenance, NamesTheCommandWithoutACommandLine) {
   EXPECT_EQ(provenance.version, programVersion());
 }
 
+// A study's steps write into hidden folders, which are gone when anybody reads of them.
+TEST(Provenance, NamesTheFolderThatAResultHasInTheEnd) {
+  keepCommandLine({"/bin/plumbline", "calibrate", "p1", "--out",
+                   "/n/.calibrate.partial-a1b2c3/result", "--threads", "1"});
+  const std::string command = makeProvenance("calibrate", {}).command;
+  keepCommandLine({});
+  EXPECT_EQ(command, "plumbline calibrate p1 --out /n/calibrate --threads 1");
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -41,6 +41,24 @@ TEST_F(StudyRerun, AChangedSessionAloneIsDoneAgain) {
                                    "sessions/p1_free/perturb"}));
 }
 
+TEST_F(StudyRerun, AStepThatIsDoneAgainKeepsWhatOthersPutIntoItsFolder) {
+  const fs::path night = doneNight(), step = night / "sessions/p1_free/calibrate";
+  write(step / "notes.txt", "mine");
+  const auto before = times(night);
+  EXPECT_EQ(study(root_ / "data", night, "--recheck 12").exit_code, 0);
+  EXPECT_EQ(doneAgain(before, night).size(), 12u);
+  EXPECT_EQ(read(step / "notes.txt"), "mine");
+}
+
+// The hidden one, in which it was made, is gone.
+TEST_F(StudyRerun, ResultsNameTheFolderThatTheyAreIn) {
+  const fs::path night = root_ / "undisturbed", step = night / "sessions/p1_free/calibrate";
+  for (const char* name : {"log.txt", "calibration.json", "report.html"}) {
+    EXPECT_THAT(read(step / name), Not(HasSubstr(".partial-"))) << name;
+  }
+  EXPECT_THAT(read(step / "log.txt"), HasSubstr((step / "report.html").string()));
+}
+
 TEST_F(StudyRerun, RecordsOfStepsStayWhereTheStudySaysSo) {
   const fs::path data = ownData(), night = doneNight();
   const auto records = [&] {
