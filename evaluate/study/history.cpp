@@ -14,7 +14,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kMadToSigma = 1.4826;  // of a normal distribution
-constexpr const char* kFailed = "failed";
+constexpr const char* kFailedFigure = "failed";
 
 /// How a figure is judged, by the first part of its name; more is worse.
 struct Judged {
@@ -25,7 +25,7 @@ struct Judged {
 // Entropies may be near 0, and so have no share of themselves to compare with; a hundredth of a nat
 // is a hundredth of a parameter's standard deviation. Offsets are compared with what a clock
 // resolves.
-constexpr std::array<Judged, 8> kJudged{{{kFailed, 0.1},
+constexpr std::array<Judged, 8> kJudged{{{kFailedFigure, 0.1},
                                          {"camera_rmse_px", 1e-6},
                                          {"camera_imu_rmse_px", 1e-6},
                                          {"held_out_rmse_px", 1e-6},
@@ -132,7 +132,7 @@ class Judge {
     const StudyFigure& last = spans.back().figure;
     if (isDuration(last.name)) return false;
     // A step may fail for what is in no key (memory, a missing program): done again it is mended.
-    const bool only_worse = familyOf(last.name) == kFailed;
+    const bool only_worse = familyOf(last.name) == kFailedFigure;
     for (const FigureSpan& span : spans) {
       const bool same = span.figure.inputs_key == last.inputs_key &&
                         span.figure.version == last.version && span.last_night >= start;
@@ -145,7 +145,7 @@ class Judge {
   }
 
   void judgeMedian(const Series& series, const Judged& how) {
-    const bool failure = familyOf(how.name) == kFailed;
+    const bool failure = familyOf(how.name) == kFailedFigure;
     std::vector<double> good;
     int first_bad = 0;
     double was = 0;
@@ -236,12 +236,12 @@ std::vector<std::string> calibratedFromOtherInputs(int night,
                                                    const std::vector<FigureSpan>& figures) {
   std::vector<std::string> sessions;
   for (const FigureSpan& last : figures) {
-    const bool fails = last.figure.name == kFailed && last.figure.value > 0;
+    const bool fails = last.figure.name == kFailedFigure && last.figure.value > 0;
     if (!fails || last.last_night != night) continue;
     bool same = false, other = false;
     for (const FigureSpan& span : figures) {
       const StudyFigure& f = span.figure;
-      if (f.name != kFailed || f.session != last.figure.session || f.value > 0) continue;
+      if (f.name != kFailedFigure || f.session != last.figure.session || f.value > 0) continue;
       (f.inputs_key == last.figure.inputs_key ? same : other) = true;
     }
     if (other && !same) sessions.push_back(last.figure.session);

@@ -100,7 +100,10 @@ std::string alarmSentence(const StudyAlarm& a) {
     return fmt::format("{} {} has become worse{} than on its first night, gradually", a.metric,
                        where, hasShare(a) ? fmt::format(" by {:.3g} %", 100 * a.is) : "");
   }
-  return fmt::format("{} {} is {:.6g}, its median before {:.6g}", a.metric, where, a.is, a.was);
+  // Of failures was the least, which is no median.
+  const bool failure = a.metric == "failed" || a.metric.starts_with("failed/");
+  return fmt::format("{} {} is {:.6g}, {} before {:.6g}", a.metric, where, a.is,
+                     failure ? "and was" : "its median", a.was);
 }
 
 Finding endpointFinding(const StudyRecord& record) {
