@@ -99,8 +99,10 @@ class Play {
     d.entropy_nats = -31.0 - 1e-2 * f;
     d.rmse_px = 0.3 + 0.01 * std::cos(0.3 * f);
     d.mi_nats = 0.4 / (1 + 0.1 * f) * (1 + 0.3 * std::sin(f));
-    d = with(d, GuideMode::kCollecting,
-             f == n_ / 30 ? GuideReason::kInitialised : GuideReason::kUsed, true);
+    const GuideReason reason = f == n_ / 30   ? GuideReason::kInitialised
+                               : f == n_ / 15 ? GuideReason::kImuGap
+                                              : GuideReason::kUsed;
+    d = with(d, GuideMode::kCollecting, reason, true);
     if (f == end) finish(d, rig_.trajectories(f, 0.1));
     return d;
   }

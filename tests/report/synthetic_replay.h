@@ -15,10 +15,10 @@ struct SyntheticReplayOptions {
 /// A replay of both stages as a guide could have played it, made up frame by frame: a stereo camera
 /// that wanders before a grid (projections are exact, the scores are not computed from them), views
 /// kept, not kept and withdrawn, an unbounded and an unscored gain, frames dropped, the target
-/// lost, stamps that jump, suggestions reached, expired and withdrawn, rounds with candidates that
-/// could not be scored, trajectories, both finishes, audits, compliance, counterfactuals. Texts
-/// hold characters that HTML and JSON escape. No two numbers of a column are the same unless they
-/// have to be.
+/// lost, stamps that jump, a gap of the IMU samples, suggestions reached, expired and withdrawn,
+/// rounds with candidates that could not be scored, trajectories, both finishes, audits,
+/// compliance, counterfactuals. Texts hold characters that HTML and JSON escape. No two numbers of
+/// a column are the same unless they have to be.
 ReplayRecord syntheticReplay(const SyntheticReplayOptions& options = {});
 
 }  // namespace plumbline::test

@@ -41,6 +41,8 @@
     if (!known(bound[f]) || mi[f] === Infinity) return byGain(f);
     return `with it the predicted error is ${withIt[f].toFixed(4)} px, ${withIt[f] > bound[f] ? 'above' : 'not above'} the bound of ${bound[f].toFixed(4)} px`;
   };
+  /** In the camera-IMU stage a frame after a pause is used, but not joined by the IMU. */
+  const afterPause = (f, pause) => (data.table.accepted[f] ? `Kept, but linked to the frames before by the random walk of the biases alone: ${pause}.` : `Not kept: ${pause}.`);
   const reasons = {
     initialising: (f) => (data.table.accepted[f] ? 'Kept: one of the first frames, from which the estimate starts.' : 'Not kept: hardly moved since the frame kept before it.'),
     initialised: () => 'Kept: the estimate starts with it.',
@@ -52,9 +54,9 @@
     'no-target': () => 'Not kept: no camera saw enough corners of the target.',
     'no-pose': () => 'Not kept: its corners give no plausible pose.',
     'bad-fit': () => 'Not kept: the error of its corners is more than three times that of the views kept.',
-    'time-jump': () => 'Not kept: its stamp is not after that of the frame before, or it is too far from it.',
+    'time-jump': (f) => afterPause(f, 'its stamp is not after that of the frame before, or it is too far from it'),
     'no-imu': () => 'Not kept: IMU samples do not cover it.',
-    'imu-gap': () => 'Not kept: IMU samples are missing before it.',
+    'imu-gap': (f) => afterPause(f, 'IMU samples are missing before it'),
     'not-solved': () => 'Not kept: the estimate with it did not converge.',
     finished: () => 'Not processed: the stage was finished.',
   };

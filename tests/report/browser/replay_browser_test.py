@@ -20,6 +20,9 @@ from browser import STUDY_PROBE, check_figures, fail, instrument, photograph, pr
 
 FLAT = ["--disable-gpu"]
 FIELDS = ["frame", "time", "stage", "mode", "reason", "mi", "entropy", "suggestion", "distance"]
+# How the sentence on a frame of a reason begins: its stamp jumped, and it was left out; IMU samples
+# were missing before it, and it was kept.
+WHYS = {"time-jump": "Not kept: its stamp", "imu-gap": "Kept, but linked"}
 MOST_BYTES = 30_000_000
 
 PROBE = """<script>
@@ -100,6 +103,7 @@ const measure = async () => {
   const {data} = window.plumblineReplay.player;
   slide(2);
   result.withdrawn = [data.keptBy(3).includes(2), data.keptBy(4).includes(2), data.stays(2), data.stays(3), field('detail')];
+  result.whys = wanted.whys.map((f) => { slide(f); return field('why'); });
   result.events = [...document.querySelectorAll('.player-events button')].map((b) => { b.click(); return [b.className, frame(), b.textContent]; });
   const line = document.querySelector('[data-line="mi"]').getBoundingClientRect();
   send(document.querySelector('[data-line="mi"]'), 'pointerdown', line.left + 46 + (line.width - 56) / 2, line.top + 30, 1);
@@ -199,6 +203,8 @@ def check_events(name, result, decisions):
             fail("%s: no event at the frames %s that are %s" % (name, there, reason))
     if result["withdrawn"] != [True, False, False, True, "removed from the estimate at frame 4"]:
         fail("%s: frame 2, withdrawn with frame 4, is told as %s" % (name, result["withdrawn"]))
+    if not all(why.startswith(begin) for why, begin in zip(result["whys"], WHYS.values())):
+        fail("%s: frames of %s are explained by %s" % (name, list(WHYS), result["whys"]))
     lost = [text for _, _, text in result["events"] if "target lost" in text]
     if len(lost) != 1 or "frames)" not in lost[0] or '> & "more"' not in lost[0]:
         fail("%s: the lost target is said as %s" % (name, lost))
@@ -244,6 +250,7 @@ def wanted_of(decisions, step, images):
     path = [d for d in decisions if d["stage"] == "camera-imu" and d["suggestion"] is not None]
     return {"step": step, "fields": FIELDS, "with_suggestion": far[0]["frame"],
             "without_suggestion": plain[0]["frame"], "trajectory": path[0]["frame"],
+            "whys": [[d["frame"] for d in decisions if d["reason"] == reason][0] for reason in WHYS],
             "tags": [[d["frame"], *d["tag"], 752] for d in sharp[::max(1, len(sharp) // 5)]]}
 
 
