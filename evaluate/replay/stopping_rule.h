@@ -17,8 +17,9 @@ std::vector<SuggestionOutcome> suggestionOutcomes(const ReplayRun& run,
                                                   const std::vector<CameraCalibration>& cameras);
 
 /// How the operator of a guided recording followed the suggestions that were shown to him: each is
-/// open from its time until the next one (or the recording's end), and reached by the guide's own
-/// rule of its stage. Distances of poses need the poses of the frames: those of `full`.
+/// open from its time until the next one, and reached by the guide's own rule of its stage; one
+/// that is not when the frames end has no event. Those shown before the first frame or after the
+/// last are left out. Distances of poses need the poses of the frames: those of `full`.
 OperatorCompliance operatorCompliance(const ReplayRun& run,
                                       const std::vector<Suggestion>& suggestions,
                                       const std::vector<CameraCalibration>& cameras);

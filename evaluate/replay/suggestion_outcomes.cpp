@@ -89,15 +89,17 @@ std::size_t bestCamera(const std::vector<std::vector<Corner>>& overlay) {
   return static_cast<std::size_t>(most - overlay.begin());
 }
 
-/// Plays the frames from a suggestion's time on, those before `end`.
+/// Plays the frames from a suggestion's time on, those before `end`: expired there, or open where
+/// the frames are over before.
 SuggestionOutcome follow(const ReplayRun& run, const Suggestion& suggestion, TimeNs end,
                          std::vector<std::vector<Corner>> corners,
                          const std::map<TimeNs, Transform>& poses) {
   SuggestionOutcome outcome;
   outcome.suggestion = suggestion;
   outcome.overlay = std::move(corners);
-  outcome.end = SuggestionEvent::kExpired;
-  outcome.ended = std::min(end, run.frames.back().t);
+  const TimeNs last = run.frames.back().t;
+  if (end <= last) outcome.end = SuggestionEvent::kExpired;
+  outcome.ended = std::min(end, last);
   const std::size_t camera = bestCamera(outcome.overlay);
   outcome.suggestion.camera = static_cast<int>(camera);
   OpenSuggestion open(suggestion, outcome.overlay[camera], ruleOf(run, suggestion.stage));
@@ -158,13 +160,15 @@ OperatorCompliance operatorCompliance(const ReplayRun& run,
     const TimeNs end =
         i + 1 < suggestions.size() ? suggestions[i + 1].t : std::numeric_limits<TimeNs>::max();
     const Suggestion& s = suggestions[i];
+    // Of what was shown outside the part of the recording that is played nothing is known.
+    if (s.t < run.frames.front().t || s.t > run.frames.back().t) continue;
     out.suggestions.push_back(
         follow(run, s, end, cornersAt(s.T_FC0, cameras, run.session.target), poses));
     if (out.suggestions.back().end != SuggestionEvent::kReached) continue;
     ++out.reached;
     seconds.push_back(*out.suggestions.back().reached_s);
   }
-  out.median_seconds_to_reach = seconds.empty() ? 0 : quantile(std::move(seconds), 0.5);
+  if (!seconds.empty()) out.median_seconds_to_reach = quantile(std::move(seconds), 0.5);
   return out;
 }
 

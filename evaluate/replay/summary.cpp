@@ -90,7 +90,7 @@ std::string replaySummary(const ReplayRecord& record) {
   if (record.compliance) {
     const OperatorCompliance& c = *record.compliance;
     add(text, "operator: reached {} of {} suggestions", c.reached, c.suggestions.size());
-    if (c.reached > 0) add(text, ", median {:.1f} s", c.median_seconds_to_reach);
+    if (c.median_seconds_to_reach) add(text, ", median {:.1f} s", *c.median_seconds_to_reach);
     add(text, "\n");
   }
   add(text, "\n{}", verdictText(record.verdict));

@@ -63,7 +63,7 @@ void fields(V& v, SuggestionOutcome& o) {
 struct OperatorCompliance {
   std::vector<SuggestionOutcome> suggestions;
   int reached = 0;
-  double median_seconds_to_reach = 0;
+  std::optional<double> median_seconds_to_reach;  ///< empty: none was reached
 };
 
 template <class V>

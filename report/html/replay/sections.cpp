@@ -260,10 +260,11 @@ Section complianceSection(const ReplayRecord& record) {
                   {}};
   if (!record.compliance) return section;
   const OperatorCompliance& c = *record.compliance;
-  section.remarks.push_back(fmt::format(
-      "{} of {} suggestions were reached{}.", c.reached, c.suggestions.size(),
-      c.reached > 0 ? fmt::format(", after {:.1f} s in the median", c.median_seconds_to_reach)
-                    : ""));
+  section.remarks.push_back(
+      fmt::format("{} of {} suggestions were reached{}.", c.reached, c.suggestions.size(),
+                  c.median_seconds_to_reach
+                      ? fmt::format(", after {:.1f} s in the median", *c.median_seconds_to_reach)
+                      : ""));
   return withTable(std::move(section), outcomeTable(record, c.suggestions));
 }
 

@@ -49,11 +49,36 @@ TEST_F(Following, AnOperatorWhoGoesThereReachesIt) {
   EXPECT_GT(first.ended, at(30));
   EXPECT_LT(*first.closest_px, 25);
   EXPECT_LT(*first.closest_m, 0.05);
-  EXPECT_NEAR(c.median_seconds_to_reach, secondsBetween(ahead.t, first.ended), 1e-9);
+  EXPECT_NEAR(c.median_seconds_to_reach.value(), secondsBetween(ahead.t, first.ended), 1e-9);
   const SuggestionOutcome& second = c.suggestions[1];
-  EXPECT_EQ(second.end, SuggestionEvent::kExpired);
+  EXPECT_EQ(second.end, SuggestionEvent::kNone) << "open when the frames ended";
+  EXPECT_EQ(second.ended, frames_.back().t);
   EXPECT_GT(*second.closest_px, 25);
   EXPECT_GT(*second.closest_m, 0.05);
+}
+
+// As of a recording that was cut: what was shown outside it is left out, and what it cuts off stays
+// open; only where another one was shown did a suggestion expire.
+TEST_F(Following, OnlyWhatWasShownDuringTheFramesIsJudged) {
+  Suggestion s;
+  s.T_FC0 = recording_.cameraPose(0, at(40));
+  s.T_FC0.t += Eigen::Vector3d(0.3, -0.3, 0);
+  std::vector<Suggestion> shown;
+  for (const TimeNs t : {at(0) - 4'000'000'000, at(0), at(30), frames_.back().t + 7'000'000'000}) {
+    s.id = static_cast<int>(shown.size());
+    s.t = t;
+    shown.push_back(s);
+  }
+  const auto c = operatorCompliance(run(), shown, recording_.truth.cameras);
+  ASSERT_EQ(c.suggestions.size(), 2U);
+  EXPECT_EQ(c.suggestions[0].suggestion.id, 1);
+  EXPECT_EQ(c.suggestions[0].end, SuggestionEvent::kExpired);
+  EXPECT_EQ(c.suggestions[0].ended, at(30));
+  EXPECT_EQ(c.suggestions[1].suggestion.id, 2);
+  EXPECT_EQ(c.suggestions[1].end, SuggestionEvent::kNone);
+  EXPECT_EQ(c.suggestions[1].ended, frames_.back().t);
+  EXPECT_EQ(c.reached, 0);
+  EXPECT_FALSE(c.median_seconds_to_reach.has_value());
 }
 
 TEST_F(Following, TheOverlayIsWhatEachCameraWouldSee) {
