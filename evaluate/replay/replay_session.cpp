@@ -43,7 +43,7 @@ Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
   if (!s.ran) {
     f.level = VerdictLevel::kBad;
     f.evidence = "the stage never started: " + s.problem;
-    f.advice = "decisions.jsonl states the reason for each frame";
+    f.advice = "the reason for each frame is in decisions.jsonl";
     return f;
   }
   f.value = secondsBetween(begin, *s.started);
@@ -59,9 +59,33 @@ Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
   return f;
 }
 
+/// How a stop comes later, or earlier: by the option that decides it.
+std::string stopAdvice(const GuideOptions& guide, GuideStage stage, bool later) {
+  const char* const verb = later ? "lower" : "raise";
+  if (stage == GuideStage::kCameraImu) {
+    const TrajectoryGuideOptions& o = guide.trajectories;
+    if (o.stop_reprojection_px > 0) return fmt::format("{} --stop-reprojection-px", verb);
+    if (o.criterion == ViewCriterion::kMutualInformation) {
+      return fmt::format("{} --threshold-bits", verb);
+    }
+    return "state the error at which to stop, with --stop-reprojection-px";
+  }
+  const ViewGuideOptions& o = guide.views;
+  const char* option = "--stop-excess";
+  if (o.criterion == ViewCriterion::kMutualInformation) option = "--threshold-bits";
+  if (o.stop_projection_px > 0) option = "--stop-projection-px";
+  std::string advice = fmt::format("{} {}", verb, option);
+  if (later) {
+    advice += ", or require more views (--min-views)";
+  } else if (o.min_views > 0) {
+    advice += ", or require fewer views (--min-views)";
+  }
+  return advice;
+}
+
 /// The seconds that a stop was early or late, held against what is still right: none too early,
 /// `tolerance_s` too late.
-Finding stopFinding(const StopAudit& audit, double tolerance_s) {
+Finding stopFinding(const StopAudit& audit, const GuideOptions& guide, double tolerance_s) {
   Finding f;
   f.rule = ruleName(audit.stage, "stop");
   f.evidence = audit.explanation;
@@ -83,37 +107,43 @@ Finding stopFinding(const StopAudit& audit, double tolerance_s) {
       break;
     case StopAudit::Verdict::kEarly:
       f.level = VerdictLevel::kCaution;
-      f.advice = "lower the threshold, or require more views";
+      f.advice = stopAdvice(guide, audit.stage, true);
       break;
     case StopAudit::Verdict::kLate:
       f.level = VerdictLevel::kCaution;
       f.evidence += fmt::format("; {:.1f} s were spent beyond that", audit.seconds);
-      f.advice = "raise the threshold, or require fewer views";
+      f.advice = stopAdvice(guide, audit.stage, false);
       break;
   }
   return f;
 }
 
+/// The cameras are given and there are no IMU samples.
+Finding noStageFinding(bool imu_is_read) {
+  Finding f;
+  f.rule = "nothing to do";
+  f.level = VerdictLevel::kBad;
+  f.evidence =
+      fmt::format("the cameras are given and {}: there is no stage to replay",
+                  imu_is_read ? "the recording has no IMU" : "the IMU is left out (--no-imu)");
+  f.advice = fmt::format("let the cameras be calibrated, or {}",
+                         imu_is_read ? "give a recording with imu0" : "replay without --no-imu");
+  return f;
+}
+
 /// What a replay's figures say of the recording and of the guide, stage by stage: whether it could
 /// start, whether it stopped and rightly so, how far its calibration is from that of all frames.
-std::vector<Finding> replayFindings(const ReplayRecord& record, double stop_tolerance_s) {
+std::vector<Finding> replayFindings(const ReplayRecord& record, const ReplayRequest& request) {
   std::vector<Finding> findings;
   const TimeNs begin = record.frames.empty() ? 0 : record.frames.front().t;
   for (const ReplayStageSummary& stage : record.stages) {
     findings.push_back(startFinding(stage, begin));
     for (const StopAudit& audit : record.stop_audits) {
       if (audit.stage != stage.stage || !stage.ran) continue;
-      findings.push_back(stopFinding(audit, stop_tolerance_s));
+      findings.push_back(stopFinding(audit, request.guide, request.audit.tolerance_s));
     }
   }
-  if (record.stages.empty()) {
-    Finding f;
-    f.rule = "nothing to do";
-    f.level = VerdictLevel::kBad;
-    f.evidence = "the cameras are given and the recording has no IMU: there is no stage to replay";
-    f.advice = "let the cameras be calibrated, or give a recording with imu0";
-    findings.push_back(f);
-  }
+  if (record.stages.empty()) findings.push_back(noStageFinding(request.load.read.read_imu));
   return findings;
 }
 
@@ -217,7 +247,8 @@ class Judge {
     // After the stages: outcomes of suggestions are drawn with the best cameras.
     record.cameras = drawn();
     record.suggestions = suggestionOutcomes(run_, record.cameras);
-    if (suggestions_) {
+    // Without cameras nobody knows what a suggestion would have shown.
+    if (suggestions_ && !record.cameras.empty()) {
       record.compliance = operatorCompliance(run_, *suggestions_, record.cameras);
     }
     counterfactualCurves(record);
@@ -358,7 +389,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
                       played.options,   request.camera, request.camera_imu,
                       played.camera_end};
   Judge(request, run, played.guide, given, suggestions, progress).write(record);
-  record.verdict = makeVerdict(replayFindings(record, request.audit.tolerance_s));
+  record.verdict = makeVerdict(replayFindings(record, request));
   record.verdict.headline = headlineOf(record.verdict, stopWords(record));
   return record;
 }

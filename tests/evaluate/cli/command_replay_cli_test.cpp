@@ -254,10 +254,22 @@ TEST_F(CommandReplay, SuggestionsOfTheRecordingAreFollowed) {
   expectRefusal(replay(folder), 2, HasSubstr("suggestions.csv:2:"));
 }
 
+TEST_F(CommandReplay, SuggestionsAreNotJudgedWithoutCameras) {
+  const fs::path folder = spoiled();
+  write(folder / "suggestions.csv",
+        "#t_ns,stage,id,T_FC0\n1400000000150000000,camera,0,0.3,0.3,1.2,1,0,0,0\n");
+  const Outcome run = replay(folder, "--no-report --to 0.1");
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  EXPECT_THAT(run.text, Not(HasSubstr("operator: reached")));
+  const json document = json::parse(read(out() / "replay.json"));
+  EXPECT_TRUE(document.value("compliance", json()).is_null());
+}
+
 TEST_F(CommandReplay, ARecordingTooShortToStartSaysAtWhichFrame) {
   const Outcome run = replay(session(), "--no-report --to 0.1");
   ASSERT_EQ(run.exit_code, 0) << run.text;
   EXPECT_THAT(run.text, HasSubstr("never started"));
+  EXPECT_THAT(run.text, HasSubstr("The reason for each frame is in decisions.jsonl."));
   EXPECT_EQ(json::parse(read(out() / "replay.json"))["verdict"]["level"], "bad");
 }
 
@@ -266,6 +278,30 @@ TEST_F(CommandReplay, WithoutImuTheCameraStageIsAll) {
   ASSERT_EQ(run.exit_code, 0) << run.text;
   EXPECT_EQ(json::parse(read(out() / "replay.json"))["stages"].size(), 1u);
   EXPECT_THAT(run.text, Not(HasSubstr("camera-imu")));
+}
+
+// The IMU that an option leaves out is not missing in the recording.
+TEST_F(CommandReplay, GivenCamerasWithoutImuLeaveNothingToReplay) {
+  fs::create_directories(scratch());
+  const std::string cameras = (scratch() / "cameras.yaml").string();
+  fs::copy(session() / "truth" / "camchain-imucam.yaml", cameras);
+  const Outcome run = replay(session(), "--no-report --no-imu --to 1 --cameras " + cameras);
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  EXPECT_THAT(run.text, HasSubstr("the IMU is left out (--no-imu): there is no stage to replay"));
+  EXPECT_THAT(run.text, HasSubstr("replay without --no-imu"));
+}
+
+// Long after the views were enough: by the option that decides when it stops.
+TEST_F(CommandReplay, ALateStopNamesTheOptionThatDecidesIt) {
+  const std::string options = "--no-report --no-imu --to 4 --stop-tolerance-s 0 ";
+  const Outcome in_px = replay(session(), options + "--stop-projection-px 0.5");
+  ASSERT_EQ(in_px.exit_code, 0) << in_px.text;
+  EXPECT_THAT(in_px.text, HasSubstr("Raise --stop-projection-px.\n"));
+  const Outcome by_excess =
+      replay(session(), options + "--criterion predicted-error --stop-excess 50 --min-views 8");
+  ASSERT_EQ(by_excess.exit_code, 0) << by_excess.text;
+  EXPECT_THAT(by_excess.text,
+              HasSubstr("Raise --stop-excess, or require fewer views (--min-views).\n"));
 }
 
 TEST_F(CommandReplay, ATargetLostForLongIsSaidAndTheReplayGoesOn) {
