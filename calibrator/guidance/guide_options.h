@@ -35,9 +35,13 @@ struct OperatorPace {
   void check() const;
 };
 
-/// The candidates in the order of gain per second, the most first: gains [nats] over the seconds
-/// that each takes. Those whose gain is not a number are left out; of infinite gains the quickest
-/// is the first.
+/// Index of the highest score; of scores that are as good as equal, of the first. Those that are
+/// not a number do not count; -1 where none is one.
+int bestCandidate(const std::vector<double>& scores);
+
+/// The candidates in the order of gain per second, the best first (bestCandidate() of those that
+/// are left): gains [nats] over the seconds that each takes. Those whose gain is not a number are
+/// left out; of infinite gains the quickest is the first.
 std::vector<std::size_t> byGainPerSecond(const std::vector<double>& gains,
                                          const std::vector<double>& seconds);
 

@@ -227,21 +227,6 @@ TrajectoryScores TrajectoryScorer::scores(const WindowKnowledge& now, int thread
   return scores;
 }
 
-namespace {
-
-/// Index of the highest score that is one, or with a negative sign of the lowest; -1 where none is.
-int bestOf(const std::vector<double>& scores, double sign) {
-  int best = -1;
-  for (int i = 0; i < static_cast<int>(scores.size()); ++i) {
-    const double score = sign * scores[static_cast<std::size_t>(i)];
-    if (std::isnan(score)) continue;
-    if (best < 0 || score > sign * scores[static_cast<std::size_t>(best)]) best = i;
-  }
-  return best;
-}
-
-}  // namespace
-
 TrajectoryEvaluator::TrajectoryEvaluator(TrajectoryScorer scorer, const EvaluatorTiming& timing)
     : scorer_(std::make_shared<TrajectoryScorer>(std::move(scorer))), timing_(timing) {}
 
@@ -277,8 +262,12 @@ std::optional<CandidateRound> TrajectoryEvaluator::answerAt(TimeNs t) {
   TrajectoryScores scores = scores_.get();
   round.mi_nats = std::move(scores.gain_nats);
   for (const double E : scores.squared_px) round.error_px.push_back(std::sqrt(error_scale_ * E));
-  round.best = timing_.criterion == ViewCriterion::kPredictedError ? bestOf(round.error_px, -1)
-                                                                   : bestOf(round.mi_nats, 1);
+  // The lowest error, or the highest gain.
+  std::vector<double> score = round.mi_nats;
+  if (timing_.criterion == ViewCriterion::kPredictedError) {
+    for (std::size_t i = 0; i < score.size(); ++i) score[i] = -round.error_px[i];
+  }
+  round.best = bestCandidate(score);
   return round;
 }
 

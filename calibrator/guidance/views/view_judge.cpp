@@ -128,14 +128,12 @@ CandidateRound ViewJudge::scored(const std::vector<CandidateView>& views) const 
     round.error_px = errors_.predictedWith(round.T_FC0, threads_);
     for (double& E : round.error_px) E = std::sqrt(E);
   }
-  double most = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    // The lowest error, or the highest gain.
-    const double gain = byError() ? -round.error_px[i] : round.mi_nats[i];
-    if (!(gain > most)) continue;  // NaN as well
-    most = gain;
-    round.best = static_cast<int>(i);
+  // The lowest error, or the highest gain.
+  std::vector<double> scores = round.mi_nats;
+  if (byError()) {
+    for (std::size_t i = 0; i < scores.size(); ++i) scores[i] = -round.error_px[i];
   }
+  round.best = bestCandidate(scores);
   return round;
 }
 

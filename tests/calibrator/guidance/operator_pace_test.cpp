@@ -30,6 +30,19 @@ TEST(OperatorPace, OrdersByGainPerSecond) {
   using Order = std::vector<std::size_t>;
   EXPECT_EQ(byGainPerSecond({1, 3, kNan, 2}, {1, 6, 1, 1}), (Order{3, 0, 1}));
   EXPECT_EQ(byGainPerSecond({kInf, 3, kInf}, {5, 1, 2}), (Order{2, 0, 1}));
+  EXPECT_EQ(byGainPerSecond({1, 2, 3 * (1 + 1e-13)}, {1, 2, 3}), (Order{0, 1, 2})) << "rounding";
+}
+
+TEST(BestCandidate, IsTheFirstOfThoseThatDifferByRounding) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(bestCandidate({1, 2.8, 2.8 + 4e-13}), 1);
+  EXPECT_EQ(bestCandidate({1, 2.8, 2.8 * (1 + 1e-5)}), 2);
+  EXPECT_EQ(bestCandidate({-0.3, -0.1 * (1 + 1e-12), -0.1}), 1) << "errors: the lowest";
+  EXPECT_EQ(bestCandidate({kNan, 2, kInf, kInf}), 2);
+  EXPECT_EQ(bestCandidate({kNan, kNan}), -1);
+  EXPECT_EQ(bestCandidate({-kInf}), -1);
+  EXPECT_EQ(bestCandidate({}), -1);
 }
 
 }  // namespace
