@@ -124,7 +124,11 @@ OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
   return s;
 }
 
-std::string convergenceText(const char* what, const StageConvergence& stage) {
+/// Of a stage that was recorded for `recorded_s`.
+std::string convergenceText(const char* what, double recorded_s, const StageConvergence& stage) {
+  if (stage.points.empty()) {
+    return fmt::format("{}: {}\n", what, recorded_s > 0 ? "not calibrated" : "not recorded");
+  }
   const std::string right = stage.right_s ? fmt::format("accurate after {:.1f} s and {} views",
                                                         *stage.right_s, *stage.right_views)
                                           : "not accurate at the end";
@@ -157,8 +161,9 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o) {
     say("{} of {} suggestions reached\n", made.reached, made.suggestions);
   }
   if (made.convergence) {
-    say("{}", convergenceText("Cameras (0.1 px)", made.convergence->cameras));
-    say("{}", convergenceText("T_SC0 (1 mm, 0.05 deg)", made.convergence->camera_imu));
+    const OperatedConvergence& c = *made.convergence;
+    say("{}", convergenceText("Cameras (0.1 px)", made.camera_s, c.cameras));
+    say("{}", convergenceText("T_SC0 (1 mm, 0.05 deg)", made.camera_imu_s, c.camera_imu));
     say("{}{}", stopText("Camera stage", made.stops.cameras),
         stopText("Camera-IMU stage", made.stops.camera_imu));
   }

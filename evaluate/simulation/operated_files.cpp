@@ -10,6 +10,7 @@ namespace plumbline {
 
 TargetShape bentBoard(double bend_mm) {
   TargetShape shape;
+  if (bend_mm == 0) return shape;  // even, with the size that it states
   const auto set = [&](const std::string& name, double value) {
     const auto found = std::find(kTargetTermNames.begin(), kTargetTermNames.end(), name);
     shape.terms[found - kTargetTermNames.begin()] = value;

@@ -55,7 +55,7 @@ OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& opt
 OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& options);
 
 /// A board bent across by so much (RMS), half as much the other way along, and a little stretched
-/// by its printer (0.1 mm).
+/// by its printer (0.1 mm); 0: an even board, not stretched either.
 TargetShape bentBoard(double bend_mm);
 
 /// suggestions.csv as readSuggestions() reads it.

@@ -86,6 +86,21 @@ TEST(CommandSimulateOperator, RecordsWithoutAGuideToo) {
   fs::remove_all(out);
 }
 
+// Time was up before the guide came to the IMU; and a board that is not bent is the one stated.
+TEST(CommandSimulateOperator, AStageThatWasNotRecordedIsNotCalledInaccurate) {
+  const fs::path out = emptyFolder("operator_short");
+  const Outcome made = plumbline(
+      "simulate operator --rig euroc --duration 5 --skill novice --board-bend-mm 0 --judge --out " +
+      out.string());
+  ASSERT_EQ(made.exit_code, 0) << made.text;
+  EXPECT_THAT(made.text, HasSubstr("0.0 s for the IMU"));
+  EXPECT_THAT(made.text, HasSubstr("T_SC0 (1 mm, 0.05 deg): not recorded\n"));
+  EXPECT_FALSE(fs::exists(out / "truth/target_shape.yaml"));
+  const auto truth = nlohmann::json::parse(read(out / "truth/truth.json"));
+  EXPECT_EQ(truth.at("board").at("terms").at("stretch"), 0.0);
+  fs::remove_all(out);
+}
+
 // Suggestions by gain per second say how long each will take; the replay's log says how long it
 // took, and what the stop was held against.
 TEST(CommandSimulateOperator, PredictsTheWayToItsSuggestions) {
