@@ -31,18 +31,28 @@
     return `${error[f].toFixed(4)} px${known(excess[f]) ? ` (+${(100 * excess[f]).toFixed(1)} %)` : ''}`;
   };
 
+  /** Two numbers with as many digits as tell them apart, `digits` at least. */
+  const apart = (a, b, digits) => {
+    let n = digits;
+    while (n < 12 && a !== b && a.toFixed(n) === b.toFixed(n)) ++n;
+    return [a.toFixed(n), b.toFixed(n)];
+  };
+
   /** Why a frame was kept or not, in a sentence. */
   const byGain = (f) => {
     const {mi, threshold} = data.table;
-    return mi[f] === Infinity ? 'the views before do not determine all parameters' : `its expected information gain is ${inBits(mi[f])} bits, ${mi[f] < threshold[f] ? 'below' : 'at or above'} the threshold of ${inBits(threshold[f])} bits`;
+    if (mi[f] === Infinity) return 'the views before do not determine all parameters';
+    const [gain, bar] = apart(mi[f] / Math.LN2, threshold[f] / Math.LN2, 3);
+    return `its expected information gain is ${gain} bits, ${mi[f] < threshold[f] ? 'below' : 'at or above'} the threshold of ${bar} bits`;
   };
   const byCriterion = (f) => {
     const {mi, error_with: withIt, error_bound: bound} = data.table;
     if (!known(bound[f]) || mi[f] === Infinity) return byGain(f);
-    return `with it the predicted error is ${withIt[f].toFixed(4)} px, ${withIt[f] > bound[f] ? 'above' : 'not above'} the bound of ${bound[f].toFixed(4)} px`;
+    const [error, bar] = apart(withIt[f], bound[f], 4);
+    return `with it the predicted error is ${error} px, ${withIt[f] > bound[f] ? 'above' : 'not above'} the bound of ${bar} px`;
   };
   /** In the camera-IMU stage a frame after a pause is used, but not joined by the IMU. */
-  const afterPause = (f, pause) => (data.table.accepted[f] ? `Kept, but linked to the frames before by the random walk of the biases alone: ${pause}.` : `Not kept: ${pause}.`);
+  const afterPause = (f, pause, not) => (data.table.accepted[f] ? `Kept, but linked to the frames before by the random walk of the biases alone: ${pause}.` : `Not kept: ${not}.`);
   const reasons = {
     initialising: (f) => (data.table.accepted[f] ? 'Kept: one of the first frames, from which the estimate starts.' : 'Not kept: hardly moved since the frame kept before it.'),
     initialised: () => 'Kept: the estimate starts with it.',
@@ -54,9 +64,9 @@
     'no-target': () => 'Not kept: no camera saw enough corners of the target.',
     'no-pose': () => 'Not kept: its corners give no plausible pose.',
     'bad-fit': () => 'Not kept: the error of its corners is more than three times that of the views kept.',
-    'time-jump': (f) => afterPause(f, 'its stamp is not after that of the frame before, or it is too far from it'),
+    'time-jump': (f) => afterPause(f, 'the pause before it is too long', 'its stamp is not after that of the frame before'),
     'no-imu': () => 'Not kept: IMU samples do not cover it.',
-    'imu-gap': (f) => afterPause(f, 'IMU samples are missing before it'),
+    'imu-gap': (f) => afterPause(f, 'IMU samples are missing before it', 'IMU samples are missing before it'),
     'not-solved': () => 'Not kept: the estimate with it did not converge.',
     finished: () => 'Not processed: the stage was finished.',
   };
@@ -81,13 +91,16 @@
     held: (f) => [known(data.table.suggestion[f]) ? fixed(data.table.held[f], 2, 's') : NONE, data.table.held[f] > 0 ? 'good' : ''],
     detail: (f) => [[data.word('event', f), leftText(f), data.details.get(f)].filter((t) => t && t !== 'none').join(': ') || NONE, data.details.has(f) ? 'bad' : ''],
   };
+  /** Names of values that mean something else in each stage. */
+  const names = {error: (f) => (data.word('stage', f) === 'camera-imu' ? 'Points by the IMU, expected' : 'Predicted error in later use')};
   const cells = Object.keys(fields).map((name) => {
     const cell = root.querySelector(`[data-field="${name}"]`);
-    return {name, cell, text: cell.querySelector('span'), base: cell.className};
+    return {name, cell, label: cell.querySelector('b'), text: cell.querySelector('span'), base: cell.className};
   });
   const showLog = (f) => {
-    for (const {name, cell, text, base} of cells) {
+    for (const {name, cell, label, text, base} of cells) {
       const [value, kind] = fields[name](f);
+      if (names[name]) label.textContent = names[name](f);
       text.textContent = value;
       text.title = name === 'time' ? `${data.start + BigInt(data.offsets[f])} ns` : value;
       cell.className = `${base} ${kind || ''}`.trim();

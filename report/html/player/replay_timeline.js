@@ -86,7 +86,7 @@
       ctx.strokeStyle = inks.grid;
       ctx.strokeRect(LEFT + 0.5, TOP + 0.5, this.width - LEFT - RIGHT - 1, this.height - TOP - BOTTOM - 1);
       this.drawTimes(ctx);
-      for (const part of this.parts.slice(1)) this.rule(ctx, part.from, inks.soft, [2, 3], '');
+      for (const part of this.parts.slice(1)) this.rule(ctx, part.from, inks.soft, [2, 3]);
     }
 
     drawTimes(ctx) {
@@ -94,18 +94,19 @@
       const most = offsets.reduce((a, b) => Math.max(a, b), 0) / 1e9;
       if (!(most > 0)) return;
       const step = roundStep(most, Math.max(2, this.width / 90));
-      let due = 0;
+      let due = 0;  // as a multiple of the step
       ctx.fillStyle = inks.soft;
       ctx.textAlign = 'center';
       for (let f = 0; f < frames; ++f) {
-        if (offsets[f] / 1e9 < due) continue;
+        const number = Math.floor(offsets[f] / 1e9 / step + 1e-9);
+        if (number < due) continue;
         ctx.textAlign = f === 0 ? 'left' : 'center';  // apart from the ordinate's least
-        ctx.fillText(f === 0 ? '0 s' : `${+(step * Math.floor(offsets[f] / 1e9 / step + 1e-9)).toFixed(3)}`, this.x(f), this.height - 4);
-        due = step * (Math.floor(offsets[f] / 1e9 / step + 1e-9) + 1);
+        ctx.fillText(f === 0 ? '0 s' : `${+(step * number).toFixed(3)}`, this.x(f), this.height - 4);
+        due = number + 1;
       }
     }
 
-    rule(ctx, frame, colour, dashes, label) {
+    rule(ctx, frame, colour, dashes) {
       ctx.strokeStyle = ctx.fillStyle = colour;
       ctx.setLineDash(dashes);
       ctx.lineWidth = 1.3;
@@ -114,10 +115,6 @@
       ctx.lineTo(this.x(frame), this.height - BOTTOM);
       ctx.stroke();
       ctx.setLineDash([]);
-      if (!label) return;
-      const left = this.x(frame) > this.width - 80;
-      ctx.textAlign = left ? 'right' : 'left';
-      ctx.fillText(label, this.x(frame) + (left ? -3 : -14), TOP - 4);
     }
 
     halo(ctx, text, x, y) {
@@ -129,7 +126,17 @@
       ctx.fillText(text, x, y);
     }
 
-    drawEnds(ctx) { for (const f of this.ends) this.rule(ctx, f, inks.end, [], 'end'); }
+    /** Each is named above the chart, or in it where the chart's own name is above. */
+    drawEnds(ctx) {
+      for (const f of this.ends) {
+        this.rule(ctx, f, inks.end, []);
+        const x = this.x(f), late = x > this.width - 80;
+        ctx.textAlign = late ? 'right' : 'left';
+        const begin = late ? x - 3 - ctx.measureText('end').width : x - 14;
+        if (begin > this.nameEnd) ctx.fillText('end', late ? x - 3 : begin, TOP - 4);
+        else this.halo(ctx, 'end', late ? x - 4 : x + 4, TOP + 12);
+      }
+    }
 
     tick(ctx, unit, label, from, to) {
       ctx.strokeStyle = inks.grid;
@@ -157,6 +164,7 @@
       ctx.fillStyle = inks.ink;
       ctx.textAlign = 'left';
       ctx.fillText(text, LEFT, TOP - 4);
+      this.nameEnd = LEFT + ctx.measureText(text).width + 8;
     }
   }
 

@@ -20,9 +20,11 @@ from browser import STUDY_PROBE, check_figures, fail, instrument, photograph, pr
 
 FLAT = ["--disable-gpu"]
 FIELDS = ["frame", "time", "stage", "mode", "reason", "mi", "entropy", "suggestion", "distance"]
-# How the sentence on a frame of a reason begins: its stamp jumped, and it was left out; IMU samples
-# were missing before it, and it was kept.
-WHYS = {"time-jump": "Not kept: its stamp", "imu-gap": "Kept, but linked"}
+# How the sentence on a frame of a reason begins, and what the error is called in its stage: a stamp
+# of the camera stage jumped, and its frame was left out; IMU samples were missing before a frame of
+# the camera-IMU stage, and it was kept.
+WHYS = {"time-jump": ["Not kept: its stamp", "Predicted error in later use"],
+        "imu-gap": ["Kept, but linked", "Points by the IMU, expected"]}
 MOST_BYTES = 30_000_000
 
 PROBE = """<script>
@@ -103,7 +105,7 @@ const measure = async () => {
   const {data} = window.plumblineReplay.player;
   slide(2);
   result.withdrawn = [data.keptBy(3).includes(2), data.keptBy(4).includes(2), data.stays(2), data.stays(3), field('detail')];
-  result.whys = wanted.whys.map((f) => { slide(f); return field('why'); });
+  result.whys = wanted.whys.map((f) => { slide(f); return [field('why'), document.querySelector('[data-field="error"] b').textContent]; });
   result.events = [...document.querySelectorAll('.player-events button')].map((b) => { b.click(); return [b.className, frame(), b.textContent]; });
   const line = document.querySelector('[data-line="mi"]').getBoundingClientRect();
   send(document.querySelector('[data-line="mi"]'), 'pointerdown', line.left + 46 + (line.width - 56) / 2, line.top + 30, 1);
@@ -203,8 +205,9 @@ def check_events(name, result, decisions):
             fail("%s: no event at the frames %s that are %s" % (name, there, reason))
     if result["withdrawn"] != [True, False, False, True, "removed from the estimate at frame 4"]:
         fail("%s: frame 2, withdrawn with frame 4, is told as %s" % (name, result["withdrawn"]))
-    if not all(why.startswith(begin) for why, begin in zip(result["whys"], WHYS.values())):
-        fail("%s: frames of %s are explained by %s" % (name, list(WHYS), result["whys"]))
+    for (why, label), (begin, named) in zip(result["whys"], WHYS.values()):
+        if not why.startswith(begin) or label != named:
+            fail("%s: '%s' and '%s' where '%s ...' and '%s' are due" % (name, why, label, begin, named))
     lost = [text for _, _, text in result["events"] if "target lost" in text]
     if len(lost) != 1 or "frames)" not in lost[0] or '> & "more"' not in lost[0]:
         fail("%s: the lost target is said as %s" % (name, lost))
