@@ -117,7 +117,7 @@ void fields(V& v, Assumptions& a) {
   v("loss", a.loss, "`none` or `cauchy:SCALE`, scale in px");
   v("imu_noise", a.imu_noise, "of the session, with an IMU");
   v.ifSet("views_selected", a.views_selected,
-          "only views above the threshold of expected information gain were used");
+          "only the views that `--select-views` chose were used");
 }
 
 /// Of one camera's stream: what was offered and what was found.

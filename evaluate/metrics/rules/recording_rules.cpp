@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include <fmt/core.h>
 
@@ -68,6 +69,19 @@ Finding bentBoard(const CameraStageResult& stage, Rule rule, double rms_mm) {
                  found);
 }
 
+/// To a camera of which so many views were used.
+std::string adviceOnViews(const CalibrationRecord& record, std::size_t camera,
+                          std::ptrdiff_t used) {
+  const bool has_more =
+      camera < record.counts.size() && record.counts[camera].views_with_corners > used;
+  if (record.assumptions.views_selected && has_more) {
+    return "The recording has more: choose more of them, with a smaller value of --select-views, "
+           "or "
+           "use all, without it.";
+  }
+  return "Record more views, differing in distance, tilt and position.";
+}
+
 }  // namespace
 
 Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) {
@@ -89,9 +103,9 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
       if (r.camera == index && r.used) seen[r.frame] = 1;
     }
     const auto views = std::count(seen.begin(), seen.end(), 1);
-    findings.push_back(below({fmt::format("Views of {}", camera.name), "-", t.views,
-                              "Record more views, differing in distance, tilt and position."},
-                             static_cast<double>(views), fmt::format("{} views used", views)));
+    findings.push_back(below(
+        {fmt::format("Views of {}", camera.name), "-", t.views, adviceOnViews(record, i, views)},
+        static_cast<double>(views), fmt::format("{} views used", views)));
   }
   // The 90 % quantile: a tenth of the views has to be tilted, not a single one.
   const double tilt = kDegrees * quantile(viewTilts(stage.T_FC0), 0.9);

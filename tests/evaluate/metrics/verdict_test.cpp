@@ -87,6 +87,24 @@ TEST(Verdict, FewFrontalViewsAreBad) {
   EXPECT_EQ(levelOf(verdict, "Tilt"), VerdictLevel::kBad);
 }
 
+// Views that a selection left out need not be recorded anew.
+TEST(Verdict, OfSelectedViewsTheSelectionIsNamed) {
+  CalibrationRecord record = cameraRecord(0.3, 0.0, 5);
+  const auto advice = [&record] {
+    for (const Finding& finding : judge(record).findings) {
+      if (finding.rule == "Views of cam0") return finding.advice;
+    }
+    return std::string();
+  };
+  record.assumptions.views_selected = true;
+  EXPECT_EQ(advice().find("--select-views"), std::string::npos) << "there are no others";
+  record.counts.resize(1);
+  record.counts[0].views_with_corners = 1416;
+  EXPECT_NE(advice().find("--select-views"), std::string::npos) << advice();
+  record.assumptions.views_selected = false;
+  EXPECT_EQ(advice().find("Record more views"), 0U) << advice();
+}
+
 TEST(Verdict, SystematicErrorIsSeenThroughASmallRmse) {
   CalibrationRecord record = cameraRecord(0.1, 0.8, 120);
   for (CornerResidual& residual : record.camera->residuals) {
