@@ -142,7 +142,7 @@ void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) 
   declareCoverage(app, o.metrics);
   app.add_option("--body", o.body, "Rigid body of motion-capture exports");
   app.add_option("--threads", o.request.threads, "Threads (0: all cores)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(numberFrom(0))
       ->capture_default_str();
   declareTrajectoryMetrics(app, o.metrics);
 }

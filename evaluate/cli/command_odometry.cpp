@@ -77,7 +77,7 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
       ->check(numberWithin(0, kMostMegabytes))
       ->capture_default_str();
   app.add_option("--threads", r.threads, "Parallel runs (0: all cores)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(numberFrom(0))
       ->capture_default_str();
   o.output.declareResult(app);
   declareCoverage(app, o.metrics);

@@ -66,7 +66,7 @@ void declarePerturb(CLI::App& app, PerturbOptions& o) {
   }
   app.add_option("--repeats", o.repeats,
                  "Draws of each random perturbation, with consecutive seeds")
-      ->check(CLI::PositiveNumber)
+      ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--seed", o.seed, "First seed of the random perturbations")
       ->check(seedFrom(1))

@@ -221,7 +221,7 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
       "Suggestions that the operator was shown (default: suggestions.csv in the session)");
   app.add_option("--random-orders", o.random_orders,
                  "Number of random view orders among the counterfactuals")
-      ->check(CLI::PositiveNumber)
+      ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--seed", o.seed, "Seed of the first random order")
       ->check(seedFrom(1))
@@ -230,7 +230,7 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
                "Skip the counterfactuals (other orders of views)");
   app.add_option("--stop-tolerance-s", o.stop_tolerance_s,
                  "A stop up to this long after the views were sufficient counts as right [s]")
-      ->check(CLI::NonNegativeNumber)
+      ->check(numberFrom(0))
       ->capture_default_str();
   o.output.declareResult(app);
   app.add_flag("--no-images", o.no_images, "Do not embed images in the page");

@@ -121,7 +121,8 @@ void SessionOptions::declareDetails(CLI::App& app) {
       ->check(numberFrom(1))
       ->capture_default_str();
   app.add_option("--sync-tolerance-ms", sync_tolerance_ms,
-                 "Largest time difference between the views of one frame [ms]")
+                 "Largest time difference between the views of one frame [ms], beyond a constant "
+                 "shift of a camera's stamps of up to a quarter of the frame interval")
       ->check(numberFrom(0))
       ->capture_default_str();
   app.add_option("--threads", threads, "Threads (0: all cores); results do not depend on it")

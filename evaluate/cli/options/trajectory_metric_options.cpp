@@ -130,7 +130,7 @@ void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
   app.add_option("--max-ate", o.max_ate_m,
                  "ATE [m] above which a run has diverged (default: the ATE of an estimate that "
                  "never moves; half of it with --align sim3)")
-      ->check(CLI::PositiveNumber);
+      ->check(positiveNumber());
 }
 
 void setLimits(const TrajectoryMetricWords& words, RunsRequest& request) {

@@ -391,6 +391,8 @@ TEST_F(CommandReplay, BadUsageLeavesNothing) {
         "--first-trajectory now", "--stop-excess 0"}) {
     expectRefusal(replay(session(), options), 2, Not(HasSubstr("terminate")));
   }
+  expectRefusal(replay(session(), "--random-orders 0"), 2, HasSubstr("0: expected 1 or more;"));
+  expectRefusal(replay(session(), "--stop-tolerance-s -1"), 2, HasSubstr("-1: expected 0 or more"));
 }
 
 }  // namespace
