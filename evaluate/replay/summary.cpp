@@ -89,7 +89,11 @@ std::string replaySummary(const ReplayRecord& record) {
   if (record.counterfactuals) addCounterfactuals(text, *record.counterfactuals);
   if (record.compliance) {
     const OperatorCompliance& c = *record.compliance;
-    add(text, "operator: reached {} of {} suggestions", c.reached, c.suggestions.size());
+    if (c.suggestions.empty()) {
+      add(text, "operator: no suggestion was shown");
+    } else {
+      add(text, "operator: reached {} of {} suggestions", c.reached, c.suggestions.size());
+    }
     if (c.median_seconds_to_reach) add(text, ", median {:.1f} s", *c.median_seconds_to_reach);
     add(text, "\n");
   }

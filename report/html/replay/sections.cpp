@@ -260,6 +260,10 @@ Section complianceSection(const ReplayRecord& record) {
                   {}};
   if (!record.compliance) return section;
   const OperatorCompliance& c = *record.compliance;
+  if (c.suggestions.empty()) {
+    section.remarks.emplace_back("No suggestion was shown.");
+    return section;
+  }
   section.remarks.push_back(
       fmt::format("{} of {} suggestions were reached{}.", c.reached, c.suggestions.size(),
                   c.median_seconds_to_reach

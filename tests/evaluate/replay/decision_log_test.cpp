@@ -99,7 +99,9 @@ TEST(DecisionLog, SuggestionsAndRoundsComeWithTheirFrame) {
 // No time to reach any is stated where none was.
 TEST(ReplaySummary, OfSuggestionsThatWereNotReachedHasNoTime) {
   ReplayRecord record;
-  record.compliance.emplace().suggestions.resize(5);
+  record.compliance.emplace();
+  EXPECT_THAT(replaySummary(record), ::testing::HasSubstr("operator: no suggestion was shown\n"));
+  record.compliance->suggestions.resize(5);
   EXPECT_THAT(replaySummary(record), ::testing::HasSubstr("reached 0 of 5 suggestions\n"));
   record.compliance->reached = 2;
   record.compliance->median_seconds_to_reach = 3;
