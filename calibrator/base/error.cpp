@@ -53,6 +53,7 @@ constexpr CodeRow kCodes[] = {
     {Code::kClockNoOverlap, "ClockNoOverlap", Reason::kNoOverlap},
     {Code::kClockNoRotation, "ClockNoRotation", Reason::kNotObservable},
     {Code::kClockRatesDoNotCorrelate, "ClockRatesDoNotCorrelate", Reason::kNotObservable},
+    {Code::kClockNotWithinRange, "ClockNotWithinRange", Reason::kNotObservable},
     {Code::kCamerasShareNoFrame, "CamerasShareNoFrame", Reason::kNoOverlap},
     {Code::kTooFewViews, "TooFewViews", Reason::kTooFewViews},
     {Code::kTooFewViewsAsked, "TooFewViewsAsked", Reason::kTooFewViews},

@@ -79,6 +79,7 @@ enum class FailureCode {
   kClockNoOverlap,            ///< range_s
   kClockNoRotation,           ///< trajectory ("estimate", "truth"), rms, needed [rad/s]
   kClockRatesDoNotCorrelate,  ///< correlation, needed, range_s
+  kClockNotWithinRange,       ///< correlation, range_s
   // Cameras (calibrator/batch/camera, calibrator/initialise/camera_start).
   kCamerasShareNoFrame,   ///< apart, together (cameras)
   kTooFewViews,           ///< camera, views, least, offered, fullest, needed

@@ -27,6 +27,8 @@ constexpr int kSegments = 16;
 // Gauss-Newton from the grid's best offset settles in a few; a count fixed in advance needs no
 // threshold for rates of unknown noise.
 constexpr int kIterations = 10;
+// The last of them moves the offset by less than its deviation, or, of exact rates, than this [s].
+constexpr double kSettled = 1e-4;
 
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
@@ -165,11 +167,17 @@ double offsetStd(const std::vector<RateTriple>& rates, const Model& model) {
   return std::sqrt(variance * kSegments / (kSegments - 1.0));
 }
 
+// An offset, and whether it is a maximum within the range: else it says only where to search on.
+struct Correlated {
+  ClockOffset clock;
+  bool within = false;
+};
+
 // The truth plays the gyroscope of estimateTimeOffset(), the estimate the camera: R_SC0 is R_MS,
 // and the offset is added to the estimate's stamps.
-Result<ClockOffset> correlate(const std::vector<CameraRate>& estimate,
-                              const std::vector<CameraRate>& truth, RateFeature feature,
-                              const ClockOffsetOptions& options) {
+Result<Correlated> correlate(const std::vector<CameraRate>& estimate,
+                             const std::vector<CameraRate>& truth, RateFeature feature,
+                             const ClockOffsetOptions& options) {
   const std::vector<ImuSample> samples = samplesOf(truth);
   const GyroIntegral integral(samples);
   TimeOffsetOptions search;
@@ -181,11 +189,15 @@ Result<ClockOffset> correlate(const std::vector<CameraRate>& estimate,
   Model model{start->alignment.R_SC0, start->alignment.gyro_bias, start->offset_s,
               feature == RateFeature::kVectors};
   if (!model.turns) model.R.setIdentity();
+  double step = 0;
   for (int i = 0; i < kIterations; ++i) {
+    const double before = model.offset_s;
     model = improved(model, triplesAt(estimate, integral, model.offset_s));
+    step = std::abs(model.offset_s - before);
   }
   const std::vector<RateTriple> rates = triplesAt(estimate, integral, model.offset_s);
-  ClockOffset clock;
+  Correlated out;
+  ClockOffset& clock = out.clock;
   clock.offset_s = model.offset_s;
   clock.std_s = offsetStd(rates, model);
   const RateAlignment at = alignRates(pairRates(estimate, integral, model.offset_s));
@@ -195,7 +207,9 @@ Result<ClockOffset> correlate(const std::vector<CameraRate>& estimate,
   clock.feature = feature;
   clock.R_MS = model.R;
   clock.rates = rates.size();
-  return clock;
+  out.within = !start->at_edge && std::abs(clock.offset_s) <= options.max_offset_s &&
+               step <= std::max(clock.std_s, kSettled);
+  return out;
 }
 
 Failure still(const char* which, double rms) {
@@ -227,20 +241,24 @@ Result<ClockOffset> estimateClockOffset(std::span<const StampedPose> estimate,
   options.check();
   const auto ours = ratesOf(estimate, options.estimate_interval_s, options.max_gap_s);
   const auto theirs = ratesOf(truth, options.truth_interval_s, options.max_gap_s);
-  const Result<ClockOffset> vectors = correlate(ours, theirs, RateFeature::kVectors, options);
+  const Result<Correlated> vectors = correlate(ours, theirs, RateFeature::kVectors, options);
   if (!vectors) return ofClock(vectors.failure(), options);
   if (rmsAboutMean(ours) < kStill) return still("estimate", rmsAboutMean(ours));
   if (rmsAboutMean(theirs) < kStill) return still("truth", rmsAboutMean(theirs));
-  const Result<ClockOffset> magnitudes =
+  const Result<Correlated> magnitudes =
       correlate(magnitudesOf(ours), magnitudesOf(theirs), RateFeature::kMagnitudes, options);
   const bool frames_disagree =
-      magnitudes && magnitudes->correlation > vectors->correlation + kFramesDisagree;
-  const Result<ClockOffset>& best = frames_disagree ? magnitudes : vectors;
-  if (best->correlation >= options.min_correlation) return best;
-  return Failure{FailureCode::kClockRatesDoNotCorrelate,
-                 {{"correlation", best->correlation},
-                  {"needed", options.min_correlation},
-                  {"range_s", options.max_offset_s}}};
+      magnitudes && magnitudes->clock.correlation > vectors->clock.correlation + kFramesDisagree;
+  const Correlated& best = frames_disagree ? *magnitudes : *vectors;
+  if (!(best.clock.correlation >= options.min_correlation)) {
+    return Failure{FailureCode::kClockRatesDoNotCorrelate,
+                   {{"correlation", best.clock.correlation},
+                    {"needed", options.min_correlation},
+                    {"range_s", options.max_offset_s}}};
+  }
+  if (best.within) return best.clock;
+  return Failure{FailureCode::kClockNotWithinRange,
+                 {{"correlation", best.clock.correlation}, {"range_s", options.max_offset_s}}};
 }
 
 }  // namespace plumbline

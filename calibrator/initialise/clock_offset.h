@@ -49,8 +49,9 @@ struct ClockOffset {
 /// accounted for. It stands on 15 degrees of freedom: itself known to a fifth.
 ///
 /// Fails with kNotObservable where the rates do not vary or do not correlate (static, another
-/// motion, an offset beyond the range), kTooFewViews for fewer than 20 rates, kNoOverlap where the
-/// trajectories share too little time within the range. O(range / 0.02 s * rates).
+/// motion, an offset beyond the range) or correlate best at the range's edge, and where the least
+/// squares leave the range or do not settle; kTooFewViews for fewer than 20 rates, kNoOverlap where
+/// the trajectories share too little time within the range. O(range / 0.02 s * rates).
 Result<ClockOffset> estimateClockOffset(std::span<const StampedPose> estimate,
                                         std::span<const StampedPose> truth,
                                         const ClockOffsetOptions& options = {});

@@ -210,6 +210,8 @@ Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera
   if (best.score < 0) return notCovered(camera, gyro, grid, options);
   TimeOffsetEstimate out;
   out.offset_s = best.offset_s;
+  out.at_edge = std::abs(best.offset_s) > options.max_offset_s ||
+                std::max(grid.candidates.front().score, grid.candidates.back().score) >= best.score;
   out.alignment = alignRates(pairRates(camera, gyro, best.offset_s));
   return out;
 }

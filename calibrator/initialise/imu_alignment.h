@@ -143,7 +143,8 @@ struct TimeOffsetOptions {
 };
 
 struct TimeOffsetEstimate {
-  double offset_s = 0;  ///< t_imu = t_cam + offset_s
+  double offset_s = 0;   ///< t_imu = t_cam + offset_s
+  bool at_edge = false;  ///< an end of the range correlates as well, or the best is beyond
   RateAlignment alignment;
 };
 

@@ -110,6 +110,12 @@ const FailureRow kRows[] = {
      "+-{range_s:g} s (at best {correlation:.2f}, {needed:g} is needed)",
      "check that both are from the same recording and that it contains brisk rotations, widen "
      "--clock-range, or give the offset by --clock-offset SECONDS"},
+    {Code::kClockNotWithinRange,
+     "no clock offset was found within +-{range_s:g} s: the angular rates of estimate and truth "
+     "correlate best (about {correlation:.2f}) at the edge of this range or beyond it, or the "
+     "search does not converge",
+     "widen --clock-range, align the clocks roughly with --time-offset, or give the offset by "
+     "--clock-offset SECONDS"},
 
     {Code::kCamerasShareNoFrame, "{apart} never saw the target in the same frame as {together}",
      "record the target where the cameras' fields of view overlap, check the stamps of the "

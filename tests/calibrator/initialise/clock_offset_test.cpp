@@ -138,6 +138,27 @@ TEST(ClockOffset, AWiderRangeFindsWhatANarrowOneRefuses) {
   EXPECT_EQ(narrow.failure().code, FailureCode::kClockRatesDoNotCorrelate);
 }
 
+// The steps from the grid's edge would lead to the offset, or stop on the way to it.
+TEST(ClockOffset, AnOffsetBeyondTheRangeIsNoResult) {
+  const Trajectory estimate = sampled(motion(), ours(1, 1e-3));
+  const Trajectory truth = sampled(motion(), theirs(1, 0.32, 1e-3));
+  ClockOffsetOptions options;
+  for (const double range : {0.05, 0.1, 0.2, 0.25, 0.3}) {
+    options.max_offset_s = range;
+    const auto clock = found(estimate, truth, options);
+    ASSERT_FALSE(clock.ok()) << range << ": " << clock->offset_s;
+    if (range >= 0.2) {  // nearer to it the rates correlate enough
+      EXPECT_EQ(clock.failure().code, FailureCode::kClockNotWithinRange) << range;
+    }
+  }
+  for (const double range : {0.33, 0.5}) {
+    options.max_offset_s = range;
+    const auto clock = found(estimate, truth, options);
+    ASSERT_TRUE(clock.ok()) << range;
+    EXPECT_NEAR(clock->offset_s, 0.32, 1e-3) << range;
+  }
+}
+
 TEST(ClockOffset, AStaticTrajectoryIsRefusedWithTheReason) {
   const AnalyticTrajectory still = motion(MotionKind::kStatic);
   const auto exact = found(sampled(still, ours(1, 0)), sampled(still, theirs(1, 0.1, 0)));
