@@ -72,7 +72,7 @@ TrajectoryRun withPlots(TrajectoryRun run, const std::vector<PosePair>& pairs,
   std::vector<Eigen::Vector3d> truth_rpy, estimate_rpy;
   if (!error_deg.empty()) {
     truth_rpy = rollPitchYaw(poses.truth);
-    estimate_rpy = rollPitchYaw(poses.estimate, truth_rpy);
+    estimate_rpy = rollPitchYaw(poses, truth_rpy);
   }
   for (std::size_t i = 0; i < pairs.size(); i += step) {
     run.t.push_back(pairs[i].truth.t);

@@ -36,6 +36,8 @@ double errorOf(const Transform& estimate, const Transform& truth, AbsoluteMeasur
   }
 }
 
+// An estimate whose rotations differ by more from the truth's is of another body frame, or lost.
+constexpr double kOtherBodyDeg = 45;
 constexpr double kTolerance = 0.1;        // of delta; evo's too
 constexpr double kRpgTolerance = 0.2;     // of delta
 constexpr double kOvEvalTolerance = 0.5;  // [m]
@@ -173,15 +175,18 @@ std::vector<Eigen::Vector3d> rollPitchYaw(const std::vector<Transform>& poses) {
   return angles;
 }
 
-std::vector<Eigen::Vector3d> rollPitchYaw(const std::vector<Transform>& poses,
-                                          const std::vector<Eigen::Vector3d>& near) {
-  assert(poses.size() == near.size());
+std::vector<Eigen::Vector3d> rollPitchYaw(const AlignedPoses& poses,
+                                          const std::vector<Eigen::Vector3d>& truth_rpy) {
+  assert(poses.estimate.size() == truth_rpy.size());
+  // Near a pitch of 90 degrees roll and yaw may differ by much although the rotations do not;
+  // carried along, that would keep the angles half a turn from the truth's.
+  const bool carried =
+      sampleStatistics(absoluteErrors(poses, AbsoluteMeasure::kRotationDeg)).median > kOtherBodyDeg;
   std::vector<Eigen::Vector3d> angles;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    // Added to the truth's angles, so that a constant body rotation does not make them jump.
-    const Eigen::Vector3d apart =
-        i == 0 ? Eigen::Vector3d::Zero().eval() : (angles.back() - near[i - 1]).eval();
-    angles.push_back(nearest(degreesOf(poses[i].R), near[i] + apart));
+  for (std::size_t i = 0; i < poses.estimate.size(); ++i) {
+    const Eigen::Vector3d apart = !carried || i == 0 ? Eigen::Vector3d::Zero().eval()
+                                                     : (angles.back() - truth_rpy[i - 1]).eval();
+    angles.push_back(nearest(degreesOf(poses.estimate[i].R), truth_rpy[i] + apart));
   }
   return angles;
 }

@@ -69,10 +69,11 @@ std::vector<double> absoluteErrors(const AlignedPoses& poses, AbsoluteMeasure me
 /// by a turn. The first: each within 180 degrees, the pitch within 90.
 std::vector<Eigen::Vector3d> rollPitchYaw(const std::vector<Transform>& poses);
 
-/// The same, but those nearest to `near`, one for each pose: an estimate's beside its truth's. What
-/// they differ by is carried along, so that another body frame makes no jumps either.
-std::vector<Eigen::Vector3d> rollPitchYaw(const std::vector<Transform>& poses,
-                                          const std::vector<Eigen::Vector3d>& near);
+/// An estimate's, beside `truth_rpy`, those of the truth: nearest to these. Where the rotations
+/// differ by more than 45 degrees (median), as of another body frame, what the angles differ by is
+/// carried along instead, so that they make no jumps either.
+std::vector<Eigen::Vector3d> rollPitchYaw(const AlignedPoses& poses,
+                                          const std::vector<Eigen::Vector3d>& truth_rpy);
 
 /// What is measured of the error of a relative motion, E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) with the
 /// truth's poses Q and the estimate's P.

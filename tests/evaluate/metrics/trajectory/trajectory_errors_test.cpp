@@ -105,7 +105,7 @@ TEST(RollPitchYaw, OrientationsOverTimeHaveNoJumps) {
     truth.push_back(pose({0, 0, 3.6 * i}, {0, 0, 0}) * pose({0, 0.1 + 0.5 * i, 0}, {0, 0, 0}));
     estimate.push_back(pose({0, 0, 2}, {0, 0, 0}) * truth.back());
   }
-  const auto angles = rollPitchYaw(truth), beside = rollPitchYaw(estimate, angles);
+  const auto angles = rollPitchYaw(truth), beside = rollPitchYaw({truth, estimate}, angles);
   EXPECT_NEAR((angles.back() - Eigen::Vector3d(0, 150.1, 1080)).norm(), 0, 1e-9);
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const Eigen::Vector3d& a = angles[i];
@@ -117,6 +117,27 @@ TEST(RollPitchYaw, OrientationsOverTimeHaveNoJumps) {
   }
 }
 
+// The body's x axis points up (a pitch of -90 degrees), where roll and yaw vary by much with little
+// rotation: an estimate 3 degrees off never stays half a turn away.
+TEST(RollPitchYaw, NearAPitchOf90DegreesTheEstimateKeepsToTheTruth) {
+  AlignedPoses poses;
+  for (int i = 0; i < 400; ++i) {
+    const double t = 0.05 * i;
+    poses.truth.push_back(
+        pose({0, 0, 17 * t}, {0, 0, 0}) * pose({3 * std::sin(t), 2.3, 0}, {0, 0, 0}) *
+        pose({0, -90, 0}, {0, 0, 0}) * pose({0, 3 * std::cos(0.7 * t), 0}, {0, 0, 0}));
+    const double grown = std::min(1.0, t / 10);
+    poses.estimate.push_back(poses.truth.back() *
+                             pose(grown * Eigen::Vector3d(0.6, 2.9, 1.7), {0, 0, 0}));
+  }
+  const auto truth = rollPitchYaw(poses.truth), estimate = rollPitchYaw(poses, truth);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    // More than 90 degrees from one branch is less from the other.
+    EXPECT_LE((estimate[i] - truth[i]).cwiseAbs().maxCoeff(), 135) << i;
+  }
+  EXPECT_LT((estimate.back() - truth.back()).cwiseAbs().maxCoeff(), 45);
+}
+
 // With another body frame, turned by 90 degrees, the angles are others, and yet follow the motion.
 TEST(RollPitchYaw, AnotherBodyFrameMakesNoJumps) {
   std::vector<Transform> truth, estimate;
@@ -125,7 +146,7 @@ TEST(RollPitchYaw, AnotherBodyFrameMakesNoJumps) {
                     pose({20 * std::sin(0.1 * i), 0, 0}, {0, 0, 0}));
     estimate.push_back(truth.back() * pose({0, -70, 0}, {0, 0, 0}) * pose({0, 0, 90}, {0, 0, 0}));
   }
-  const auto other = rollPitchYaw(estimate, rollPitchYaw(truth));
+  const auto other = rollPitchYaw({truth, estimate}, rollPitchYaw(truth));
   for (std::size_t i = 1; i < other.size(); ++i) {
     EXPECT_LT((other[i] - other[i - 1]).cwiseAbs().maxCoeff(), 30) << i;
   }
