@@ -12,10 +12,18 @@
 namespace plumbline {
 namespace {
 
-constexpr int kStep = 8;  // [px] between the pixels that are compared
+constexpr int kStep = 8;  // [px] at most between the pixels that are compared
 
 std::string nameOf(const Intrinsics& k) {
   return toString(k.projection_model) + "-" + toString(k.distortion_model);
+}
+
+/// From the first pixel to the last, evenly: at the border of the image the error is greatest.
+std::vector<double> placesAlong(int pixels) {
+  const int steps = std::max(1, (pixels - 1 + kStep - 1) / kStep);
+  std::vector<double> places;
+  for (int i = 0; i <= steps; ++i) places.push_back(i * (pixels - 1.0) / steps);
+  return places;
 }
 
 /// Fills the figures of a conversion, cell by cell.
@@ -23,8 +31,9 @@ void compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out)
   const auto count = static_cast<std::size_t>(out.cells.size());
   std::vector<double> squares(count, 0), points(count, 0);
   double sum = 0, all = 0;
-  for (int u = 0; u < from.resolution.width; u += kStep) {
-    for (int v = 0; v < from.resolution.height; v += kStep) {
+  const std::vector<double> rows = placesAlong(from.resolution.height);
+  for (const double u : placesAlong(from.resolution.width)) {
+    for (const double v : rows) {
       const Eigen::Vector2d uv(u, v);
       // A pixel without a ray in the old model, or whose ray the new one does not see, has no
       // error: its region says so where it has no other.

@@ -13,7 +13,7 @@
 namespace plumbline {
 
 /// What a camera's lens lost by being given in another model: |projection in the new model - pixel|
-/// over a grid of the image's pixels, along the rays of the old one.
+/// over an even grid from the image's first pixels to its last, along the rays of the old one.
 struct ModelConversion {
   std::string camera;
   std::string from, to;  ///< "pinhole-radtan"
