@@ -55,6 +55,7 @@ constexpr CodeRow kCodes[] = {
     {Code::kClockRatesDoNotCorrelate, "ClockRatesDoNotCorrelate", Reason::kNotObservable},
     {Code::kClockNotWithinRange, "ClockNotWithinRange", Reason::kNotObservable},
     {Code::kCamerasShareNoFrame, "CamerasShareNoFrame", Reason::kNoOverlap},
+    {Code::kNoTagSeen, "NoTagSeen", Reason::kTooFewViews},
     {Code::kTooFewViews, "TooFewViews", Reason::kTooFewViews},
     {Code::kTooFewViewsAsked, "TooFewViewsAsked", Reason::kTooFewViews},
     {Code::kNoPlausiblePose, "NoPlausiblePose", Reason::kTooFewViews, Input::kTarget},

@@ -82,6 +82,7 @@ enum class FailureCode {
   kClockNotWithinRange,       ///< correlation, range_s
   // Cameras (calibrator/batch/camera, calibrator/initialise/camera_start).
   kCamerasShareNoFrame,   ///< apart, together (cameras)
+  kNoTagSeen,             ///< images
   kTooFewViews,           ///< camera, views, least, offered, fullest, needed
   kTooFewViewsAsked,      ///< as kTooFewViews, where the option min_corners (asked) is to blame
   kNoPlausiblePose,       ///< camera, views

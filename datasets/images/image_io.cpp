@@ -21,13 +21,6 @@ struct PngImage {
   PngImage& operator=(const PngImage&) = delete;
 };
 
-/// ITU-R BT.601's luma, as libjpeg has it.
-std::uint8_t luma(const std::uint8_t* rgb) {
-  // 0.299, 0.587, 0.114 in 1/65536, rounded.
-  return static_cast<std::uint8_t>((19595U * rgb[0] + 38470U * rgb[1] + 7471U * rgb[2] + 32768U) >>
-                                   16U);
-}
-
 std::vector<std::uint8_t> read(PngImage& png, png_uint_32 format) {
   png.image.format = format;
   std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(png.image));
@@ -41,9 +34,9 @@ GrayImage decodePng(std::string_view bytes, const SizeCheck& check) {
   if (png_image_begin_read_from_memory(&png.image, bytes.data(), bytes.size()) == 0) {
     throw DecodeError{png.image.message};
   }
+  // So libpng marks 16 bits, which it would take for linear light and bend.
+  if ((png.image.format & PNG_FORMAT_FLAG_LINEAR) != 0) return decodeDeepPng(bytes, check).image;
   check(png.image.width, png.image.height);
-  // Otherwise libpng takes 16-bit samples for linear light and bends them.
-  png.image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
   const int width = static_cast<int>(png.image.width);
   const int height = static_cast<int>(png.image.height);
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -58,20 +51,22 @@ GrayImage decodePng(std::string_view bytes, const SizeCheck& check) {
   return {width, height, std::move(grey)};
 }
 
+constexpr std::string_view kPngStart = "\x89PNG\r\n\x1a\n";
+
 bool startsWith(std::string_view text, std::string_view start) {
   return text.substr(0, start.size()) == start;
 }
 
 /// By its first bytes, whatever its name ends in.
 GrayImage decode(const std::string& path, std::string_view bytes, const SizeCheck& check) {
-  if (startsWith(bytes, "\x89PNG\r\n\x1a\n")) return decodePng(bytes, check);
+  if (startsWith(bytes, kPngStart)) return decodePng(bytes, check);
   if (startsWith(bytes, "\xFF\xD8\xFF")) return decodeJpeg(bytes, check);
   throw badInput(path, 0,
                  {InputFault::kSyntax, bytes.empty() ? "is empty" : "is neither PNG nor JPEG",
                   "an image", "copy it again or convert it to PNG"});
 }
 
-// 128 MB as grey bytes, and four times that while a PNG in colour is read.
+// 128 MB as grey bytes; four times that while a PNG in colour is read, six times if of 16 bits.
 constexpr std::uint64_t kMostPixels = 128'000'000;
 
 /// Before decoding, by the header: a small file may claim an image of gigabytes.
@@ -92,6 +87,23 @@ void checkSize(const std::string& path, std::uint32_t width, std::uint32_t heigh
                   "copy it again or delete it from the recording"});
 }
 
+BadInput badImage(const std::string& path, const DecodeError& error) {
+  if (error.unsupported) {
+    return badInput(
+        path, 0,
+        {InputFault::kUnsupported, error.message, "grey levels or RGB", "convert it to PNG"});
+  }
+  return badInput(path, 0,
+                  {InputFault::kSyntax, "the image is damaged or cut short (" + error.message + ")",
+                   "a whole PNG or JPEG", "copy it again or delete it from the recording"});
+}
+
+/// Bits of a sample, which follow the size in a PNG's first chunk.
+int bitDepth(std::string_view bytes) {
+  constexpr std::size_t kPlace = 24;
+  return startsWith(bytes, kPngStart) && bytes.size() > kPlace ? bytes[kPlace] : 0;
+}
+
 }  // namespace
 
 GrayImage readGrayImage(const std::string& path, std::optional<Resolution> stated) {
@@ -101,10 +113,21 @@ GrayImage readGrayImage(const std::string& path, std::optional<Resolution> state
       checkSize(path, width, height, stated);
     });
   } catch (const DecodeError& error) {
-    throw badInput(
-        path, 0,
-        {InputFault::kSyntax, "the image is damaged or cut short (" + error.message + ")",
-         "a whole PNG or JPEG", "copy it again or delete it from the recording"});
+    throw badImage(path, error);
+  }
+}
+
+std::optional<int> bitsOfDeepImage(const std::string& path) {
+  const MappedFile file(path);
+  if (bitDepth(file.text()) != 16) return std::nullopt;
+  try {
+    return decodeDeepPng(file.text(),
+                         [&](std::uint32_t width, std::uint32_t height) {
+                           checkSize(path, width, height, {});
+                         })
+        .bits;
+  } catch (const DecodeError& error) {
+    throw badImage(path, error);
   }
 }
 

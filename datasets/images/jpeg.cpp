@@ -136,6 +136,9 @@ GrayImage decodeJpeg(std::string_view bytes, const SizeCheck& check) {
   const Cleanup cleanup{&decoder.info};
   if (!known) throw DecodeError{decoder.trap.message};
   check(decoder.info.image_width, decoder.info.image_height);
+  // libjpeg makes no grey of inks.
+  const J_COLOR_SPACE colours = decoder.info.jpeg_color_space;
+  if (colours == JCS_CMYK || colours == JCS_YCCK) throw DecodeError{"is a JPEG in CMYK", true};
   if (!start(decoder)) throw DecodeError{decoder.trap.message};
   GrayImage image(static_cast<int>(decoder.info.output_width),
                   static_cast<int>(decoder.info.output_height));

@@ -168,6 +168,9 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   // Estimates stand on this file as on the recording, so the input hash covers it.
   if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
   LoadedSession loaded = loadSession(request.load, progress);
+  if (const auto nothing = noTagSeen(loaded)) {
+    return locate(*nothing, loaded, request.load.session);
+  }
   // Before anything is estimated: under a wrong layout the camera stage fails for another reason,
   // or does not fail at all.
   checkTargetLayout(loaded, {});

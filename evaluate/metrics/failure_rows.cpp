@@ -120,6 +120,10 @@ const FailureRow kRows[] = {
     {Code::kCamerasShareNoFrame, "{apart} never saw the target in the same frame as {together}",
      "record the target where the cameras' fields of view overlap, check the stamps of the "
      "cameras, or calibrate these cameras separately"},
+    {Code::kNoTagSeen, "no camera saw a tag in any of {images} images",
+     "look at the images: they must show the target, sharp and neither black nor overexposed; its "
+     "tags are of the family 36h11, with the black border that --border-bits states, and tagRows "
+     "and tagCols of target.yaml count them"},
     {Code::kTooFewViews,
      "{camera} has {views} views with at least {least} corners (of {offered} views; the most in "
      "one view is {fullest}); {needed} are needed",

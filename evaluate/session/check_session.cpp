@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -70,6 +73,15 @@ void checkSpacing(double shown, double tolerance, const LoadedSession& loaded) {
 }
 
 }  // namespace
+
+std::optional<Failure> noTagSeen(const LoadedSession& loaded) {
+  std::size_t images = 0;
+  for (const auto& of_camera : loaded.images) images += of_camera.size();
+  const bool seen = std::any_of(loaded.counts.begin(), loaded.counts.end(),
+                                [](const CameraCounts& c) { return c.views_with_corners > 0; });
+  if (images == 0 || seen) return std::nullopt;
+  return Failure{FailureCode::kNoTagSeen, {{"images", images}}};
+}
 
 Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session) {
   failure.where = placeOf(failure.input(), loaded, session);

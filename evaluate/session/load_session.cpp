@@ -15,6 +15,7 @@
 #include "calibrator/base/time.h"
 #include "datasets/files/bad_input.h"
 #include "datasets/files/workplace.h"
+#include "datasets/images/image_io.h"
 #include "datasets/session/camera_stream.h"
 #include "datasets/session/session_folder.h"
 
@@ -76,6 +77,20 @@ std::optional<std::string> usableCache(const LoadRequest& request, const Recordi
   return std::nullopt;
 }
 
+// By each camera's first image: each image is taken by its own.
+void noteDeepImages(const Recording& recording, const LoadRequest& request) {
+  if (!request.note) return;
+  for (std::size_t c = 0; c < recording.images.size(); ++c) {
+    if (recording.images[c].empty()) continue;
+    const auto bits = bitsOfDeepImage(recording.images[c].front().path);
+    if (bits.value_or(16) == 16) continue;
+    request.note(fmt::format(
+        "the 16-bit images of {} use {} bits (by the first): grey levels are taken from the bits "
+        "that each image uses",
+        recording.session.cameras[c].name, *bits));
+  }
+}
+
 }  // namespace
 
 std::optional<std::string> defaultCacheFolder() {
@@ -132,6 +147,7 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   loaded.load_s = reading.seconds();
   if (recording.needsDetection()) {
     const Stopwatch detecting;
+    noteDeepImages(recording, request);
     loaded.shown_spacing = detectCorners(
         recording, {request.detector, usableCache(request, recording), request.threads}, progress);
     loaded.detect_s = detecting.seconds();

@@ -62,6 +62,8 @@ struct LoadRequest {
   std::optional<std::string> cache;  ///< folder of found corners; empty: none is kept
   /// Told why the cache cannot be used: the work goes on without. Unset: an InputError.
   std::function<void(const std::string& why)> without_cache;
+  /// Told what is taken otherwise than the files have it: grey levels of 16-bit images.
+  std::function<void(const std::string& what)> note;
   /// File with the board's shape; empty: flat, or estimated where `target` says so.
   std::optional<std::string> target_shape;
   TargetMode target = TargetMode::kGiven;  ///< of jobs that calibrate
@@ -120,6 +122,9 @@ Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptio
 /// The failure with the file that it points at, "FILE:LINE" or "FILE": the line of tagSize in the
 /// target's file, no line for the others. `session` is the folder that `loaded` was read from.
 Failure locate(Failure failure, const LoadedSession& loaded, const std::string& session);
+
+/// The failure of a session of images in none of which a camera saw a tag; empty for any other.
+std::optional<Failure> noTagSeen(const LoadedSession& loaded);
 
 /// Fills in at which lines of the IMU's table the screened samples stand, where it is a table.
 void locateSamples(const LoadedSession& loaded, Screening& screening);

@@ -162,6 +162,7 @@ LoadRequest SessionOptions::request() const {
       complain(fmt::format("note: detected corners are not cached: {}", why));
     };
   }
+  request.note = [](const std::string& what) { complain("note: " + what); };
   request.only = only;
   request.threads = threads;
   return request;

@@ -6,10 +6,12 @@
 #include <functional>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <jpeglib.h>
+#include <png.h>
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
@@ -52,7 +54,8 @@ class Images : public testing::Test {
   fs::path folder_;
 };
 
-void writeJpeg(const std::string& file, const GrayImage& image) {
+/// `channels` 4: inks, each with the image's levels.
+void writeJpeg(const std::string& file, const GrayImage& image, int channels = 1) {
   std::FILE* out = std::fopen(file.c_str(), "wb");
   ASSERT_NE(out, nullptr);
   jpeg_compress_struct info{};
@@ -62,18 +65,73 @@ void writeJpeg(const std::string& file, const GrayImage& image) {
   jpeg_stdio_dest(&info, out);
   info.image_width = static_cast<JDIMENSION>(image.width());
   info.image_height = static_cast<JDIMENSION>(image.height());
-  info.input_components = 1;
-  info.in_color_space = JCS_GRAYSCALE;
+  info.input_components = channels;
+  info.in_color_space = channels == 4 ? JCS_CMYK : JCS_GRAYSCALE;
   jpeg_set_defaults(&info);
   jpeg_set_quality(&info, 95, TRUE);
   jpeg_start_compress(&info, TRUE);
   while (info.next_scanline < info.image_height) {
-    auto* row = const_cast<JSAMPROW>(image.row(static_cast<int>(info.next_scanline)));
+    std::vector<JSAMPLE> levels;
+    for (int x = 0; x < channels * image.width(); ++x) {
+      levels.push_back(image.row(static_cast<int>(info.next_scanline))[x / channels]);
+    }
+    JSAMPROW row = levels.data();
     jpeg_write_scanlines(&info, &row, 1);
   }
   jpeg_finish_compress(&info);
   jpeg_destroy_compress(&info);
   std::fclose(out);
+}
+
+/// A grey PNG of 16 bits; `bits`: what its sBIT states, 0: it has none.
+void writeDeepPng(const std::string& file, const std::vector<std::uint16_t>& samples, int bits) {
+  std::FILE* out = std::fopen(file.c_str(), "wb");
+  ASSERT_NE(out, nullptr);
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_init_io(png, out);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(samples.size()), 1, 16, PNG_COLOR_TYPE_GRAY,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_color_8 stated{};
+  stated.gray = static_cast<png_byte>(bits);
+  if (bits > 0) png_set_sBIT(png, info, &stated);
+  png_write_info(png, info);
+  std::vector<png_byte> row;
+  for (const std::uint16_t sample : samples) {
+    row.push_back(static_cast<png_byte>(sample >> 8));
+    row.push_back(static_cast<png_byte>(sample & 0xFF));
+  }
+  png_write_row(png, row.data());
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  std::fclose(out);
+}
+
+// A camera's 10 bits in 16 are not dark: what they use is the range. All 16 in use stay as they
+// were, their upper 8; noise of a dark image is not drawn out.
+TEST_F(Images, OfSixteenBitsThoseInUseAreTaken) {
+  struct Case {
+    std::vector<std::uint16_t> samples;
+    int stated, bits;
+    std::vector<int> grey;
+  };
+  const std::vector<Case> cases{
+      {{0, 512, 1020}, 0, 10, {0, 128, 254}},     {{0, 2048, 4095}, 0, 12, {0, 128, 255}},
+      {{0, 512, 1020}, 12, 12, {0, 32, 64}},      {{0, 32768, 65535}, 0, 16, {0, 128, 255}},
+      {{0, 32768, 65472}, 10, 16, {0, 128, 255}}, {{0, 1, 3}, 0, 8, {0, 1, 3}}};
+  for (const Case& c : cases) {
+    writeDeepPng(path("a.png"), c.samples, c.stated);
+    const GrayImage image = readGrayImage(path("a.png"));
+    EXPECT_EQ(bitsOfDeepImage(path("a.png")), c.bits);
+    for (int x = 0; x < 3; ++x) {
+      EXPECT_EQ(int{image.data()[x]}, c.grey[static_cast<std::size_t>(x)]) << c.bits << " " << x;
+    }
+  }
+  const std::string whole = read(path("a.png"));
+  write(path("cut"), whole.substr(0, whole.size() - 20));
+  EXPECT_EQ(faultOf([&] { (void)readGrayImage(path("cut")); }), InputFault::kSyntax);
+  writePng(path("b.png"), gradient());
+  EXPECT_EQ(bitsOfDeepImage(path("b.png")), std::nullopt);
 }
 
 TEST_F(Images, PngComesBackBitForBit) {
@@ -100,6 +158,11 @@ TEST_F(Images, JpegComesBackNearly) {
   const GrayImage again = readGrayImage(path("a.jpg"));
   ASSERT_EQ(again.width(), 64);
   for (int i = 0; i < 64 * 48; ++i) ASSERT_NEAR(again.data()[i], image.data()[i], 6) << i;
+}
+
+TEST_F(Images, AWholeJpegOfInksIsNotCalledDamaged) {
+  writeJpeg(path("a.jpg"), gradient(), 4);
+  EXPECT_EQ(faultOf([&] { (void)readGrayImage(path("a.jpg")); }), InputFault::kUnsupported);
 }
 
 TEST_F(Images, KindIsToldByContentNotByName) {

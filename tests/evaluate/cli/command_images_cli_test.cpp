@@ -2,8 +2,13 @@
 // From rendered images to a calibration, as a user runs it: detection, its cache, and what the
 // images say of a wrong target.yaml.
 #include <cmath>
+#include <cstdint>
 #include <regex>
+#include <vector>
 
+#include <png.h>
+
+#include "datasets/images/image_io.h"
 #include "datasets/session/session_folder.h"
 #include "tests/evaluate/cli/command_line.h"
 
@@ -43,6 +48,21 @@ class CommandImages : public CommandLine {
     return std::stod(found[1]);
   }
 };
+
+/// An image of 8 bits again, its levels times 4 in 16 bits, as a camera's 10 bits are often stored.
+void writeTenBits(const fs::path& file) {
+  const GrayImage image = readGrayImage(file);
+  std::vector<std::uint16_t> samples;
+  for (int i = 0; i < image.width() * image.height(); ++i) {
+    samples.push_back(static_cast<std::uint16_t>(4 * image.data()[i]));
+  }
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width());
+  png.height = static_cast<png_uint_32>(image.height());
+  png.format = PNG_FORMAT_LINEAR_Y;
+  ASSERT_NE(png_image_write_to_file(&png, file.c_str(), 0, samples.data(), 0, nullptr), 0);
+}
 
 constexpr double kFocal_px = 458.654;  // of cam0 of the euroc rig
 
@@ -87,6 +107,37 @@ TEST_F(CommandImages, AnUnusableDefaultCacheIsNotedAndAGivenOneRefused) {
   EXPECT_EQ(noted.exit_code, 0) << noted.text;
   EXPECT_THAT(noted.text, HasSubstr("note: detected corners are not cached"));
   EXPECT_EQ(calibrateCam0(images(), "out", "--cache " + home + "/x").exit_code, 2);
+}
+
+TEST_F(CommandImages, WhereNoCameraSeesATagThereIsNoResult) {
+  fs::create_directories(scratch());
+  const fs::path black = scratch() / "black";
+  fs::copy(images(), black, fs::copy_options::recursive);
+  for (const auto& entry : fs::recursive_directory_iterator(black / "mav0/cam0")) {
+    if (entry.path().extension() == ".png") writePng(entry.path(), GrayImage(752, 480));
+  }
+  const fs::path out = scratch() / "corners";
+  for (const Outcome& outcome :
+       {plumbline("detect " + black.string() + " --only cam0 --no-cache --out " + out.string()),
+        calibrateCam0(black, "corners", "--no-cache")}) {
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.text;
+    EXPECT_THAT(outcome.text, HasSubstr("no camera saw a tag in any of 24 images"));
+    EXPECT_FALSE(fs::exists(out));
+  }
+}
+
+TEST_F(CommandImages, ImagesOfTenBitsInSixteenAreReadAndSaidSo) {
+  fs::create_directories(scratch());
+  const fs::path deep = scratch() / "deep";
+  fs::copy(images(), deep, fs::copy_options::recursive);
+  for (const auto& entry : fs::recursive_directory_iterator(deep / "mav0/cam0")) {
+    if (entry.path().extension() == ".png") writeTenBits(entry.path());
+  }
+  const Outcome outcome = plumbline("detect " + deep.string() + " --only cam0 --no-cache --out " +
+                                    (scratch() / "corners").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("note: the 16-bit images of cam0 use 10 bits"),
+                                  HasSubstr("in 24 of 24 images")));
 }
 
 TEST_F(CommandImages, AWrongSpacingIsRefusedByItsLineWhereverItShows) {

@@ -22,7 +22,7 @@ constexpr const char* kNumbers =
     "offset_std_s pairs across rms_deg rms_m distance_m estimate_from_s "
     "estimate_to_s given_s truth_from_s truth_to_s poses truth in_gaps max_gap_s max_dt_s "
     "nearest_s as_read_deg reordered_deg aligned count apart_s pause_s from_s to_s "
-    "std_s joined longest_s ";
+    "std_s joined longest_s images ";
 constexpr const char* kWords = "trajectory camera stage part calibration problem which alignment";
 
 std::vector<std::string> split(const std::string& text) {
