@@ -125,7 +125,8 @@ enum class FailureCode {
   kPoolUnobservable,         ///< the pool's frames alone
   // The evaluation of calibrations and trajectories.
   kNoScore,            ///< calibration, session, problem
-  kNoCommonTime,       ///< estimate_from_s, estimate_to_s, truth_from_s, truth_to_s
+  kNoCommonTime,       ///< estimate_from_s, estimate_to_s, truth_from_s, truth_to_s, given_s;
+                       ///< unstamped ("estimate", "truth") where one's stamps count its frames
   kPartnersInGaps,     ///< pairs, poses, truth, in_gaps, max_gap_s
   kTooFewPartners,     ///< pairs, poses, truth, max_dt_s, nearest_s
   kQuaternionsWFirst,  ///< which ("estimate", "truth", "truth or of the estimate"), as_read_deg,

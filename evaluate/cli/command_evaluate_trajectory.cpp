@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -30,7 +31,7 @@ namespace {
 
 struct EvaluateTrajectoryOptions {
   std::string estimate, truth;
-  std::string body, estimate_format, format;
+  std::string body, estimate_format, format, estimate_times, truth_times;
   TrajectoryMetricWords metrics;
   JsonOption json;
   OutputOptions output;
@@ -47,6 +48,9 @@ void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
   app.add_option("--format", o.format,
                  "Format of the truth: tum, euroc, kitti, motive, vicon (default: by content)");
   app.add_option("--estimate-format", o.estimate_format, "Format of the estimate, as --format");
+  app.add_option("--estimate-times", o.estimate_times,
+                 "KITTI's times.txt of the estimate [s] (without it one frame per second)");
+  app.add_option("--truth-times", o.truth_times, "KITTI's times.txt of the truth");
   app.add_option("--body", o.body, "Rigid body of a motion-capture export");
   o.json.declare(app);
   o.output.declare(app, "Folder for the report, the figures and the records");
@@ -68,7 +72,17 @@ TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) 
     request.read_estimate.format = trajectoryFormatFrom(o.estimate_format);
   }
   request.read_truth.body = o.body;
+  request.read_estimate.times = o.estimate_times;
+  request.read_truth.times = o.truth_times;
   return request;
+}
+
+std::vector<std::string> trajectoryInputs(const EvaluateTrajectoryOptions& o) {
+  std::vector<std::string> inputs{o.estimate, o.truth};
+  for (const std::string& times : {o.estimate_times, o.truth_times}) {
+    if (!times.empty()) inputs.push_back(times);
+  }
+  return inputs;
 }
 
 Provenance provenanceOf(const EvaluateTrajectoryOptions& o, const CLI::App& app) {
@@ -80,7 +94,7 @@ Provenance provenanceOf(const EvaluateTrajectoryOptions& o, const CLI::App& app)
   provenance.input =
       fmt::format("{} against {}", std::filesystem::path(o.estimate).filename().string(),
                   std::filesystem::path(o.truth).filename().string());
-  provenance.input_hash = inputFilesHash({o.estimate, o.truth});
+  provenance.input_hash = inputFilesHash(trajectoryInputs(o));
   return provenance;
 }
 
@@ -96,7 +110,7 @@ TrajectoryRecord judged(const TrajectoryEvaluation& evaluation, const EvaluateTr
 
 int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& app) {
   const TrajectoryRequest request = evaluateTrajectoryRequest(o);
-  const std::vector<std::string> inputs{o.estimate, o.truth};
+  const std::vector<std::string> inputs = trajectoryInputs(o);
   std::optional<OutputFolder> out;
   if (!o.output.out.empty()) out.emplace(o.output.request("errors of trajectories", inputs));
   std::optional<OutputFile> json = o.json.reserve(o.output, inputs, o.output.out, kTrajectoryMark);

@@ -122,6 +122,14 @@ std::string likelyCause(double estimate, double truth) {
       "likely clocks that are not synchronised; with equal starts --time-offset {:.3f}", offset);
 }
 
+/// Of a file without stamps: no offset would mend it.
+std::string giveTimes(const std::string& which) {
+  return fmt::format(
+      "the {0} is in KITTI's format, which has no stamps, and one frame per second was taken: give "
+      "its times.txt by --{0}-times (evaluate trajectory), or convert it to TUM",
+      which);
+}
+
 std::string partnersFound(const Failure& f) {
   return fmt::format("{:.0f} of {:.0f} estimated poses {} a match among {:.0f} ground-truth poses",
                      f.number("pairs"), f.number("poses"), f.number("pairs") == 1 ? "has" : "have",
@@ -207,6 +215,10 @@ void addOfCalibration(const Failure& f, Words& words) {
 void addOfTrajectory(const Failure& f, Words& words) {
   switch (f.code) {
     case Code::kNoCommonTime:
+      if (f.values.count("unstamped") > 0) {
+        words.push_back(fmt::arg("likely", giveTimes(wordOf(f, "unstamped"))));
+        return;
+      }
       // From the estimate's own stamps: what is suggested takes the place of an offset that was
       // given.
       words.push_back(

@@ -134,7 +134,19 @@ TrajectoryRun withoutRotations(TrajectoryRun run, const RotationRemark& why) {
   return run;
 }
 
-Failure named(Failure failure, const TrajectoryRequest& request) {
+/// Frames that stand in for stamps are no clock: their times lie elsewhere for this reason alone.
+bool hasNoStamps(const TrajectoryFile& file, const TrajectoryReadOptions& read) {
+  return file.format == TrajectoryFormat::kKitti && read.times.empty();
+}
+
+Failure named(Failure failure, const TrajectoryFile& estimate, const TrajectoryFile& truth,
+              const TrajectoryRequest& request) {
+  if (failure.code == FailureCode::kNoCommonTime) {
+    if (hasNoStamps(truth, request.read_truth)) failure.values.emplace("unstamped", "truth");
+    if (hasNoStamps(estimate, request.read_estimate)) {
+      failure.values.insert_or_assign("unstamped", "estimate");
+    }
+  }
   failure.where = fmt::format("{} against {}", request.estimate.string(), request.truth.string());
   return failure;
 }
@@ -316,7 +328,7 @@ Result<TrajectoryEvaluation> evaluateFiles(const TrajectoryFile& estimate,
                                            const TrajectoryRequest& request) {
   Result<TrajectoryEvaluation> result =
       evaluateTrajectories(estimate.trajectory, truth.trajectory, request.metrics);
-  if (!result) return named(result.failure(), request);
+  if (!result) return named(result.failure(), estimate, truth, request);
   TrajectoryEvaluation& evaluation = result.value();
   evaluation.run.estimate = request.estimate.string();
   evaluation.run.truth = request.truth.string();

@@ -2,6 +2,7 @@
 // `plumbline evaluate trajectory` as a user runs it.
 #include <cmath>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/evaluate/cli/command_line.h"
@@ -210,6 +211,28 @@ TEST_F(CommandTrajectory, AnEstimateThatStartsLateIsPartialUnlessItsStartUpIsLef
   EXPECT_EQ(run("--fail-on caution --json -").exit_code, 4);
   EXPECT_EQ(run("--fail-on bad").exit_code, 0);
   EXPECT_EQ(run("--fail-on caution --coverage-from first-pose").exit_code, 0);
+}
+
+// KITTI's poses have no stamps; an offset would pair frames with whatever the truth has there.
+TEST_F(CommandTrajectory, AnEstimateWithoutStampsTakesThemFromAFile) {
+  std::string poses, times;
+  for (int i = 0; i < 100; ++i) {
+    const double a = 0.05 * i, c = std::cos(a), s = std::sin(a);
+    poses += fmt::format("{} {} 0 {} {} {} 0 {} 0 0 1 0\n", c, -s, c, s, c, s);
+    times += fmt::format("{:.2f}\n", 1e9 + a);
+  }
+  write(estimate(), poses);
+  write(folder_ / "times.txt", times);
+  write(truth(), circle(1e9, 1));
+  const Outcome without = run();
+  expectRefusal(without, 1, AllOf(HasSubstr("has no stamps"), HasSubstr("--estimate-times")));
+  EXPECT_THAT(without.text, Not(HasSubstr("--time-offset")));
+  const Outcome with =
+      run("--rpe none --json - --estimate-times " + (folder_ / "times.txt").string());
+  ASSERT_EQ(with.exit_code, 0) << with.text;
+  const auto ate = nlohmann::json::parse(with.text)["ate"]["translation_m"];
+  EXPECT_EQ(ate["n"], 100);
+  EXPECT_LT(ate["rmse"].get<double>(), 1e-5);
 }
 
 TEST_F(CommandTrajectory, HelpHasAnExample) {
