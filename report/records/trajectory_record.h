@@ -350,8 +350,9 @@ template <class V>
 void fields(V& v, PairedDifference& d) {
   v("a", d.a, "first calibration");
   v("b", d.b, "second: d = ATE under b - ATE under a; negative: b is better");
-  v("pairs", d.pairs, "1", "complete under both");
+  v("pairs", d.pairs, "1", "complete under both; without any, the figures below are absent");
   v("left_out", d.left_out, "1", "(sequence, run) under either that is not complete under both");
+  if (d.pairs == 0 && !V::kAll) return;
   v("mean_m", d.mean_m, "m", "of the sequences' means of d");
   v("median_m", d.median_m, "m", "of d");
   v("std_m", d.std_m, "m", "of d, divisor n");

@@ -130,6 +130,22 @@ TEST(ComparisonDocument, IsReadWithoutIntervals) {
   EXPECT_EQ(toJson(p), json);
 }
 
+// Of no pairs: no difference, rather than one of exactly 0.
+TEST(TrajectoryDocument, NoPairsHaveNoDifference) {
+  PairedDifference d;
+  d.a = "ours", d.b = "theirs", d.left_out = 2;
+  const Json json = toJson(d);
+  EXPECT_EQ(json["pairs"], 0);
+  for (const char* name : {"mean_m", "median_m", "std_m", "sign_test_p"}) {
+    EXPECT_FALSE(json.contains(name)) << name;
+  }
+  PairedDifference again;
+  fromJson(json, again);
+  EXPECT_EQ(toJson(again), json);
+  d.pairs = 1;
+  EXPECT_TRUE(toJson(d).contains("mean_m"));
+}
+
 TEST_F(StoreTest, GivesBackAReplayAndItsPage) {
   const ReplayRecord saved = test::syntheticReplay();
   expectRoundTrips(saved, &Store::loadReplay);
