@@ -365,6 +365,12 @@ void checkBuiltinOnly(const OdometryRequest& request,
 void OdometryRequest::check() const {
   if (sequences.empty()) throw InputError("expected a sequence folder");
   if (calibrations.empty()) throw InputError("expected a calibration");
+  if (truth && sequences.size() > 1 && truth->find("{sequence}") == std::string::npos) {
+    throw InputError(*truth, 0,
+                     fmt::format("is one ground truth for {} sequences; put {{sequence}} in its "
+                                 "path, or run the sequences one at a time",
+                                 sequences.size()));
+  }
   requireOption(runs >= 0, "runs", runs, "0 or more");
   requirePositive("run_seconds", run_seconds);
   requireOption(memory_mb >= 0, "memory_mb", memory_mb, "0 or more");

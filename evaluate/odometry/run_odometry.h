@@ -61,10 +61,10 @@ struct OdometryRequest {
   std::optional<Runner> runner;           ///< empty: the built-in odometry
   std::string executable;                 ///< in place of the runner's
   int runs = 0;                           ///< 0: 1, or what the runner needs at least
-  std::optional<std::string> truth;       ///< file, or a pattern with {sequence}; empty: found
-                                          ///< beside the sensors
-  bool sensitivity = false;               ///< also move every parameter by itself (sensitivity.h)
-  HintKind hint = HintKind::kNone;        ///< what the odometry itself would choose, too
+  std::optional<std::string> truth;  ///< file; of several a pattern with {sequence}; empty: found
+                                     ///< beside the sensors
+  bool sensitivity = false;          ///< also move every parameter by itself (sensitivity.h)
+  HintKind hint = HintKind::kNone;   ///< what the odometry itself would choose, too
   BuiltinOptions builtin;
   double run_seconds = 3600;  ///< wall time of another system's run
   int memory_mb = 0;          ///< and its address space; 0: no limit

@@ -266,6 +266,11 @@ TEST_F(OtherOdometry, RefusesWhatCannotBeCompared) {
       odometry(sequence + calibration + " --truth '" + folder_.string() + "/{sequence'");
   EXPECT_EQ(open.exit_code, 2) << open.text;
   EXPECT_THAT(open.text, HasSubstr("{sequence is not closed"));
+  fs::copy(folder_ / "seq", folder_ / "other", fs::copy_options::recursive);
+  const Outcome shared = odometry(sequence + " " + (folder_ / "other").string() + calibration +
+                                  " --truth " + (folder_ / "truth.txt").string());
+  EXPECT_EQ(shared.exit_code, 2) << shared.text;
+  EXPECT_THAT(shared.text, HasSubstr("is one ground truth for 2 sequences; put {sequence}"));
   EXPECT_EQ(odometry(sequence + calibration + " --memory-limit 99999999999").exit_code, 2);
   // What is read beside sequence and calibrations lies in no output either.
   fs::create_directories(folder_ / "out");
