@@ -97,6 +97,8 @@ class FlightMotion {
 
   /// From and to, the rig not moving at all [s].
   const std::vector<std::pair<double, double>>& rests() const { return rests_; }
+  /// Fast turns that fit into the flight.
+  int turns() const { return static_cast<int>(turns_.size()); }
 
  private:
   struct Turn {

@@ -151,6 +151,7 @@ SimulatedFlight simulateFlight(const SimulatedRig& rig, const SimulationOptions&
   SimulatedFlight out{
       .recording = simulateMotion(rig, AnalyticTrajectory(motion), gravity_F, simulation),
       .rests = motion.rests(),
+      .turns = motion.turns(),
       .landmarks = pointsOnWalls(flight.room_m, tracks.landmarks, flight.seed),
       .landmark_of = {},
       .length_m = 0};

@@ -36,9 +36,11 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
   app.add_option("--first-rest", s.flight.first_rest_s,
                  "Rest before take-off [s] (0: starts in motion)")
       ->capture_default_str();
-  app.add_option("--rests", s.flight.rests, "Number of rests during the flight, 1.5 s each")
+  app.add_option("--rests", s.flight.rests,
+                 "Number of rests during the flight, 1.5 s each, as many as fit")
       ->capture_default_str();
-  app.add_option("--turns", s.flight.turns, "Number of fast turns of 80 degrees in 0.9 s")
+  app.add_option("--turns", s.flight.turns,
+                 "Number of fast turns of 80 degrees in 0.9 s, as many as fit")
       ->capture_default_str();
   app.add_option("--time-offset-ms", o.time_offset_ms,
                  "t_imu = t_cam + this [ms] (default: the rig's)");
@@ -75,6 +77,12 @@ int simulateSequenceFolder(SimulateSequenceOptions o) {
   say("Simulated a flight of {:.0f} s and {:.1f} m with rig {} (seed {}) in {}\n",
       o.sequence.simulation.duration_s, flight.length_m, o.sequence.rig, o.sequence.simulation.seed,
       o.output.out);
+  const FlightOptions& asked = o.sequence.flight;
+  const int rests = restsInFlight(asked, flight);
+  if (rests < asked.rests || flight.turns < asked.turns) {
+    say("Only {} of {} rests and {} of {} turns fit into the flight; --duration makes it longer\n",
+        rests, asked.rests, flight.turns, asked.turns);
+  }
   say("Run it: plumbline odometry {0} --calibration {0}/truth/camchain-imucam.yaml "
       "--truth {0}/truth/trajectory.csv --clock-offset auto --out loop\n",
       o.output.out);

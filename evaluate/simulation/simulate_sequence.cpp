@@ -46,7 +46,8 @@ std::string tracksCsv(const std::vector<int>& landmark_of) {
   return text;
 }
 
-Json jsonOf(const SequenceOptions& o) {
+/// Rests and turns as many as were made: the same options make the same flight.
+Json jsonOf(const SequenceOptions& o, const SimulatedFlight& flight) {
   const SimulationOptions& s = o.simulation;
   return {{"seed", s.seed},
           {"duration_s", s.duration_s},
@@ -57,10 +58,10 @@ Json jsonOf(const SequenceOptions& o) {
           {"initial_accel_bias", toJson(s.initial_accel_bias)},
           {"pace", o.flight.pace},
           {"first_rest_s", o.flight.first_rest_s},
-          {"rests", o.flight.rests},
+          {"rests", restsInFlight(o.flight, flight)},
           {"rest_s", o.flight.rest_s},
           {"ramp_s", o.flight.ramp_s},
-          {"turns", o.flight.turns},
+          {"turns", flight.turns},
           {"turn_rad", o.flight.turn_rad},
           {"turn_s", o.flight.turn_s},
           {"room_m", toJson(o.flight.room_m)},
@@ -77,7 +78,7 @@ Json jsonOf(const SequenceOptions& o) {
 std::string truthOf(const SequenceOptions& o, const SimulatedFlight& flight, const Json& capture) {
   Json truth{{"schema", 1},
              {"rig", o.rig},
-             {"options", jsonOf(o)},
+             {"options", jsonOf(o, flight)},
              {"camera_rate_hz", flight.recording.camera_rate_hz}};
   truth.update(toJson(flight.recording.truth));
   Json rests = Json::array();
@@ -115,6 +116,10 @@ void renderRoom(const SequenceOptions& o, const SimulatedSession& recording, con
 }
 
 }  // namespace
+
+int restsInFlight(const FlightOptions& options, const SimulatedFlight& flight) {
+  return static_cast<int>(flight.rests.size()) - (options.first_rest_s > 0 ? 1 : 0);
+}
 
 void SequenceOptions::check() const {
   simulation.check();

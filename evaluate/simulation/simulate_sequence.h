@@ -71,6 +71,9 @@ struct SequenceOptions {
   void check() const;
 };
 
+/// Rests after the first that fit into the flight: at most as many as were asked for.
+int restsInFlight(const FlightOptions& options, const SimulatedFlight& flight);
+
 /// Writes a sequence that `plumbline odometry` reads, with its truth beside it:
 ///   FOLDER/mav0/camN/{data.csv,sensor.yaml,tracks.csv}  tracks.csv or data/<stamp>.png
 ///   FOLDER/mav0/{imu0,mocap0}/data.csv, FOLDER/imu.yaml

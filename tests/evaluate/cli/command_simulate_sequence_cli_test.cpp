@@ -76,6 +76,25 @@ TEST_F(SimulatedSequence, SameSeedSameBytes) {
   }
 }
 
+TEST_F(SimulatedSequence, RestsAndTurnsThatDoNotFitAreSaid) {
+  const fs::path flight = folder_ / "flight";
+  const Outcome outcome =
+      plumbline("simulate sequence --duration 12 --rests 6 --turns 20 --out " + flight.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const json truth = json::parse(read(flight / "truth/truth.json"));
+  const std::size_t rests = truth["rests_s"].size() - 1;  // the first is before take-off
+  EXPECT_LT(rests, 6U);
+  EXPECT_EQ(truth["options"]["rests"], rests);
+  const int turns = truth["options"]["turns"];
+  EXPECT_LT(turns, 20);
+  EXPECT_THAT(outcome.text, HasSubstr("Only " + std::to_string(rests) + " of 6 rests and " +
+                                      std::to_string(turns) + " of 20 turns fit"));
+  EXPECT_EQ(read(simulate("again", "--duration 12 --rests " + std::to_string(rests) + " --turns " +
+                                       std::to_string(turns)) /
+                 "mav0/imu0/data.csv"),
+            read(flight / "mav0/imu0/data.csv"));
+}
+
 TEST_F(SimulatedSequence, RenderedImagesAreRunAsTheyAre) {
   const fs::path flight = simulate("flight", "--duration 5 --seed 2 --first-rest 1 --images");
   EXPECT_FALSE(fs::exists(flight / "mav0/cam0/tracks.csv"));
