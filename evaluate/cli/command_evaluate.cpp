@@ -43,8 +43,8 @@ struct EvaluateCalibrationOptions {
 
 void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
   app.add_option("calibration", o.calibration,
-                 "Calibration to score: Plumbline's calibration.json, Kalibr's camchain*.yaml, or "
-                 "yac's result")
+                 "Calibration to score: Plumbline's calibration.json, Kalibr's or OpenVINS' "
+                 "camchain*.yaml, yac's result, or Basalt's")
       ->required();
   o.session.declare(app);
   o.estimation.declare(app);

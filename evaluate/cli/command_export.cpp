@@ -39,8 +39,8 @@ std::string knownTools() {
 void declareExport(CLI::App& app, ExportFilesOptions& o) {
   ExportRequest& r = o.request;
   app.add_option("calibration", r.calibration,
-                 "Calibration: Plumbline's calibration.json, Kalibr's or OpenVINS' camchain, or "
-                 "yac's result")
+                 "Calibration: Plumbline's calibration.json, Kalibr's or OpenVINS' camchain, yac's "
+                 "result, or Basalt's")
       ->required();
   app.add_option("--to", o.to, "Tool: " + knownTools())->required();
   o.output.declare(app, "Folder for the files")->required();

@@ -82,7 +82,7 @@ std::string handEyeRemark(const HandEyeRecord& r) {
   const Vector6d& s = r.T_SM_std;
   return fmt::format(
       "the truth is moved to the estimate's body by hand-eye: marker body at [{:.4f}, {:.4f}, "
-      "{:.4f}] m, std [{:.4f}, {:.4f}, {:.4f}] m, turned {:.2f} deg, std {:.3f} deg; {:.4f} m and "
+      "{:.4f}] m, std [{:.2g}, {:.2g}, {:.2g}] m, turned {:.2f} deg, std {:.2g} deg; {:.4f} m and "
       "{:.3f} deg (RMS) remain. The std assumes white errors; drift makes it too small",
       t.x(), t.y(), t.z(), s[0], s[1], s[2], kDegrees * rotationAngle(r.T_SM.R),
       kDegrees * s.tail<3>().norm(), r.rms_translation_m, kDegrees * r.rms_rotation_rad);

@@ -43,8 +43,10 @@ Finding completion(const TrajectoryStudy& study, const RunsSummary& s) {
   f.unit = "-";
   const TrajectoryRun* run = firstIncomplete(study, s);
   if (run != nullptr && !run->problem.empty()) {
-    f.evidence += fmt::format("; {}{}{}: {}", run->sequence, run->run.empty() ? "" : " ", run->run,
-                              run->problem);
+    // Both are empty where the pattern of the runs has no such fields.
+    const char* gap = run->sequence.empty() || run->run.empty() ? "" : " ";
+    const std::string name = run->sequence + gap + run->run;
+    f.evidence += fmt::format("; {}{}{}", name, name.empty() ? "" : ": ", run->problem);
   }
   return f;
 }

@@ -101,6 +101,15 @@ TEST(TrajectoryVerdict, AFailedRunIsBadAndNamedWithItsReason) {
   EXPECT_THAT(v.headline, HasSubstr("diverged: ATE 9.100 m"));
 }
 
+TEST(TrajectoryVerdict, ARunWithoutNamesHasItsReasonAlone) {
+  TrajectoryRun partial = completeRun("ours", "");
+  partial.sequence.clear();
+  partial.status = RunStatus::kPartial;
+  partial.problem = "covers 88.3 %";
+  const Verdict v = trajectoryVerdict(studyOf({partial, partial}));
+  EXPECT_THAT(v.findings[0].evidence, HasSubstr("0 failed; covers 88.3 %"));
+}
+
 TEST(TrajectoryVerdict, ACalibrationIsBetterOnlyBeyondItsInterval) {
   TrajectoryStudy study = studyOf({completeRun("ours", "1"), completeRun("ours", "2")});
   PairedDifference d;
