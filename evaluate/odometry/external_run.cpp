@@ -4,6 +4,7 @@
 #include <deque>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -105,8 +106,14 @@ void readRefined(const fs::path& log, const OnlineCalibration& online, ExternalR
   }
 }
 
-/// A runner's file as the request wants it.
-std::string fileText(const ExternalRequest& request, std::string text) {
+/// A runner's file for this calibration, as the request wants it. Other braces than those of the
+/// three fields are the file's own.
+std::string fileText(const ExternalRequest& request, const Calibration& calibration,
+                     std::string text) {
+  const std::size_t cameras = calibration.cameras.size();
+  text = replaceAll(std::move(text), "{cameras}", std::to_string(cameras));
+  text = replaceAll(std::move(text), "{stereo}", cameras > 1 ? "true" : "false");
+  text = replaceAll(std::move(text), "{gravity}", fmt::format("{}", calibration.imu->gravity_m_s2));
   if (!request.refine) return text;
   for (const auto& [from, to] : request.runner.online->changes) text = replaceAll(text, from, to);
   return text;
@@ -124,7 +131,7 @@ Fields prepare(const ExternalRequest& request, const OdometrySequence& sequence,
     }
   }
   for (const auto& [name, text] : runner.files) {
-    writeNewFile(folder, fs::path("settings") / name, fileText(request, text));
+    writeNewFile(folder, fs::path("settings") / name, fileText(request, calibration, text));
   }
   writeNewFile(folder, "times.txt", stampsOf(sequence));
   // The field {sequence} is the folder that holds mav0.

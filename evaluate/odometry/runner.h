@@ -22,7 +22,9 @@ struct OnlineCalibration {
 /// Words and file names may hold the fields {executable}, {settings} (folder of the exported
 /// files), {calibration} (the file that was given), {sequence} (folder that holds mav0), {times}
 /// (file with a stamp [ns] a line), {output} (folder of the run) and {run} (its number). An
-/// argument $NAME is a variable of the environment, which must be set.
+/// argument $NAME is a variable of the environment, which must be set. In the texts of `files`
+/// {cameras} (the calibration's number of them), {stereo} ("true" for two or more, else "false")
+/// and {gravity} [m/s^2] are replaced.
 struct Runner {
   std::string name;
   std::string executable;                    ///< found by PATH unless an option names another

@@ -167,6 +167,29 @@ TEST_F(OtherOdometry, RunsAsOftenAsAskedAndSaysWhatItCannotStart) {
               HasSubstr("could not be started"));
 }
 
+TEST_F(OtherOdometry, OpenVinsIsToldTheCalibrationsCamerasAndGravity) {
+  const fs::path program = folder_ / "vins";
+  write(program, "#!/bin/sh\ncp \"$1\" " + (folder_ / "told.yaml").string() + "\ncp " +
+                     (folder_ / "truth.txt").string() + " \"$3\"\n");
+  fs::permissions(program, fs::perms::owner_all);
+  const std::string both = read(kCalibration);
+  write(folder_ / "both.yaml", both);
+  write(folder_ / "one.yaml", both.substr(0, both.find("\ncam1:") + 1));
+  const auto told = [&](const std::string& calibration) {
+    const Outcome outcome =
+        odometry((folder_ / "seq").string() + " --calibration " + (folder_ / calibration).string() +
+                 " --truth " + (folder_ / "truth.txt").string() + " --with openvins --executable " +
+                 program.string());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    return read(folder_ / "told.yaml");
+  };
+  EXPECT_THAT(told("both.yaml"),
+              AllOf(HasSubstr("use_stereo: true\n"), HasSubstr("max_cameras: 2\n"),
+                    HasSubstr("gravity_mag: 9.80655\n")));
+  EXPECT_THAT(told("one.yaml"),
+              AllOf(HasSubstr("use_stereo: false\n"), HasSubstr("max_cameras: 1\n")));
+}
+
 TEST_F(OtherOdometry, ARunnerConvertsClockAndBody) {
   // A body at camera 0 and the IMU's stamps: identical motion once both are converted, so that the
   // errors are those of the conversion alone.
