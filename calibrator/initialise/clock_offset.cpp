@@ -28,7 +28,7 @@ constexpr int kSegments = 16;
 // threshold for rates of unknown noise.
 constexpr int kIterations = 10;
 // The last of them moves the offset by less than its deviation, or, of exact rates, than this [s].
-constexpr double kSettled = 1e-4;
+constexpr double kSettledStep = 1e-4;
 
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
@@ -208,7 +208,7 @@ Result<Correlated> correlate(const std::vector<CameraRate>& estimate,
   clock.R_MS = model.R;
   clock.rates = rates.size();
   out.within = !start->at_edge && std::abs(clock.offset_s) <= options.max_offset_s &&
-               step <= std::max(clock.std_s, kSettled);
+               step <= std::max(clock.std_s, kSettledStep);
   return out;
 }
 
