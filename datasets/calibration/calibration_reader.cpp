@@ -14,6 +14,7 @@
 #include "calibrator/fields/calibration_fields.h"
 #include "datasets/calibration/calibration_fields.h"
 #include "datasets/calibration/kalibr/camchain.h"
+#include "datasets/calibration/kalibr/run.h"
 #include "datasets/files/yaml_map.h"
 
 namespace plumbline {
@@ -142,20 +143,48 @@ Calibration readOurs(const YamlMap& file) {
   return calibration;
 }
 
+/// Cameras as in Kalibr's file, under other keys than its own.
+void refuseOtherKeys(const YamlMap& file) {
+  for (const std::string& key : file.keys()) {
+    const YAML::Node node = file.node(key);
+    if (!node.IsMap() || !node["intrinsics"] || !node["distortion_model"]) continue;
+    throw file.fault(
+        key, {InputFault::kUnknownFile, "a camera's key is '" + key + "', and there is no 'cam0'",
+              "the keys of Kalibr's camchain*.yaml, cam0, cam1, ... in the chain's order",
+              "number the cameras from cam0 on; rostopic says which camera each is"});
+  }
+}
+
 constexpr const char* kKnownCalibrations =
     "a calibration: Kalibr's camchain*.yaml (cam0: ...), Plumbline's calibration.json, a result of "
     "yac, or Basalt's calibration.json";
+
+/// Throws a better error than one of YAML's syntax for the text that Kalibr writes beside its YAML.
+YamlMap loadCalibration(const std::string& path) {
+  try {
+    return YamlMap::load(path, kKnownCalibrations);
+  } catch (const InputError&) {
+    const auto kind = kalibrFileKind(path);
+    const bool results =
+        kind == KalibrFileKind::kResultsCameras || kind == KalibrFileKind::kResultsImu;
+    if (!results) throw;
+    throw badInput(path, 1,
+                   {InputFault::kUnknownFile, "this is Kalibr's text of results, which is rounded",
+                    "the camchain*.yaml of the same run", "give that file"});
+  }
+}
 
 }  // namespace
 
 Calibration readCalibration(const std::string& path) {
   const std::string what = kKnownCalibrations;
-  const YamlMap file = YamlMap::load(path, what);
+  const YamlMap file = loadCalibration(path);
   // Before Kalibr: a result of yac has a cam0 as well.
   if (isYacResult(file)) return readYacResult(file);
   if (isBasaltCalibration(file)) return readBasaltCalibration(file);
   if (file.has("cam0")) return calibrationOf(readKalibrCamchain(path));
   if (file.has("schema") && file.has("cameras")) return readOurs(file);
+  refuseOtherKeys(file);
   throw badInput(path, 1,
                  {InputFault::kUnknownFile, "this is not a known calibration format", what, ""});
 }
@@ -164,6 +193,12 @@ bool statesImuNoise(const std::string& path) {
   const YamlMap file = YamlMap::load(path, kKnownCalibrations);
   // Kalibr's camchain has none: they are in a file of their own.
   return isYacResult(file) || isBasaltCalibration(file) || file.has("schema");
+}
+
+bool statesTimeOffset(const std::string& path) {
+  const YamlMap file = YamlMap::load(path, kKnownCalibrations);
+  const bool chain = file.has("cam0") && !isYacResult(file);
+  return !chain || readKalibrCamchain(path).statesTimeOffset();
 }
 
 namespace {

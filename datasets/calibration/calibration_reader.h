@@ -51,6 +51,10 @@ Calibration readCalibration(const std::string& path);
 /// InputError for a file that cannot be parsed.
 bool statesImuNoise(const std::string& path);
 
+/// Whether it states a time offset: Kalibr's and OpenVINS' camchain may leave it out
+/// (ImuCalibration::time_offsets is then 0). Throws InputError for a file that cannot be parsed.
+bool statesTimeOffset(const std::string& path);
+
 /// What a calibration's file says beside the calibration itself.
 struct CalibrationExtras {
   std::string tool;  ///< who wrote it: "plumbline", "kalibr", "openvins", "yac", "basalt"

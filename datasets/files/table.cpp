@@ -156,6 +156,10 @@ TimeNs TextTable::stamp() {
     stamp_text_ = text;
     return stamp_ = value;
   }
+  if (text.find(';') != std::string_view::npos) {
+    throw fault({InputFault::kBadColumns, "the row '" + quotable(text) + "' has no comma",
+                 "cells separated by commas", "replace the semicolons by commas"});
+  }
   // Told apart from other faults, as seconds with decimals are what most tools write.
   if (text.find('.') != std::string_view::npos) {
     throw fault({InputFault::kWrongUnit, "the stamp '" + quotable(text) + "' has a decimal point",

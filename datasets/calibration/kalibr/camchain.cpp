@@ -229,6 +229,17 @@ std::optional<ChainContradiction> chainContradiction(const KalibrCamchain& chain
   return found;
 }
 
+bool KalibrCamchain::statesTimeOffset() const {
+  return std::any_of(cameras.begin(), cameras.end(),
+                     [](const KalibrCamera& c) { return c.timeshift_cam_imu.has_value(); });
+}
+
+bool KalibrCamchain::statesImuPlacesTwice() const {
+  // cam0 has no T_cn_cnm1.
+  return hasImu() && std::any_of(cameras.begin() + 1, cameras.end(),
+                                 [](const KalibrCamera& c) { return c.T_cam_imu && c.T_cn_cnm1; });
+}
+
 Calibration calibrationOf(const KalibrCamchain& chain) {
   refuseRollingShutter(chain);
   Calibration calibration;

@@ -35,6 +35,11 @@ struct KalibrCamchain {
   std::vector<KalibrCamera> cameras;
 
   bool hasImu() const { return !cameras.empty() && cameras.front().T_cam_imu.has_value(); }
+  /// Whether any camera has timeshift_cam_imu: Kalibr writes none under --no-time-calibration.
+  bool statesTimeOffset() const;
+  /// Whether a camera beside cam0 has T_cam_imu and T_cn_cnm1, which calibrationOf() holds against
+  /// each other.
+  bool statesImuPlacesTwice() const;
 };
 
 /// Reads cam0, cam1, ... Throws InputError, with file and line, for missing keys, numbers that are
@@ -43,10 +48,10 @@ KalibrCamchain readKalibrCamchain(const std::string& path);
 
 /// The rig that the chain describes. T_C0Ci follows T_cn_cnm1, or T_cam_imu where that is missing;
 /// time_offsets has each camera's shift, an own one where it differs from camera 0's
-/// (meanTimeOffset() for their mean). The IMU's noise is not in this file.
-/// Throws InputError for a rolling shutter, a camera without a place, and transforms that
-/// contradict each other by more than 1 mm or 0.1 degrees; the message says which one, read in the
-/// other direction, would agree.
+/// (meanTimeOffset() for their mean); 0 where no camera states one (statesTimeOffset()). The IMU's
+/// noise is not in this file. Throws InputError for a rolling shutter, a camera without a place,
+/// and transforms that contradict each other by more than 1 mm or 0.1 degrees; the message says
+/// which one, read in the other direction, would agree.
 Calibration calibrationOf(const KalibrCamchain& chain);
 
 /// How T_cam_imu of camera `i` (> 0) and its T_cn_cnm1 contradict each other, and which of them,

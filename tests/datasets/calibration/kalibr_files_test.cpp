@@ -145,6 +145,13 @@ TEST(KalibrFiles, FaultsOfACamchainAreNamed) {
   EXPECT_EQ(complaint(good, "camera_model: pinhole", "camera_model: omni"), InputFault::kBadNumber);
   EXPECT_EQ(complaint(good, "[0.0, 0.0, 0.0, 1.0]", "[0.0, 0.0, 0.0, 2.0]"), InputFault::kNotRigid);
   EXPECT_EQ(complaint(good, "cam0:", "camA:"), InputFault::kUnknownFile);
+  const TemporaryFolder folder;
+  std::string renamed = good;
+  renamed.replace(renamed.find("cam0:"), 5, "left:");
+  const auto refused =
+      refusalOf([&] { (void)readCalibration(folder.write("camchain.yaml", renamed)); });
+  ASSERT_TRUE(refused);
+  EXPECT_THAT(refused->what(), HasSubstr("a camera's key is 'left', and there is no 'cam0'"));
   EXPECT_EQ(complaint(good, "cam1:", "camB:"), InputFault::kMissingKey) << "cam2 without cam1";
   for (const char* no_boolean : {"1", "rolling"}) {
     EXPECT_EQ(complaint(good, "timeshift_cam_imu:",

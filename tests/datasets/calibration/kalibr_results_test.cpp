@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
+#include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr/run.h"
 #include "tests/datasets/calibration/kalibr_texts.h"
 #include "tests/datasets/refusal.h"
@@ -89,6 +90,17 @@ TEST(KalibrResultsText, DivergedResultsAreRefusedByLine) {
   EXPECT_EQ(refusalOfText(kImuText, "mean 3.0", "mean nan")->code(), InputFault::kNotFinite);
   EXPECT_EQ(refusalOfText(kImuText, "[ 0.  1.  0.  0.05]", "[ nan nan nan nan]")->code(),
             InputFault::kNotFinite);
+}
+
+TEST(KalibrResultsText, IsNoCalibrationAndPointsToItsYaml) {
+  const TemporaryFolder folder;
+  for (const char* text : {kCamText, kImuText}) {
+    const auto refusal =
+        refusalOf([&] { (void)readCalibration(folder.write("results-cam.txt", text)); });
+    ASSERT_TRUE(refusal);
+    EXPECT_EQ(refusal->code(), InputFault::kUnknownFile);
+    EXPECT_THAT(refusal->what(), testing::HasSubstr("camchain*.yaml of the same run"));
+  }
 }
 
 TEST(KalibrResultsText, TextsThatEndEarlyAreRefused) {

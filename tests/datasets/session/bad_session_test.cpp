@@ -78,6 +78,7 @@ const std::vector<BadFile> kBadCorners = {
      InputFault::kBadOrder},
     {"FrameSplit", kCorners, corners("1000000000,0,1,2\n1050000000,0,1,2\n1000000000,1,1,2\n"), 4,
      InputFault::kBadOrder},
+    {"Semicolons", kCorners, corners("1000000000;0;1.5;2.5\n"), 2, InputFault::kBadColumns},
     {"Seconds", kCorners, corners("1400.05,0,1,2\n"), 2, InputFault::kWrongUnit},
     {"Microseconds", kCorners, corners("1000000,0,1,2\n1050000,0,1,2\n1100000,0,1,2\n"), 0,
      InputFault::kWrongUnit},
