@@ -211,7 +211,14 @@ Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
   SessionsTarget out;
   std::vector<BoardSystem> systems;
   std::optional<AprilGrid> board;
+  std::map<std::string, std::string> hashes;  // of the recordings, with their names
   const auto asStated = [&](LoadedSession& loaded) {
+    // Twice, its noise would be taken for two witnesses' agreement.
+    const auto [seen, is_new] = hashes.emplace(loaded.input_hash, loaded.session.name);
+    if (!is_new) {
+      throw InputError(fmt::format("{} is the same recording as {}; give each session once",
+                                   loaded.session.name, seen->second));
+    }
     // About the even grid in every session, so that their terms compare.
     loaded.session.target.shape = {};
     if (!board) board = loaded.session.target;

@@ -64,6 +64,10 @@ TEST_F(CommandTarget, FitsOneBoardToSeveralSessions) {
   EXPECT_EQ(contents(root_).at("alone.yaml"), contents(root_).at("shape.yaml"))
       << "sessions are calibrated one after the other, or at the same time";
   EXPECT_EQ(plumbline("target fit " + at("nowhere") + " --out " + at("y.yaml")).exit_code, 2);
+  const Outcome twice =
+      plumbline("target fit " + at("1") + " " + at("1") + " --out " + at("z.yaml"));
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_THAT(twice.text, HasSubstr("is the same recording as"));
 }
 
 // The first session chooses the lens models of its rig, whatever the threads.
