@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/target/detector.h"
+#include "datasets/calibration/calibration_reader.h"
 #include "datasets/files/bad_input.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/results/progress.h"
@@ -39,9 +41,36 @@ std::optional<double> detectCorners(Recording& recording, const DetectRequest& r
 /// InputError where it cannot be written.
 void writeCornerSession(const Session& session, const std::filesystem::path& folder);
 
-/// The calibration's cameras in the order of the session's, matched by name, with the session's
-/// first camera as camera 0. Throws InputError in the name of `path`, which they were read from,
-/// where a camera is missing, has another resolution, or states another camera's topic.
+/// What a calibration or a recording says of which camera it is.
+struct StatedCamera {
+  std::string name;
+  std::string rostopic;  ///< empty: not stated
+};
+
+/// "cam0 (/cam0/image_raw)".
+std::string wordsOf(const StatedCamera& camera);
+
+std::vector<StatedCamera> statedBy(const std::vector<CameraCalibration>& cameras);
+/// A camera NAME of which the session states no topic has /NAME/image_raw, as Kalibr demands one.
+std::vector<StatedCamera> statedBy(const Session& session);
+
+/// Which of the cameras given are those wanted.
+struct CameraMatch {
+  /// Of each wanted camera, its place among the given ones; empty: it is not there.
+  std::vector<std::optional<std::size_t>> at;
+  bool by_place = false;  ///< neither topics nor names tell: paired in the order of the lists
+};
+
+/// Pairs cameras by what both lists state: the topic where it is in both, since Kalibr's camN is
+/// only a place in its file; else the name, unless topics contradict it. By their order only where
+/// neither tells.
+CameraMatch matchStated(const std::vector<StatedCamera>& wanted,
+                        const std::vector<StatedCamera>& given);
+
+/// The calibration's cameras in the order and under the names of the session's, by matchStated(),
+/// with the session's first camera as camera 0. Throws InputError in the name of `path`, which they
+/// were read from, where a camera is missing (or nothing but its place would tell it), has another
+/// resolution, or states another topic than the session.
 std::vector<CameraCalibration> matchCameras(const Calibration& given, const std::string& path,
                                             const Session& session);
 
@@ -110,6 +139,11 @@ void attribute(Record& record, const Provenance& provenance, const LoadedSession
 /// Where found corners are kept unless the user says otherwise: $XDG_CACHE_HOME/plumbline, or
 /// ~/.cache/plumbline; empty without either.
 std::optional<std::string> defaultCacheFolder();
+
+/// Whether a calibration's file says that it was estimated from this recording: by the input's
+/// hash, or by its name, since the hash covers options and files beside the recording too. Empty
+/// where the file does not say what it was estimated from.
+std::optional<bool> wasEstimatedFrom(const CalibrationExtras& from, const LoadedSession& loaded);
 
 /// What estimates under these options rest on: noise of the corners and loss as `camera` has them,
 /// gravity as `camera_imu` has it; no IMU noise.

@@ -12,13 +12,6 @@
 namespace plumbline {
 namespace {
 
-/// The layout's parameters, cameras by their place whatever they are called, so that two
-/// calibrations of one rig have the same list.
-std::vector<ParameterName> parametersOf(std::vector<CameraCalibration> cameras) {
-  for (CameraCalibration& camera : cameras) camera.name.clear();
-  return cameraParameters(cameras);
-}
-
 /// x = (twist in camera c's frame, dk) as a function of (noise of tau, g).
 Eigen::MatrixXd cameraRows(const ImpliedShift& shift, const CameraEstimate& estimate,
                            const CameraLayout& layout, std::size_t c) {
@@ -62,7 +55,7 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
     return Failure{FailureCode::kSessionInformationSingular};
   }
   CameraInformation out;
-  out.covariance = parameterCovariance(parametersOf(at.cameras), *covariance);
+  out.covariance = parameterCovariance(cameraParameters(at.cameras), *covariance);
   out.entropy_nats = *entropy;
   const auto shift = impliedShift(normals.H, normals.P, options.alignment);
   if (!shift) {

@@ -115,19 +115,24 @@ ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& 
 Calibration selectCameras(const Calibration& calibration, const std::vector<std::string>& names,
                           const std::string& path) {
   if (names.empty()) return calibration;
-  Calibration chosen{{}, calibration.imu};
-  std::vector<std::size_t> indices;
+  std::vector<std::size_t> places;
   for (const std::string& name : names) {
     if (std::count(names.begin(), names.end(), name) > 1) {
       throw BadInput(InputFault::kUnknownCamera, path, 0,
                      fmt::format("camera '{}' is requested twice", name));
     }
     const CameraCalibration& camera = named(calibration, name, path);
-    indices.push_back(static_cast<std::size_t>(&camera - calibration.cameras.data()));
-    chosen.cameras.push_back(camera);
+    places.push_back(static_cast<std::size_t>(&camera - calibration.cameras.data()));
   }
-  if (chosen.imu) chosen.imu->time_offsets = selected(calibration.imu->time_offsets, indices);
-  if (indices.front() == 0) return chosen;
+  return selectCameras(calibration, places);
+}
+
+Calibration selectCameras(const Calibration& calibration, const std::vector<std::size_t>& places) {
+  Calibration chosen{{}, calibration.imu};
+  if (places.empty()) return chosen;
+  for (const std::size_t place : places) chosen.cameras.push_back(calibration.cameras[place]);
+  if (chosen.imu) chosen.imu->time_offsets = selected(calibration.imu->time_offsets, places);
+  if (places.front() == 0) return chosen;
   const Transform T_C0Cn = chosen.cameras.front().T_C0Ci;
   for (CameraCalibration& camera : chosen.cameras) {
     // T_CnCi, with Cn the camera that becomes camera 0.
@@ -142,7 +147,7 @@ Calibration selectCameras(const Calibration& calibration, const std::vector<std:
     // here.
     chosen.imu->T_SC0_std.reset();
     // Of the former camera 0's offset, which is the new one's where the two are synchronised.
-    if (hasOwnOffset(calibration.imu->time_offsets, indices.front())) {
+    if (hasOwnOffset(calibration.imu->time_offsets, places.front())) {
       chosen.imu->time_offset_std_s.reset();
     }
   }

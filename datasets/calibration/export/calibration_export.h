@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,5 +62,8 @@ ExportedFiles exportCalibration(const Calibration& calibration, ExportTool tool,
 /// InputError (for `path`) for a name that is not there, or is there twice.
 Calibration selectCameras(const Calibration& calibration, const std::vector<std::string>& names,
                           const std::string& path);
+
+/// The same of cameras by their places, each at most once.
+Calibration selectCameras(const Calibration& calibration, const std::vector<std::size_t>& places);
 
 }  // namespace plumbline

@@ -155,6 +155,7 @@ TEST(ScoreCalibration, ASecondCameraAloneIsScoredThroughItsOwnPlace) {
   file.imu->time_offsets = {{offset + 1}, {offset, true}};  // this session has no cam0
   const auto scores = c.run();
   EXPECT_EQ(scores[0].problem, "");
+  EXPECT_EQ(scores[0].entropy_parameters.front(), "cam1.fu");
   EXPECT_NEAR(scores[0].camera_imu.value().rmse_px, kSigma * std::sqrt(2.0), 0.05 * kSigma);
 }
 
