@@ -31,6 +31,17 @@ LoadRequest loadOf(const std::string& session, const LoadRequest& first) {
   return load;
 }
 
+/// The same by the hash of the recording with its IMU, where it is read without, and the reverse:
+/// the calibration may have been estimated otherwise than it is scored.
+std::optional<bool> wasEstimatedFrom(const CalibrationExtras& from, const LoadedSession& loaded,
+                                     const LoadRequest& load) {
+  const std::optional<bool> as_read = wasEstimatedFrom(from, loaded);
+  if (as_read != false) return as_read;
+  SessionReadOptions otherwise = load.read;
+  otherwise.read_imu = !otherwise.read_imu;
+  return from.input_hash == inputHash(load.session, otherwise);
+}
+
 /// All but what was computed.
 CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibrationRequest& asked) {
   CalibrationRecord record;
@@ -62,14 +73,13 @@ void EvaluateCalibrationRequest::check() const {
 Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& asked,
                                               const ProgressSink& progress) {
   asked.check();
-  LoadRequest load = asked.load;
-  load.others.push_back(asked.calibration);
   const std::string label = std::filesystem::path(asked.calibration).filename().string();
   const Calibration calibration = readCalibration(asked.calibration);
+  const CalibrationExtras from = readCalibrationExtras(asked.calibration);
   const auto scoredOn = [&](const Session& session) {
     return ScoredCalibration{label, matchCalibration(calibration, asked.calibration, session)};
   };
-  const LoadedSession loaded = loadSession(load, progress);
+  const LoadedSession loaded = loadSession(asked.load, progress);
   const ScoredCalibration scored = scoredOn(loaded.session);
   checkTargetLayout(loaded, {});
   SessionScores on_session = scoreSession(scored, loaded.session, asked.score, progress);
@@ -80,20 +90,28 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
         FailureCode::kNoScore,
         {{"calibration", label}, {"session", whole.session}, {"problem", whole.problem}}};
   }
+  on_session.scores.front().held_out = wasEstimatedFrom(from, loaded, asked.load) == false;
   CalibrationRecord record = recordOf(loaded, asked);
+  record.provenance.input_hash = inputFilesHash(loaded.input_hash, {asked.calibration});
   record.camera = std::move(on_session.camera);
   record.camera_imu = std::move(on_session.camera_imu);
   addViewImages(loaded, record);
   record.held = HeldCalibration{label, std::move(on_session.scores)};
   for (const std::string& folder : asked.held_out) {
-    const LoadedSession other = loadSession(loadOf(folder, asked.load), progress);
+    const LoadRequest load = loadOf(folder, asked.load);
+    const LoadedSession other = loadSession(load, progress);
     const ScoredCalibration scored_on_other = scoredOn(other.session);
     checkTargetLayout(other, {});
     std::string& hash = record.provenance.input_hash;
     // One after the other: the order of the recordings counts, as they are listed in it.
     hash = inputFilesHash(hash + other.input_hash, {});
     progress("scoring " + other.session.name, -1);
-    record.held->scores.push_back(scoreHeldOut(scored_on_other, other.session, asked.score));
+    CalibrationScore score = scoreHeldOut(scored_on_other, other.session, asked.score);
+    // The user says so; the files may say otherwise.
+    const bool seen =
+        other.input_hash == loaded.input_hash || wasEstimatedFrom(from, other, load) == true;
+    if (seen) score.held_out = false;
+    record.held->scores.push_back(std::move(score));
   }
   record.verdict = scoreVerdict(record, unusedShapeOf(asked));
   return record;

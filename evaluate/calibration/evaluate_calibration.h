@@ -16,7 +16,8 @@ namespace plumbline {
 struct EvaluateCalibrationRequest {
   std::string calibration;  ///< file: ours, Kalibr's, yac's
   LoadRequest load;         ///< of the session
-  /// Folders of sessions that the calibration has not seen; read as `load` says, whole.
+  /// Folders of sessions that the calibration has not seen; read as `load` says, whole. Where the
+  /// files say otherwise the score is not marked as held out, and the verdict says so.
   std::vector<std::string> held_out;
   ScoreOptions score;
   Provenance provenance;  ///< version, command, options and date; input and hash are filled in

@@ -10,12 +10,12 @@
 
 namespace plumbline {
 
-/// A calibration scored on a session that it did not see (or did: `held_out` tells).
+/// A calibration scored on a session.
 struct CalibrationScore {
   std::string label;  ///< of the calibration
   std::string session;
-  std::string part;  ///< "all", "fold 2 of 5"
-  bool held_out = false;
+  std::string part;       ///< "all", "fold 2 of 5"
+  bool held_out = false;  ///< known not to be what it was estimated from; false: it is, or unknown
   ErrorStatistics reprojection;
   std::vector<ErrorStatistics> per_camera;
   std::vector<std::string> cameras;           ///< their names; sessions may order them otherwise
@@ -45,7 +45,8 @@ void fields(V& v, CalibrationScore& s) {
   v("label", s.label, "of the calibration");
   v("session", s.session, "that it was scored on");
   v("part", s.part, "`all`, `fold 2 of 5`");
-  v("held_out", s.held_out, "1", "the session is not the one that it was estimated from");
+  v("held_out", s.held_out, "1",
+    "the session is known not to be the one that it was estimated from; false: it is, or unknown");
   v.derived("scored", s.problem.empty(), "1", "whether every score could be computed");
   v.ifSet("problem", s.problem,
           "what it lacks, and why: a score, that of camera and IMU, poses that converged");

@@ -67,9 +67,17 @@ CameraStageOptions withModelsOf(const Calibration& calibration, CameraStageOptio
 SessionScores scoreSession(const ScoredCalibration& scored, const Session& session,
                            const ScoreOptions& options, const ProgressSink& progress);
 
-/// The score of a session that the calibration has not seen: part "all", held out.
+/// The score of a session that the calibration has not seen, by the word of whoever asks: part
+/// "all", held out.
 CalibrationScore scoreHeldOut(const ScoredCalibration& scored, const Session& session,
                               const ScoreOptions& options);
+
+/// The errors over the image of a calibration that was held fixed on a recording, by camera, with
+/// the thresholds of a calibration's own verdict: of the cameras alone, then with the IMU; nothing
+/// of a stage that is not there.
+std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
+                                 const std::optional<CameraImuStageResult>& camera_imu,
+                                 const VerdictThresholds& thresholds = {});
 
 /// What the scores of a calibration that was held fixed say: its errors over the image on the
 /// recording, with the thresholds of a calibration's own verdict, and the scores that could not be

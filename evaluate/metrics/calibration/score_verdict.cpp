@@ -24,19 +24,37 @@ void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings
   }
 }
 
+/// A recording that was given as held out, and is not: its score is one in sample, maybe.
+Finding notHeldOut(const CalibrationScore& s) {
+  Finding f;
+  f.rule = "Held-out recording " + s.session;
+  f.level = VerdictLevel::kCaution;
+  f.subject = FindingSubject::kRecording;
+  f.evidence =
+      "is not held out: it is the first recording, or has the name or the content of the one that "
+      "the calibration's file says it was estimated from";
+  f.advice = "give a recording that the calibration has not seen";
+  return f;
+}
+
 /// RMSE of recordings and folds that the calibration has not seen; single folds are in their pool.
 Findings judgeHeldOut(const std::vector<CalibrationScore>& scores, const VerdictThresholds& t) {
   Findings findings;
   for (const CalibrationScore& s : scores) {
     // "all" is a whole session, "all K folds" their pool; "fold k of K" are single ones.
-    if (!s.held_out || !s.part.starts_with("all") || s.reprojection.count == 0) continue;
-    findings.push_back(above(
-        {fmt::format("Held-out reprojection error on {}, {}", s.session, s.part), "px", t.rmse_px,
-         "Compare with the error in sample: where that is small, the calibration does not "
-         "hold for other views of the rig; record more of the image and calibrate again."},
-        s.reprojection.rmse_px,
-        fmt::format("RMSE {:.3f} px over {} corners", s.reprojection.rmse_px,
-                    s.reprojection.count)));
+    if (!s.part.starts_with("all") || s.reprojection.count == 0) continue;
+    // Whole recordings behind the first were given as held out.
+    const bool given = &s != &scores.front() && s.part == "all";
+    if (given && !s.held_out) findings.push_back(notHeldOut(s));
+    if (!given && !s.held_out) continue;
+    const char* what = s.held_out ? "Held-out reprojection" : "Reprojection";
+    findings.push_back(
+        above({fmt::format("{} error on {}, {}", what, s.session, s.part), "px", t.rmse_px,
+               "Compare with the error in sample: where that is small, the calibration does not "
+               "hold for other views of the rig; record more of the image and calibrate again."},
+              s.reprojection.rmse_px,
+              fmt::format("RMSE {:.3f} px over {} corners", s.reprojection.rmse_px,
+                          s.reprojection.count)));
   }
   return findings;
 }
@@ -74,22 +92,28 @@ std::string scoreWords(const std::vector<CalibrationScore>& scores) {
 
 }  // namespace
 
-Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape,
-                     const VerdictThresholds& thresholds) {
+std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
+                                 const std::optional<CameraImuStageResult>& camera_imu,
+                                 const VerdictThresholds& thresholds) {
   Findings findings;
-  if (record.camera) {
-    const CameraStageResult& stage = *record.camera;
+  if (camera) {
     append(findings,
-           judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "cameras", thresholds),
+           judgeResiduals({camera->residuals, camera->summary, camera->cameras}, "cameras",
+                          thresholds),
            FindingSubject::kCameras);
   }
-  if (record.camera_imu) {
-    const CameraImuStageResult& stage = *record.camera_imu;
-    append(
-        findings,
-        judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "camera-IMU", thresholds),
-        FindingSubject::kExtrinsics);
+  if (camera_imu) {
+    append(findings,
+           judgeResiduals({camera_imu->residuals, camera_imu->summary, camera_imu->cameras},
+                          "camera-IMU", thresholds),
+           FindingSubject::kExtrinsics);
   }
+  return findings;
+}
+
+Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape,
+                     const VerdictThresholds& thresholds) {
+  Findings findings = judgeScored(record.camera, record.camera_imu, thresholds);
   append(findings, judgeHeldOut(record.held->scores, thresholds));
   addUnscored(record.held->scores, findings);
   if (!unused_shape.empty()) findings.push_back(unusedShape(unused_shape));

@@ -82,6 +82,49 @@ TEST_F(EvaluateCalibration, FoldsAndHeldOutSessionsAreScoredBesideIt) {
   EXPECT_THAT(refused.text, HasSubstr("tagSpacing"));
 }
 
+// The file states what it was estimated from, whatever the user says of a recording.
+TEST_F(EvaluateCalibration, HeldOutIsWhatTheFilesDoNotContradict) {
+  const fs::path other = scratch() / "other", copy = scratch() / "copy";
+  fs::create_directories(scratch());
+  ASSERT_EQ(plumbline("simulate --out " + other.string() + " --rig euroc --seed 9 --duration 6")
+                .exit_code,
+            0);
+  fs::copy(session(), copy, fs::copy_options::recursive);
+  const Outcome outcome =
+      score(ours(), other, "--no-imu --held-out " + session().string() + "," + copy.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const auto scores = document().at("scores");
+  ASSERT_EQ(scores.size(), 3u);
+  EXPECT_EQ(scores.at(0).at("held_out"), true);
+  EXPECT_EQ(scores.at(1).at("held_out"), false);
+  EXPECT_EQ(scores.at(2).at("held_out"), false);
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("other, held out"), HasSubstr("is not held out")));
+  // A file that does not say has only the user's word, except for one recording given twice.
+  const std::string kalibr = (root_ / "own" / "camchain-imucam.yaml").string();
+  ASSERT_EQ(score(kalibr, other, "--no-imu --held-out " + session().string() + "," + other.string())
+                .exit_code,
+            0);
+  EXPECT_EQ(document().at("scores").at(0).at("held_out"), false);
+  EXPECT_EQ(document().at("scores").at(1).at("held_out"), true);
+  EXPECT_EQ(document().at("scores").at(2).at("held_out"), false);
+}
+
+TEST_F(EvaluateCalibration, ASecondCameraAloneIsScored) {
+  const fs::path alone = scratch() / "alone";
+  fs::create_directories(scratch());
+  ASSERT_EQ(plumbline("calibrate " + session().string() +
+                      " --only cam1 --no-halves --no-cache "
+                      "--no-report --out " +
+                      alone.string())
+                .exit_code,
+            0);
+  const Outcome outcome =
+      score((alone / "camchain-imucam.yaml").string(), session(), "--no-imu --only cam1");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_TRUE(document().at("scores").at(0).at("per_camera").contains("cam1"));
+  EXPECT_EQ(document().at("scores").at(0).at("entropy_parameters").at(0), "cam1.fu");
+}
+
 TEST_F(EvaluateCalibration, ThePageAndTheFiguresAreMadeAgainFromTheRecord) {
   const fs::path out = scratch() / "out";
   ASSERT_EQ(score(ours(), session(), "--folds 2").exit_code, 0);
@@ -113,6 +156,7 @@ TEST_F(EvaluateCalibration, AnotherResolutionIsRefusedByTheFilesName) {
 TEST_F(EvaluateCalibration, AMissingCameraIsRefusedByTheFilesName) {
   auto json = nlohmann::json::parse(read(ours()));
   json["cameras"][1]["name"] = "cam7";
+  json["cameras"][1]["rostopic"] = "/cam7/image_raw";
   fs::create_directories(scratch());
   const std::string file = (scratch() / "edited.json").string();
   write(file, json.dump());

@@ -67,6 +67,15 @@ TEST(ScoreVerdict, HeldOutErrorsAreJudged) {
   EXPECT_EQ(v.findings[0].rule, "Held-out reprojection error on euroc, all 2 folds");
 }
 
+TEST(ScoreVerdict, ARecordingThatIsNotHeldOutIsJudgedAndNamed) {
+  const Verdict v = scoreVerdict(record({score("euroc", "all", 0.36), score("copy", "all", 3)}));
+  ASSERT_EQ(v.findings.size(), 2u);
+  EXPECT_THAT(v.findings[0].evidence, HasSubstr("is not held out"));
+  EXPECT_EQ(v.findings[1].rule, "Reprojection error on copy, all");
+  EXPECT_EQ(v.findings[1].level, VerdictLevel::kBad);
+  EXPECT_THAT(v.headline, testing::Not(HasSubstr("held out,")));
+}
+
 TEST(ScoreVerdict, ACalibrationThatDoesNotFitTheRecordingIsBad) {
   CalibrationRecord r = record({score("euroc", "all", 3)});
   CameraStageResult stage;
