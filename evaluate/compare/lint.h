@@ -17,6 +17,10 @@ struct LintedCalibration {
   std::string name;  ///< how messages name it: its file
   Calibration calibration;
   bool noise_known = false;  ///< whether imu->noise was in the file
+  bool offset_known = true;  ///< whether imu->time_offsets was
+  /// Whether the file has T_cam_imu of several cameras, which agree with T_cn_cnm1 as they stand:
+  /// inverted they would not, so that T_cam_imu is not inverted.
+  bool imu_places_agree = false;
 };
 
 struct LintOptions {

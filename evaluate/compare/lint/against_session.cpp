@@ -115,6 +115,16 @@ Finding invertedFinding(const LintedCalibration& linted, const std::string& evid
              measured);
 }
 
+/// Whether the lever arm agrees with the recording once T_SC0 is inverted, and better than as it
+/// stands. Where the recording gives none it says nothing against it.
+bool leverArmAllowsInverse(const Transform& T_SC0, const std::optional<InertialAlignment>& inertial,
+                           const LintOptions& options) {
+  if (!inertial) return true;
+  const double direct = (inertial->t_SC0 - T_SC0.t).norm();
+  const double inverse = (inertial->t_SC0 - T_SC0.inverse().t).norm();
+  return inverse < std::max(options.same_translation_m, 0.5 * T_SC0.t.norm()) && inverse < direct;
+}
+
 // A rotation near the identity or half a turn is its own inverse: the lever arm decides.
 bool leverArmIsInverted(const Transform& T_SC0, const InertialAlignment& inertial,
                         const LintOptions& options) {
@@ -138,14 +148,19 @@ std::vector<Finding> transformFault(const LintedCalibration& linted, const Align
         "T_SC0 differs by {:.1f} degrees from the rotation that gyroscope and camera rates give, "
         "its inverse by {:.1f}",
         direct / kDegree, inverse / kDegree);
-    if (inverse < options.rotation_tolerance_rad) return {invertedFinding(linted, text, angle)};
+    // A rotation about the right axis by half a turn more is near the inverse, too: the lever arm
+    // and what the file says of its other cameras have to agree with an inversion.
+    if (inverse < options.rotation_tolerance_rad && !linted.imu_places_agree &&
+        leverArmAllowsInverse(T_SC0, alignment.inertial, options)) {
+      return {invertedFinding(linted, text, angle)};
+    }
     return {
         bad("Contradicting rotation", linted.name + ": " + text,
             fmt::format("T_cam_imu (T_SC0) in {} belongs to another rig, or its axes are renamed",
                         linted.name),
             angle)};
   }
-  const bool own_inverse = inverse < options.rotation_tolerance_rad;
+  const bool own_inverse = inverse < options.rotation_tolerance_rad && !linted.imu_places_agree;
   if (own_inverse && alignment.inertial &&
       leverArmIsInverted(T_SC0, *alignment.inertial, options)) {
     const Eigen::Vector3d seen = 1e3 * alignment.inertial->t_SC0;
@@ -162,6 +177,7 @@ std::vector<Finding> transformFault(const LintedCalibration& linted, const Align
 /// size is a finding of the file alone.
 std::vector<Finding> offsetFault(const LintedCalibration& linted, double seen,
                                  const LintOptions& options) {
+  if (!linted.offset_known) return {};
   // Camera 0's, for the rates that were correlated are camera 0's.
   const double given = linted.calibration.imu->timeOffset();
   const double off = std::abs(given - seen);

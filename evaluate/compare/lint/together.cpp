@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/statistics/statistics.h"
@@ -144,6 +146,57 @@ std::vector<Finding> camerasAndBaselines(Calibrations all, const std::vector<boo
                                 "this one",
                                 names),
           {length, options.same_translation_m, "m"}));
+    }
+  }
+  return found;
+}
+
+/// Of each of a's cameras, which of b's is at its place, where that is another order than b's own.
+/// By the places in the rig, of three and more cameras; of two see camerasAndBaselines().
+std::vector<std::size_t> otherOrder(const Calibration& a, const Calibration& b,
+                                    const LintOptions& options) {
+  constexpr std::size_t kMostCameras = 6;  // 720 orders
+  const std::size_t n = a.cameras.size();
+  if (b.cameras.size() != n || n < 3 || n > kMostCameras) return {};
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  const auto fits = [&] {
+    const Transform T_newC0 = b.cameras[order[0]].T_C0Ci.inverse();
+    for (std::size_t i = 1; i < n; ++i) {
+      const Distance d = distanceBetween(T_newC0 * b.cameras[order[i]].T_C0Ci, a.cameras[i].T_C0Ci);
+      if (d.rotation_rad > options.same_rotation_rad) return false;
+      if (d.translation_m > options.same_translation_m) return false;
+    }
+    return true;
+  };
+  if (fits()) return {};
+  while (std::next_permutation(order.begin(), order.end())) {
+    if (fits()) return order;
+  }
+  return {};
+}
+
+std::vector<Finding> permutedCameras(Calibrations all, const std::vector<bool>& suspects,
+                                     const LintOptions& options) {
+  std::vector<Finding> found;
+  const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
+    return !otherOrder(a.calibration, b.calibration, options).empty();
+  };
+  for (const auto& group : accused(all, suspects, rule)) {
+    const LintedCalibration& odd = all[group.back()];
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      if (suspects[j]) continue;
+      const auto order = otherOrder(all[j].calibration, odd.calibration, options);
+      if (order.empty()) continue;
+      std::vector<std::string> names;
+      for (const std::size_t k : order) names.push_back(odd.calibration.cameras[k].name);
+      found.push_back(bad("Order of cameras",
+                          fmt::format("by their places in the rig, {} of {} are the cameras of {}",
+                                      fmt::join(names, ", "), odd.name, all[j].name),
+                          fmt::format("list the cameras of {} in one order, or state rostopic",
+                                      namesOf(all, group)),
+                          {static_cast<double>(order.size()), 0, "-"}));
+      break;
     }
   }
   return found;
@@ -324,6 +377,7 @@ std::vector<Finding> together(Calibrations all, const std::vector<bool>& suspect
   append(found, inverted);
   append(found, flippedOffset(all, suspects, options));
   append(found, cameras);
+  append(found, permutedCameras(all, suspects, options));
   append(found, resolutions(all, suspects, options));
   append(found, noiseUnits(all, suspects, options));
   // An inverse transform has another lever arm; it is named by its cause.

@@ -82,6 +82,31 @@ TEST(LintSession, EachMistakeIsNamedAlone) {
   }
 }
 
+// About the right axis half a turn more is nearly the inverse: inverted, the file would be refused.
+TEST(LintSession, AnImuFrameTurnedByHalfATurnIsNotInverted) {
+  const auto found = lintWith("euroc", truthOf("euroc"), [](Calibration& c) {
+    const Eigen::Matrix3d turn = expSO3({0, 0, std::acos(-1.0)});
+    c.imu->T_SC0 = Transform(turn, Eigen::Vector3d::Zero()) * c.imu->T_SC0;
+  });
+  ASSERT_EQ(found.size(), 1U) << rulesOf(found);
+  EXPECT_EQ(found[0].rule, "Contradicting rotation");
+  // Nor is what the places of several cameras confirm.
+  LintedCalibration confirmed = truthOf("euroc");
+  confirmed.imu_places_agree = true;
+  const auto other =
+      lintWith("euroc", confirmed, [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); });
+  ASSERT_EQ(other.size(), 1U) << rulesOf(other);
+  EXPECT_EQ(other[0].rule, "Contradicting rotation");
+}
+
+TEST(LintSession, AnUnknownOffsetIsNotCompared) {
+  LintedCalibration unknown = truthOf("euroc");
+  unknown.offset_known = false;
+  EXPECT_EQ(rulesOf(lintWith("euroc", unknown,
+                             [](Calibration& c) { c.imu->time_offsets = {TimeOffset()}; })),
+            "");
+}
+
 TEST(LintSession, WrongDensitiesHideNoInversion) {
   const auto found = lintWith("euroc", truthOf("euroc"), [](Calibration& c) {
     c.imu->noise.gyro_density *= 100;

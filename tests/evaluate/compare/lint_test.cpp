@@ -135,6 +135,24 @@ TEST(Lint, OfThreeFilesTheMinorityIsNamed) {
   }
 }
 
+TEST(Lint, AnotherOrderOfThreeCamerasIsNamed) {
+  auto files = goodFiles();
+  files.pop_back();
+  for (LintedCalibration& file : files) {
+    CameraCalibration third = file.calibration.cameras[1];
+    third.name = "cam2";
+    third.T_C0Ci = Transform(expSO3({0, 0.5, 0}), {0.05, 0.1, 0});
+    file.calibration.cameras.push_back(third);
+  }
+  EXPECT_EQ(rulesOf(lintCalibrations(files)), "");
+  Calibration& turned = files[1].calibration;
+  std::swap(turned.cameras[1], turned.cameras[2]);
+  const auto found = lintCalibrations(files);
+  ASSERT_EQ(found.size(), 1U) << rulesOf(found);
+  EXPECT_EQ(found[0].rule, "Order of cameras");
+  EXPECT_THAT(found[0].evidence, HasSubstr("cam0, cam1, cam2 of second.yaml are the cameras of"));
+}
+
 TEST(Lint, TheCameraOfAnotherResolutionIsNamed) {
   auto files = goodFiles();
   files[1].calibration.cameras[1].intrinsics.resolution = {960, 600};
