@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -87,11 +89,23 @@ void addImuModel(const KalibrImuFile& imu, ComparedFile& file) {
   file.remarks.push_back(std::move(f));
 }
 
+void addUnknownOffset(ComparedFile& file) {
+  Finding f;
+  f.rule = "Time offset";
+  f.evidence =
+      "the file states none (no timeshift_cam_imu): it is not compared, and scores with the IMU "
+      "assume 0";
+  f.subject = FindingSubject::kExtrinsics;
+  file.remarks.push_back(std::move(f));
+}
+
 /// A camchain alone has no noise and no deviations: they come with the files of its run.
 void readKalibr(ComparedFile& file) {
   const KalibrRun run = readKalibrRun(file.path);
   file.compared.calibration = run.calibration();
   file.states_noise = run.imu.has_value() || (run.results_imu && run.results_imu->noise);
+  file.imu_places_agree = run.camera_imu && run.camera_imu->statesImuPlacesTwice();
+  file.states_offset = run.camera_imu && run.camera_imu->statesTimeOffset();
   if (const auto results = run.results()) addOwnFigures(*results, file);
   if (run.imu) addImuModel(*run.imu, file);
   for (const std::string& remark : run.remarks) {
@@ -119,7 +133,9 @@ std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
     file.compared.calibration = readCalibration(paths[i]);
     file.extras = readCalibrationExtras(paths[i]);
     file.states_noise = statesImuNoise(paths[i]);
+    file.states_offset = statesTimeOffset(paths[i]);
     if (file.extras.tool == "kalibr") readKalibr(file);
+    if (file.compared.calibration.imu && !file.states_offset) addUnknownOffset(file);
     file.compared.label = names[i];
     file.compared.file = fs::path(paths[i]).filename().string();
     file.compared.tool = file.extras.tool;
@@ -135,7 +151,17 @@ struct OnSession {
   std::vector<CalibrationScore> scores;
   std::optional<CameraStageResult> stage;
   CameraUncertainty uncertainty;
+  std::vector<Finding> judged;  ///< of the errors on the recording, judgeScored()
 };
+
+/// One finding says what a file's errors on the recording are worth: the worst.
+std::vector<Finding> worstOf(std::vector<Finding> findings) {
+  const auto worst =
+      std::max_element(findings.begin(), findings.end(),
+                       [](const Finding& a, const Finding& b) { return a.level < b.level; });
+  if (worst == findings.end()) return {};
+  return {std::move(*worst)};
+}
 
 const char* methodName(FrameAlignment alignment) {
   return alignment == FrameAlignment::kMeanFrames ? "mean-frames" : "cross-reprojection";
@@ -163,11 +189,9 @@ OnSession scoreOn(const LoadedSession& loaded, const ComparedFile& file,
   SessionScores scored_on = scoreSession(scored, loaded.session, options, progress);
   OnSession out;
   out.scores = std::move(scored_on.scores);
-  // Known only of files that state what they were estimated from. The hash covers options and files
-  // beside the recording too: under the same name another one is no other recording.
-  const CalibrationExtras& from = file.extras;
-  out.scores.front().held_out = !from.input_hash.empty() && from.input_hash != loaded.input_hash &&
-                                from.input != loaded.session.name;
+  // Known only of files that state what they were estimated from.
+  out.scores.front().held_out = wasEstimatedFrom(file.extras, loaded) == false;
+  out.judged = judgeScored(scored_on.camera, scored_on.camera_imu);
   out.stage = std::move(scored_on.camera);
   if (out.stage) addUncertainty(loaded.session, request, out);
   return out;
@@ -186,13 +210,18 @@ bool isAmong(const Finding& finding, const std::vector<Finding>& findings) {
   });
 }
 
+LintedCalibration lintedOf(const ComparedFile& file) {
+  const bool noise_known = file.compared.calibration.imu && file.states_noise;
+  return {file.compared.label, file.compared.calibration, noise_known, file.states_offset,
+          file.imu_places_agree};
+}
+
 /// Lint of each file into its calibration; what only shows between them is returned.
 std::vector<Finding> lintAll(std::vector<ComparedFile>& files) {
   std::vector<LintedCalibration> all;
   std::vector<Finding> alone;
   for (ComparedFile& file : files) {
-    const bool noise_known = file.compared.calibration.imu && file.states_noise;
-    all.push_back({file.compared.label, file.compared.calibration, noise_known});
+    all.push_back(lintedOf(file));
     file.compared.lint = lintCalibrations({&all.back(), 1});
     alone.insert(alone.end(), file.compared.lint.begin(), file.compared.lint.end());
   }
@@ -206,10 +235,7 @@ std::vector<Finding> lintAll(std::vector<ComparedFile>& files) {
 
 std::vector<Finding> lintOnSession(const std::vector<ComparedFile>& files, const Session& session) {
   std::vector<LintedCalibration> all;
-  for (const ComparedFile& file : files) {
-    const bool noise_known = file.compared.calibration.imu && file.states_noise;
-    all.push_back({file.compared.label, file.compared.calibration, noise_known});
-  }
+  for (const ComparedFile& file : files) all.push_back(lintedOf(file));
   return lintAgainstSession(all, session);
 }
 
@@ -219,17 +245,17 @@ std::vector<Calibration> calibrationsOf(const std::vector<ComparedFile>& files) 
   return calibrations;
 }
 
-/// Cameras are matched to the recording's by name first, and compared as matched from then on.
-std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<ComparedFile>& files,
-                                const ProgressSink& progress, ComparisonRecord& record) {
-  const LoadedSession loaded = loadSession(*request.load, progress);
+/// Of files whose cameras are the recording's (matchToSession()); what the scores say of each file
+/// joins its remarks.
+std::vector<OnSession> scoreAll(const CompareRequest& request, const LoadedSession& loaded,
+                                std::vector<ComparedFile>& files, const ProgressSink& progress,
+                                ComparisonRecord& record) {
   attribute(record, request.provenance, loaded);
   if (loaded.session.imu) record.assumptions.imu_noise = loaded.session.imu->noise;
   std::vector<OnSession> all;
   for (ComparedFile& file : files) {
-    Calibration& calibration = file.compared.calibration;
-    calibration = matchCalibration(calibration, file.path, loaded.session);
     all.push_back(scoreOn(loaded, file, request, progress));
+    append(file.remarks, worstOf(std::move(all.back().judged)));
   }
   // Once for all: what the samples themselves show is one finding, whatever number of files.
   append(record.verdict.findings, lintOnSession(files, loaded.session));
@@ -241,6 +267,20 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, std::vector<Compa
                                               target, request.thresholds);
   }
   return all;
+}
+
+/// A calibration without a time offset has 0, which is no statement.
+void removeUnknownOffsets(const std::vector<ComparedFile>& files, ComparisonRecord& record) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (files[i].states_offset) continue;
+    removeTimeOffset(i, record.parameters);
+    // There the session's own estimate is the first.
+    if (record.session_estimate) removeTimeOffset(i + 1, record.session_estimate->parameters);
+    record.offsets[i] = {record.offsets[i].label, {}, {}, {}};
+    // null in the document.
+    auto& imu = record.calibrations[i].calibration.imu;
+    if (imu) imu->time_offsets = {{std::numeric_limits<double>::quiet_NaN()}};
+  }
 }
 
 void addScores(const std::vector<OnSession>& all, ComparisonRecord& record) {
@@ -298,20 +338,25 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
   request.check();
   std::vector<ComparedFile> files = readCompared(request.calibrations, request.labels);
   ComparisonRecord record = emptyRecord(request);
+  std::optional<LoadedSession> loaded;
+  if (request.load) loaded = loadSession(*request.load, progress);
+  // Which camera is which comes before all that is said of them.
+  std::vector<Finding> findings =
+      loaded ? matchToSession(files, loaded->session) : matchToFirst(files);
   record.verdict.findings = lintAll(files);
   std::vector<OnSession> on_session;
-  if (request.load) on_session = scoreAll(request, files, progress, record);
+  if (loaded) on_session = scoreAll(request, *loaded, files, progress, record);
   for (const ComparedFile& file : files) {
     record.calibrations.push_back(file.compared);
     record.offsets.push_back(offsetSummary(file.compared.label, file.compared.calibration));
   }
   // Without a recording nothing else names the comparison.
   if (record.name.empty()) record.name = record.calibrations.front().label;
-  // Where there is a recording, of the calibrations as scoreAll() matched them to its cameras.
   record.parameters = comparedParameters(calibrationsOf(files), request.thresholds);
+  removeUnknownOffsets(files, record);
   addScores(on_session, record);
   addMaps(files, on_session, request.maps, record);
-  std::vector<Finding> findings = comparisonFindings(record, request.thresholds);
+  append(findings, comparisonFindings(record, request.thresholds));
   for (const ComparedFile& file : files) {
     for (Finding f : file.remarks) {
       f.rule = fmt::format("{}: {}", file.compared.label, f.rule);

@@ -44,8 +44,10 @@ struct ComparedFile {
   std::string path;
   ComparedCalibration compared;
   CalibrationExtras extras;
-  bool states_noise = false;     ///< whether calibration.imu->noise was read
-  std::vector<Finding> remarks;  ///< what Kalibr's text beside its YAML says of itself
+  bool states_noise = false;      ///< whether calibration.imu->noise was read
+  bool states_offset = true;      ///< likewise the time offset; false: 0 stands for unknown
+  bool imu_places_agree = false;  ///< LintedCalibration::imu_places_agree
+  std::vector<Finding> remarks;   ///< what Kalibr's text beside its YAML says of itself
 };
 
 /// The label of each calibration: as given, else the file's name without ending, with as many
@@ -57,6 +59,16 @@ std::vector<std::string> comparedLabels(const std::vector<std::string>& paths,
 /// beside them. Labels are comparedLabels().
 std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
                                        const std::vector<std::string>& labels);
+
+/// Brings the cameras of all files into one order and under the first one's names, by
+/// matchStated(): those that all files have first, so that T_SC0 and T_C0Ci refer to one camera; of
+/// each file as many as follow in that order without a gap. Says what is not plain: another order,
+/// cameras left out, an order that had to be taken as it is. Throws InputError where they have none
+/// in common.
+std::vector<Finding> matchToFirst(std::vector<ComparedFile>& files);
+
+/// The same with the cameras of a recording: matchCalibration() of each file.
+std::vector<Finding> matchToSession(std::vector<ComparedFile>& files, const Session& session);
 
 /// What `plumbline compare` is asked to do.
 struct CompareRequest {

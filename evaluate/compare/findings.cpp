@@ -124,6 +124,15 @@ std::string geometryWords(const std::vector<Geometry>& all) {
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
+std::string geometryAdvice(const ComparisonRecord& record) {
+  if (record.scores.empty()) {
+    return "evaluate both on a session that neither was calibrated on (compare --session): its "
+           "corners and its IMU show which of the two is wrong";
+  }
+  return "the scores on " + record.name +
+         " show which of the two is wrong, if neither was calibrated on it";
+}
+
 /// All transforms and the offset are one finding, of the worst level among them; its value is, of
 /// those of that level, the one furthest beyond its bound of caution. Levels come first, since
 /// bounds of caution and bad are not in one proportion.
@@ -140,11 +149,9 @@ void addGeometry(const ComparisonRecord& record, std::size_t i, const Comparison
                         [rank](const Geometry& a, const Geometry& b) { return rank(a) < rank(b); });
   const VerdictLevel level =
       worst.explained ? VerdictLevel::kGood : levelAbove(worst.value, worst.bound);
-  findings.push_back(
-      finding({"Transforms and offset of " + pairName(record, i), worst.unit, worst.bound,
-               "evaluate both on a session that neither was calibrated on (compare --session): its "
-               "corners and its IMU show which of the two is wrong"},
-              level, worst.value, geometryWords(all)));
+  findings.push_back(finding({"Transforms and offset of " + pairName(record, i), worst.unit,
+                              worst.bound, geometryAdvice(record)},
+                             level, worst.value, geometryWords(all)));
 }
 
 /// "cam0 at 1 m 6 px at most, 0.1 px at the centre"

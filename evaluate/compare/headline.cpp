@@ -66,9 +66,10 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   double low = rmseChange(p->difference_px2 - p->half_px2);
   double high = rmseChange(p->difference_px2 + p->half_px2);
   // Of both: who was estimated from these corners predicts them better anyway.
-  const std::string corners = score->held_out && other_score->held_out
-                                  ? "held-out corners"
-                                  : fmt::format("the corners of {} (not held out)", record.name);
+  const std::string corners =
+      score->held_out && other_score->held_out
+          ? "held-out corners"
+          : fmt::format("the corners of {} (not known to be held out)", record.name);
   if (low <= 0 && high >= 0) {
     return fmt::format(
         "{} and {} predict {} equally well within the 95 % interval of their difference, {:+.2g} "

@@ -239,6 +239,21 @@ std::vector<ComparedParameter> comparedParameters(const Calibrations& calibratio
   return rows;
 }
 
+void removeTimeOffset(std::size_t calibration, std::vector<ComparedParameter>& rows) {
+  for (ComparedParameter& row : rows) {
+    if (row.name != "time_offset" && !row.name.starts_with("time_offset.")) continue;
+    row.values[calibration].reset();
+    row.std[calibration].reset();
+    for (std::size_t i = 0; i < row.values.size(); ++i) {
+      // All differences are to the first.
+      if (i != calibration && calibration != 0) continue;
+      row.difference[i].reset();
+      row.significance[i].reset();
+      row.levels[i] = VerdictLevel::kGood;
+    }
+  }
+}
+
 OffsetSummary offsetSummary(const std::string& label, const Calibration& calibration) {
   OffsetSummary summary;
   summary.label = label;

@@ -39,6 +39,10 @@ struct ComparisonThresholds {
 std::vector<ComparedParameter> comparedParameters(const std::vector<Calibration>& calibrations,
                                                   const ComparisonThresholds& thresholds = {});
 
+/// Takes the time offset of the calibration at this place, which its file does not state, out of
+/// the rows: no value, and no difference from it.
+void removeTimeOffset(std::size_t calibration, std::vector<ComparedParameter>& rows);
+
 /// The offsets of every calibration in the sign t_imu = t_cam + t_d.
 OffsetSummary offsetSummary(const std::string& label, const Calibration& calibration);
 

@@ -66,6 +66,15 @@ void addParameters(Text& text, const ComparisonRecord& record) {
   }
 }
 
+/// Which cameras are compared with which, where that is not plain and no fault: a verdict's text
+/// has no good findings.
+void addCameras(Text& text, const ComparisonRecord& record) {
+  for (const Finding& f : record.verdict.findings) {
+    if (f.level != VerdictLevel::kGood || !f.rule.starts_with("Cameras of ")) continue;
+    add(text, "{}: {}\n", f.rule, f.evidence);
+  }
+}
+
 void addScores(Text& text, const ComparisonRecord& record) {
   if (record.scores.empty()) return;
   add(text, "\nOn {} (only poses are estimated):\n", record.name);
@@ -165,6 +174,7 @@ void addTrajectories(Text& text, const ComparisonRecord& record) {
 
 std::string comparisonSummary(const ComparisonRecord& record) {
   Text text;
+  addCameras(text, record);
   addParameters(text, record);
   addScores(text, record);
   addMaps(text, "Standard deviation of a projection [px]", record.uncertainties);

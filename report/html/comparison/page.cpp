@@ -53,7 +53,7 @@ std::vector<Card> cardsOf(const ComparisonRecord& record) {
     // The others are in the table of scores.
     if (!s.problem.empty() || s.part != "all" || cards.size() >= 8) continue;
     cards.push_back({"RMSE, " + s.label, fmt::format("{:.4f}", s.reprojection.rmse_px), "px",
-                     "on " + s.session + (s.held_out ? ", held out" : ", in sample")});
+                     "on " + s.session + (s.held_out ? ", held out" : "")});
   }
   return cards;
 }

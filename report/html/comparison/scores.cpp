@@ -50,7 +50,7 @@ Table scoresTable(const std::vector<CalibrationScore>& scores) {
   Table table{{{"Calibration"},
                {"Recording"},
                {"Part"},
-               {"Held out"},
+               {"Known to be held out"},
                {"RMSE [px]", kNumber},
                {"Per camera [px]"},
                {"Views used", kNumber},
@@ -111,9 +111,10 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   plot.frame.x.label = "camera";
   plot.frame.y.label = "RMSE [px]";
   return {toSvg(plot, "score-bars"),
-          held_out ? "Corners that none of these calibrations was estimated from; pooled over the "
-                     "held-out parts."
-                   : "None of these scores is held out: in-sample errors are optimistic.",
+          held_out
+              ? "Corners that none of these calibrations was estimated from; pooled over the "
+                "held-out parts."
+              : "None of these scores is known to be held out: an error in sample is optimistic.",
           true};
 }
 

@@ -201,6 +201,41 @@ TEST_F(CommandCompare, OnlyAnotherRecordingIsHeldOut) {
   EXPECT_EQ(scores[2]["held_out"], true);
 }
 
+// evaluate calls it bad, by the same thresholds.
+TEST_F(CommandCompare, ACalibrationThatMissesTheCornersIsBad) {
+  json longer = json::parse(read(ours()));
+  json& baseline = longer["cameras"][1]["T_C0Ci"][0][3];
+  baseline = 1.1 * baseline.get<double>();
+  fs::create_directories(scratch());
+  write(scratch() / "longer.json", longer.dump());
+  const std::string file = (scratch() / "longer.json").string();
+  const Outcome outcome = compare(file + " " + file +
+                                  " --labels a,b --range inf --grid 5x3 --no-session-estimate "
+                                  "--session " +
+                                  session().string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_GT(document()["scores"][0]["reprojection"]["rmse_px"].get<double>(), 2);
+  EXPECT_EQ(document()["verdict"]["level"], "bad");
+  EXPECT_THAT(outcome.text, HasSubstr("a: Reprojection error of cam"));
+}
+
+TEST_F(CommandCompare, ATimeShiftThatIsNotStatedIsUnknown) {
+  fs::create_directories(scratch());
+  write(scratch() / "untimed.yaml",
+        std::regex_replace(read(kalibrs()), std::regex("  timeshift_cam_imu:[^\n]*\n"), ""));
+  const Outcome outcome =
+      plumbline("compare " + ours() + " " + (scratch() / "untimed.yaml").string() +
+                " --grid 5x3 --out " + (scratch() / "out").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const json offset = row(document(), "time_offset");
+  EXPECT_TRUE(offset["values"][0].is_number());
+  EXPECT_TRUE(offset["values"][1].is_null());
+  EXPECT_TRUE(offset["difference"][1].is_null());
+  EXPECT_TRUE(document()["offsets"][1]["time_offset_s"].is_null());
+  EXPECT_TRUE(document()["calibrations"][1]["imu"]["time_offset_s"].is_null());
+  EXPECT_EQ(outcome.text.find("in the time offset"), std::string::npos) << outcome.text;
+}
+
 TEST_F(CommandCompare, RefusesWhatItCannotCompare) {
   const auto refused = [this](const std::string& arguments, const std::string& words) {
     expectRefusal(compare(arguments), 2, HasSubstr(words));

@@ -60,8 +60,9 @@ TEST(ComparisonHeadline, HeldOutIsWhatNeitherWasEstimatedFrom) {
   for (const std::size_t own : {0, 1}) {
     ComparisonRecord record = comparison(0.11, 0.01);
     record.scores[own].held_out = false;
-    EXPECT_THAT(comparisonHeadline(record),
-                HasSubstr("ours predicts the corners of session (not held out) better"));
+    EXPECT_THAT(
+        comparisonHeadline(record),
+        HasSubstr("ours predicts the corners of session (not known to be held out) better"));
   }
 }
 

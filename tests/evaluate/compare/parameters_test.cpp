@@ -123,6 +123,21 @@ TEST(ComparedParameters, OffsetsOfEachCameraAreMeantTogether) {
   EXPECT_FALSE(row(without, "T_SC0.angle").difference[1].has_value());
 }
 
+TEST(ComparedParameters, AnOffsetThatAFileDoesNotStateHasNoDifference) {
+  for (const std::size_t unknown : {0U, 1U}) {
+    Calibration a = stereo(), b = moved();
+    a.imu->time_offset_std_s = b.imu->time_offset_std_s = 1e-5;
+    auto rows = comparedParameters({a, b});
+    EXPECT_TRUE(row(rows, "time_offset").significance[1].has_value());
+    removeTimeOffset(unknown, rows);
+    EXPECT_FALSE(row(rows, "time_offset").values[unknown].has_value());
+    EXPECT_TRUE(row(rows, "time_offset").values[1 - unknown].has_value());
+    EXPECT_FALSE(row(rows, "time_offset").difference[1].has_value());
+    EXPECT_FALSE(row(rows, "time_offset").significance[1].has_value());
+    EXPECT_TRUE(row(rows, "T_SC0.rz").difference[1].has_value());
+  }
+}
+
 CameraStageResult errorsOf(const std::vector<float>& per_view) {
   CameraStageResult result;
   result.cameras = stereo().cameras;
@@ -320,6 +335,22 @@ TEST(OwnEstimateOfTheSession, AStageThatDidNotConvergeIsNoWitness) {
   EXPECT_NE(own.problem.find("did not converge"), std::string::npos) << own.problem;
   EXPECT_EQ(own.calibration.cameras.size(), 2U);
   EXPECT_FALSE(own.calibration.imu);
+}
+
+TEST(ReadCompared, AMissingTimeShiftIsUnknown) {
+  const TemporaryFolder folder;
+  std::string text = kCamchainImuYaml;
+  const std::vector<std::string> with = {folder.write("with.yaml", text)};
+  EXPECT_TRUE(readCompared(with, {})[0].states_offset);
+  for (std::size_t at = text.find("  timeshift_cam_imu:"); at != std::string::npos;
+       at = text.find("  timeshift_cam_imu:")) {
+    text.erase(at, text.find('\n', at) + 1 - at);
+  }
+  const TemporaryFolder other;
+  const auto without = readCompared({other.write("without.yaml", text)}, {});
+  EXPECT_FALSE(without[0].states_offset);
+  ASSERT_EQ(without[0].remarks.size(), 1U);
+  EXPECT_EQ(without[0].remarks[0].rule, "Time offset");
 }
 
 TEST(ReadCompared, ScaleAndMisalignmentOfKalibrsImuAreToldOf) {
