@@ -119,8 +119,9 @@ void addClosure(const std::vector<StampedPose>& poses, OdometryRunRecord& r) {
   r.closure_deg = poses.front().q.angularDistance(poses.back().q) * 180 / std::numbers::pi;
 }
 
-/// What the odometry would choose for the time offset, and for T_SC0.
-void addHint(const Plan& plan, const OdometryRequest& request, OdometryRunRecord& r) {
+/// What the odometry would choose for the time offset, and for T_SC0; that it has no choice is said.
+void addHint(const Plan& plan, const OdometryRequest& request, OdometryRunRecord& r,
+             std::vector<std::string>& remarks) {
   const Calibration calibration = withNoise(plan);
   r.offset_calibrated_s = calibration.imu->timeOffset();
   const auto run = [&](const Eigen::VectorXd& change) {
@@ -130,7 +131,12 @@ void addHint(const Plan& plan, const OdometryRequest& request, OdometryRunRecord
   // Several plans already occupy the cores.
   const bool alone = request.sequences.size() * request.calibrations.size() == 1;
   const auto hint = calibrationHint(request.hint, run, alone ? request.threads : 1);
-  if (!hint) return;
+  if (!hint) {
+    remarks.emplace_back(
+        "--estimate gives nothing: the innovations have no minimum within 20 ms, 150 mm and 2.5 "
+        "deg of the calibration, or the flight is too short (8 blocks of 1 s are needed)");
+    return;
+  }
   r.offset_hint_s = *r.offset_calibrated_s + hint->change[0];
   r.offset_hint_std_s = hint->std[0];
   if (request.hint != HintKind::kExtrinsics) return;
@@ -164,7 +170,7 @@ Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const f
   r.losses = run.result.losses.size();
   r.mean_landmarks = run.result.mean_landmarks;
   addConsistency(run, r);
-  if (request.hint != HintKind::kNone) addHint(plan, request, r);
+  if (request.hint != HintKind::kNone) addHint(plan, request, r, outcome.remarks);
   if (run.skipped > 0) {
     outcome.remarks.push_back(
         fmt::format("{} images are missing or damaged and were skipped", run.skipped));

@@ -17,8 +17,8 @@ namespace {
 
 constexpr int kScreenFrames = 80;
 constexpr int kTestFrames = 200;
-constexpr double kRuledOutSigmas = 3;  // of the mean excess
-constexpr double kAlike = 0.01;        // of a camera's squares: what a model common to all may cost
+constexpr double kRuledOutSigmas = 3;          // of the mean excess
+constexpr double kAlike = 0.01;                // of a camera's squares: hardly worth another model
 constexpr double kRuledOutShare = 0.1;         // of the best one's squares
 constexpr std::size_t kLeastJudgedBlocks = 4;  // fewer have no scatter
 constexpr std::size_t kFitCorners = 2000;      // that fit a lens for a start
@@ -114,6 +114,12 @@ MeanGain excess(const Trialled& trial, const Trialled& best) {
   return meanGain(trial.error->cost, best.error->cost);
 }
 
+/// Whether a model leaves hardly more than the best, by its standard error and by the squares.
+bool isAsGood(const Trialled& trial, const Trialled& best) {
+  const MeanGain over = excess(trial, best);
+  return over.mean <= over.std && over.mean <= kAlike * best.cost();
+}
+
 /// Whether a model need not be tried on more frames: it is far behind the best, or it has more
 /// parameters than usual and gains next to nothing by them.
 bool isRuledOut(const Trialled& trial, const Trialled& best, const Trialled* usual) {
@@ -197,9 +203,7 @@ bool isSettled(const CameraTrial& trial, const std::optional<CameraModelPair>& s
   if (!stated || !trial.open.front().error) return false;
   const Trialled& best = trial.open.front();
   for (const Trialled& t : trial.open) {
-    if (!isSame(t.model, *stated) || !t.error) continue;
-    const MeanGain over = excess(t, best);
-    return over.mean <= over.std && over.mean <= kAlike * best.cost();
+    if (isSame(t.model, *stated) && t.error) return isAsGood(t, best);
   }
   return false;
 }
@@ -265,9 +269,11 @@ std::vector<Trialled> together(const std::vector<CameraTrial>& trials) {
   return joint;
 }
 
-/// The model that the cameras have in common: that chosen on all of them together, if it costs none
-/// of them a hundredth of its squares. Lenses of a rig are mostly of one make, and then differences
-/// far below what matters are no reason to give them different models.
+/// The model that the cameras have in common: that chosen on all of them together, if it is within
+/// one standard error of the best of each, and costs none a hundredth of its squares. Lenses of a
+/// rig are mostly of one make, so that of models that cannot be told apart they get the same. One
+/// that can be told from the best is none of these, however little it costs: 0.002 px of a radtan
+/// lens under equidistant turned T_SC0 by twenty of its deviations.
 std::optional<CameraModelPair> commonModel(
     const std::vector<CameraTrial>& trials,
     const std::vector<std::optional<CameraModelPair>>& stated) {
@@ -281,8 +287,7 @@ std::optional<CameraModelPair> commonModel(
   const CameraModelPair model =
       joint[chosenOf(joint, one_stated ? stated.front() : std::nullopt)].model;
   for (const CameraTrial& trial : trials) {
-    const double cost = find(trial.open, model)->cost();
-    if (cost > (1 + kAlike) * trial.open.front().cost()) return std::nullopt;
+    if (!isAsGood(*find(trial.open, model), trial.open.front())) return std::nullopt;
   }
   return model;
 }

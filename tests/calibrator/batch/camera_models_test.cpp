@@ -186,6 +186,34 @@ TEST(ModelChoice, AModelForTheSakeOfAllCamerasIsSaidToBeThat) {
   }
 }
 
+// A tangential distortion of half a pixel: under equidistant it costs 0.002 px, and turns the
+// camera.
+TEST(ModelChoice, ARigOfTwoKindsOfLensKeepsThem) {
+  SimulatedRig rig = simulatedRig("euroc");
+  rig.calibration.cameras[0].intrinsics.distortion << -0.28, 0.07, 7e-4, -4e-4;
+  Intrinsics& fisheye = rig.calibration.cameras[1].intrinsics;
+  fisheye.distortion_model = DistortionModel::kEquidistant;
+  fisheye.distortion << -0.012, 0.01, -0.009, 0.003;
+  SimulationOptions simulation;
+  simulation.duration_s = 20;
+  simulation.camera_rate_hz = 10;
+  simulation.corner_sigma_px = 0.2;
+  SimulatedSession s = simulateSession(rig, simulation);
+  for (std::size_t c = 0; c < 2; ++c) {
+    s.session.cameras[c].camera_model = "pinhole";
+    s.session.cameras[c].distortion_model =
+        toString(rig.calibration.cameras[c].intrinsics.distortion_model);
+  }
+  const auto result = calibrateCameras(s.session, chosen());
+  ASSERT_TRUE(result.ok()) << result.failure();
+  EXPECT_EQ(result->models[0].reason, ModelReason::kStated);
+  EXPECT_EQ(result->models[0].distortion, DistortionModel::kRadtan);
+  // The second may be described by another as well; its rotation is that of the truth in any case.
+  const Eigen::Matrix3d turn =
+      result->cameras[1].T_C0Ci.R.transpose() * rig.calibration.cameras[1].T_C0Ci.R;
+  EXPECT_LT(rotationAngle(turn), 0.03 * std::numbers::pi / 180);
+}
+
 TEST(ModelChoice, DoesNotDependOnTheNumberOfThreads) {
   const SimulatedSession s = recorded(test::eucmCamera(), 0.2);
   CameraStageOptions options = chosen();
