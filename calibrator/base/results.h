@@ -39,15 +39,17 @@ enum class UnmodelledFault {
   kGyroBiasJump,  ///< jump of the gyroscope's bias at an instant, 3 [rad/s]
   kAccelBiasJump,  ///< jump of the accelerometer's bias at an instant, 3 [m/s^2]
   kStampsWander,   ///< changes of the time offset at seven instants, evenly spaced [s]
+  kGivenCameras,   ///< cameras that were given, in the order of their own stage: all intrinsics,
+                   ///< then all T_C0Ci but camera 0's
 };
 
 /// Words of the documents, in the order above.
-inline constexpr std::array<const char*, 19> enumWords(UnmodelledFault) {
-  return {"accel-scale",    "accel-misalignment", "gyro-scale",   "gyro-misalignment",
-          "g-sensitivity",  "imu-delay",          "clock-drift",  "line-delay",
-          "target-size",    "camera-delay",       "imu-moved",    "clock-step",
-          "camera-moved",   "target-shape",       "target-moved", "target-sways",
-          "gyro-bias-jump", "accel-bias-jump",    "stamps-wander"};
+inline constexpr std::array<const char*, 20> enumWords(UnmodelledFault) {
+  return {"accel-scale",    "accel-misalignment", "gyro-scale",    "gyro-misalignment",
+          "g-sensitivity",  "imu-delay",          "clock-drift",   "line-delay",
+          "target-size",    "camera-delay",       "imu-moved",     "clock-step",
+          "camera-moved",   "target-shape",       "target-moved",  "target-sways",
+          "gyro-bias-jump", "accel-bias-jump",    "stamps-wander", "given-cameras"};
 }
 
 /// A score test: is the fault there, how large is it, and what does it do to the calibration?

@@ -185,6 +185,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
         matchCameras(readCalibration(*request.cameras_file), *request.cameras_file, loaded.session);
     refuseUnsupportedModels(cameras, *request.cameras_file);
     if (request.free_cameras) request.camera.start = cameras;
+    request.camera_imu.cameras_given = !request.free_cameras;
   }
   const bool with_imu = request.use_imu && loaded.session.imu.has_value();
   if (!with_imu && request.cameras_file && !request.free_cameras) {

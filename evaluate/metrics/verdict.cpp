@@ -48,8 +48,9 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
   append(findings, judgeImuStd(record, t), Subject::kExtrinsics);
   append(findings, judgeHalves(stage.summary, "camera-IMU", t), Subject::kExtrinsics);
   append(findings, judgePlausibility(stage, t), Subject::kExtrinsics);
-  append(findings, judgeDensity("gyroscope", stage.imu_summary.noise.gyro, t), Subject::kImuNoise);
-  append(findings, judgeDensity("accelerometer", stage.imu_summary.noise.accel, t),
+  append(findings, judgeDensity("gyroscope", stage.imu_summary.noise.gyro, record, t),
+         Subject::kImuNoise);
+  append(findings, judgeDensity("accelerometer", stage.imu_summary.noise.accel, record, t),
          Subject::kImuNoise);
   return findings;
 }

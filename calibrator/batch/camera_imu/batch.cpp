@@ -186,6 +186,16 @@ void addInformation(CameraImuProblem problem, const CameraImuSolution& solution,
   if (covariance) setCovariance(std::move(*covariance), summary);
 }
 
+/// Nothing where the options ask for no tests.
+std::optional<FaultDiagnosis> faultsUnder(const CameraImuOptions& options,
+                                          const CameraImuProblem& problem,
+                                          const CameraImuSolution& solution) {
+  if (!options.diagnose_faults) return std::nullopt;
+  DiagnosisOptions tests;
+  tests.cameras_given = options.cameras_given;
+  return diagnoseFaults(problem, solution, tests);
+}
+
 /// All that was left out of the recording, with stamps as recorded.
 Screening screeningOf(const PosedFrames& posed, const CameraImuProblem& problem,
                       const CameraImuOptions& options) {
@@ -272,8 +282,7 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   seconds.solve = watch.lap();
 
   // Before the residuals are listed: no other step takes as much memory.
-  std::optional<FaultDiagnosis> faults;
-  if (options.diagnose_faults) faults = diagnoseFaults(problem, solution);
+  std::optional<FaultDiagnosis> faults = faultsUnder(options, problem, solution);
   seconds.checks = watch.lap();
   // Offsets that wander so far that no test at the optimum reaches them show in the rates alone.
   const bool explained = faults && !faults->causes.empty();

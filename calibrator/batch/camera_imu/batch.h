@@ -53,6 +53,8 @@ struct CameraImuOptions : MeasurementModel {
   /// Look for faults of the recording that the batch does not model (score tests): a tenth of the
   /// batch's time.
   bool diagnose_faults = true;
+  /// The cameras were not calibrated on this recording: whether they suit it is tested as well.
+  bool cameras_given = false;
 
   int threads = 1;  ///< results do not depend on it
   int max_iterations = 100;

@@ -187,7 +187,11 @@ std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
   if (!problem.free_cameras) {
     out.by_cameras = tests.response(heldCameras(columns, solution.estimate));
   }
-  findCauses(scores, faultCandidates(columns, solution.estimate, *found), model, options, out);
+  std::vector<Candidate> all = faultCandidates(columns, solution.estimate, *found);
+  if (options.cameras_given && !problem.free_cameras) {
+    all.push_back(givenCameras(columns, solution.estimate));
+  }
+  findCauses(scores, all, model, options, out);
   return out;
 }
 

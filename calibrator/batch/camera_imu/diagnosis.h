@@ -30,6 +30,9 @@ std::vector<Candidate> faultCandidates(const FaultColumns& columns,
                                        const CameraImuEstimate& estimate,
                                        const EffectiveScores& found);
 
+/// All parameters of cameras that were not calibrated on the recording.
+Candidate givenCameras(const FaultColumns& columns, const CameraImuEstimate& estimate);
+
 /// The cameras' parameters in the order of their own stage, then the board's terms.
 Terms heldCameras(const FaultColumns& columns, const CameraImuEstimate& estimate);
 
@@ -40,7 +43,8 @@ struct DiagnosisOptions {
   double significance_since = 6;      ///< of one whose instant was searched as well
   double significance_frequency = 7;  ///< of one whose frequency was searched
   int most_causes = 3;
-  double alike = 0.9;  ///< share of the first cause's chi2 that an alternative explains
+  double alike = 0.9;          ///< share of the first cause's chi2 that an alternative explains
+  bool cameras_given = false;  ///< test them too, see CameraImuOptions
 
   /// Throws InputError that names the field whose rule is violated.
   void check() const;

@@ -10,17 +10,6 @@ std::vector<int> columnRange(int first, int count) {
   return out;
 }
 
-/// What a calibration of the cameras has adapted to the target: their lenses and distances.
-std::vector<int> cameraColumns(const FaultColumns& columns, const CameraImuEstimate& estimate) {
-  std::vector<int> out;
-  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
-    const auto count = static_cast<int>(estimate.cameras[c].intrinsics.stacked().size());
-    for (int k = 0; k < count; ++k) out.push_back(columns.intrinsics[c] + k);
-    for (int k = 0; c > 0 && k < 6; ++k) out.push_back(columns.T_C0Ci[c] + k);
-  }
-  return out;
-}
-
 /// Faults of the inertial samples, which act all along.
 std::vector<Candidate> sampleFaults(const FaultColumns& columns) {
   const int a = columns.samples + SampleFaults::kAccel;
@@ -77,7 +66,8 @@ std::vector<Candidate> bodyFaults(const FaultColumns& columns, const CameraImuEs
            .begins = true},
           {.fault = UnmodelledFault::kTargetShape,
            .columns = columnRange(columns.shape, FaultColumns::kShape),
-           .nuisance = cameraColumns(columns, estimate)},
+           // What a calibration of the cameras has adapted to the target.
+           .nuisance = givenCameras(columns, estimate).columns},
           {.fault = UnmodelledFault::kTargetMoved,
            .columns = columnRange(columns.target_jump, 3),
            .at = found.jumps.target_at,
@@ -120,16 +110,23 @@ std::vector<Candidate> faultCandidates(const FaultColumns& columns,
   return out;
 }
 
-Terms heldCameras(const FaultColumns& columns, const CameraImuEstimate& estimate) {
-  Terms out;
+Candidate givenCameras(const FaultColumns& columns, const CameraImuEstimate& estimate) {
+  Candidate out;
+  out.fault = UnmodelledFault::kGivenCameras;
   const auto add = [&](int first, int count) {
-    for (const Term& term : termRange(first, count)) out.push_back(term);
+    for (int k = 0; k < count; ++k) out.columns.push_back(first + k);
   };
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     add(columns.intrinsics[c], static_cast<int>(estimate.cameras[c].intrinsics.stacked().size()));
   }
   for (std::size_t c = 1; c < estimate.cameras.size(); ++c) add(columns.T_C0Ci[c], 6);
-  add(columns.shape, FaultColumns::kShape);
+  return out;
+}
+
+Terms heldCameras(const FaultColumns& columns, const CameraImuEstimate& estimate) {
+  Terms out;
+  for (const int column : givenCameras(columns, estimate).columns) out.push_back({column, 0});
+  for (const Term& term : termRange(columns.shape, FaultColumns::kShape)) out.push_back(term);
   return out;
 }
 

@@ -118,6 +118,15 @@ const FaultWords kFaultWords[] = {
      1e3, "ms", kEighths,
      "look for lost frames or samples that evenly spaced stamps hide, and for clocks that run at "
      "different rates; use the sensors' own stamps"},
+    // Named camera by camera: shownOf().
+    {UnmodelledFault::kGivenCameras,
+     "the given cameras do not suit this recording's corners, which ask for changes",
+     1,
+     "px",
+     {},
+     "refine the cameras on this recording (--free-cameras) or calibrate them on it (without "
+     "--cameras); if they were estimated with a shape of the board, give that too "
+     "(--target-shape)"},
 };
 
 const FaultWords& wordsOf(UnmodelledFault fault) {
@@ -125,32 +134,64 @@ const FaultWords& wordsOf(UnmodelledFault fault) {
                        [&](const FaultWords& words) { return words.fault == fault; });
 }
 
+/// A component of an estimate, in the unit that is shown.
+struct ShownComponent {
+  std::string name;  ///< empty: there is one
+  double estimate = 0, std = 0;
+};
+
+/// All components; of cameras those in pixels, as the others have units of their own.
+std::vector<ShownComponent> shownOf(const FaultTest& test, const FaultWords& words,
+                                    const std::vector<CameraCalibration>& cameras) {
+  std::vector<ShownComponent> shown;
+  const auto add = [&](const std::string& name, Eigen::Index k) {
+    shown.push_back({name, words.scale * test.estimate(k), words.scale * test.std(k)});
+  };
+  if (test.fault == UnmodelledFault::kGivenCameras) {
+    Eigen::Index at = 0;
+    for (const CameraCalibration& camera : cameras) {
+      const Eigen::Index fu = at + camera.intrinsics.projection.size() - 4;
+      Eigen::Index k = fu;
+      for (const char* name : {".fu", ".fv", ".pu", ".pv"}) add(camera.name + name, k++);
+      at += camera.intrinsics.stacked().size();
+    }
+    return shown;
+  }
+  for (Eigen::Index k = 0; k < test.estimate.size(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    add(i < words.names.size() ? words.names[i] : "", k);
+  }
+  return shown;
+}
+
 /// "x +2.00, z +0.13 % (+- 0.01, 0.02)": the components that are known to differ from zero, or the
 /// one that is nearest to it. The others would bury them.
-std::string figures(const FaultTest& test, const FaultWords& words) {
+std::string figures(const std::vector<ShownComponent>& shown, const char* unit) {
   constexpr double kKnown = 3;  // standard deviations
-  const Eigen::VectorXd ratio = test.estimate.cwiseAbs().cwiseQuotient(test.std);
-  const double least = std::min(kKnown, ratio.maxCoeff());
+  const auto ratio = [](const ShownComponent& c) { return std::abs(c.estimate) / c.std; };
+  double least = 0;
+  for (const ShownComponent& c : shown) least = std::max(least, ratio(c));
+  least = std::min(kKnown, least);
   std::string values, deviations;
-  for (Eigen::Index k = 0; k < test.estimate.size(); ++k) {
-    if (!(ratio(k) >= least)) continue;
+  for (const ShownComponent& c : shown) {
+    if (!(ratio(c) >= least)) continue;
     const char* comma = values.empty() ? "" : ", ";
-    const auto i = static_cast<std::size_t>(k);
-    const std::string name = i < words.names.size() ? words.names[i] + std::string(" ") : "";
-    values += fmt::format("{}{}{:+.3g}", comma, name, words.scale * test.estimate(k));
-    deviations += fmt::format("{}{:.1g}", comma, words.scale * test.std(k));
+    values += fmt::format("{}{}{}{:+.3g}", comma, c.name, c.name.empty() ? "" : " ", c.estimate);
+    deviations += fmt::format("{}{:.1g}", comma, c.std);
   }
-  return fmt::format("{} {} (+- {})", values, words.unit, deviations);
+  return fmt::format("{} {} (+- {})", values, unit, deviations);
 }
 
 /// What is at fault, where, since when or at which frequency, and by how much.
-std::string sentence(const FaultTest& test, TimeNs begin) {
+std::string sentence(const FaultTest& test, const CameraImuStageResult& stage) {
   const FaultWords& words = wordsOf(test.fault);
   std::string text = words.what;
   if (test.camera >= 0) text += fmt::format(" of cam{}", test.camera);
-  if (test.since) text += fmt::format(" from {:.1f} s on", secondsBetween(begin, *test.since));
+  if (test.since) {
+    text += fmt::format(" from {:.1f} s on", secondsBetween(stage.frames.front().t, *test.since));
+  }
   if (test.frequency_hz) text += fmt::format(" at {:.2f} Hz", *test.frequency_hz);
-  return fmt::format("{}: {}", text, figures(test, words));
+  return fmt::format("{}: {}", text, figures(shownOf(test, words, stage.cameras), words.unit));
 }
 
 /// `shift` is what modelling the fault changes: T_SC0's translation [m], its rotation in the left
@@ -188,17 +229,44 @@ bool contradictsStatedValue(UnmodelledFault fault) {
   }
 }
 
+/// An effect on the calibration, and where it is caution and bad.
+struct Effect {
+  double value = 0;
+  const char* unit;
+  Bound bound;
+};
+
+/// Of cameras that were given the effect counts in robust deviations, since those of other
+/// recordings differ by more than formal ones, and in the units of the calibration, by the bounds
+/// on its deviations.
+Effect worstEffect(const FaultTest& cause, double sigma, const VerdictThresholds& t) {
+  Effect worst{sigma, "sigma", t.fault_sigma};
+  if (cause.fault != UnmodelledFault::kGivenCameras) return worst;
+  worst.value = cause.shift_sigma;
+  for (const Effect& effect :
+       {Effect{cause.shift.head<3>().norm(), "m", t.lever_arm_std_m},
+        Effect{kDegrees * cause.shift.segment<3>(3).norm(), "deg", t.rotation_std_deg},
+        Effect{1e3 * std::abs(cause.shift(6)), "ms", t.offset_std_ms}}) {
+    if (levelAbove(effect.value, effect.bound) > levelAbove(worst.value, worst.bound)) {
+      worst = effect;
+    }
+  }
+  return worst;
+}
+
 /// The level is by the effect on the calibration, not by the test's significance: a fault that is
 /// certain and moves nothing is good, unless what the calibration states has no single value.
-Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const Rule& rule,
-                  const std::string& evidence) {
+Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const std::string& name,
+                  const std::string& evidence, const std::string& advice,
+                  const VerdictThresholds& t) {
   const double sigma = effectInSigma(cause, diagnosis);
-  VerdictLevel level = levelAbove(sigma, rule.bound);
+  const Effect effect_of = worstEffect(cause, sigma, t);
+  VerdictLevel level = levelAbove(effect_of.value, effect_of.bound);
   if (level == VerdictLevel::kGood && contradictsStatedValue(cause.fault)) {
     level = VerdictLevel::kCaution;
   }
   return finding(
-      rule, level, sigma,
+      {name, effect_of.unit, effect_of.bound, advice}, level, effect_of.value,
       fmt::format("{}; {} ({:.1f} of its formal standard deviations){}", evidence, effect(cause),
                   sigma,
                   &cause == &diagnosis.causes.front()
@@ -214,8 +282,7 @@ Failure notConverged(const CameraImuStageResult& stage) {
   if (!stage.faults || stage.faults->causes.empty()) return failure;
   // Tested where the solver stopped, which is no optimum: a hint, and no finding with a level.
   const FaultTest& cause = stage.faults->causes.front();
-  failure.values.insert(
-      {{"fault", sentence(cause, stage.frames.front().t)}, {"cure", wordsOf(cause.fault).cure}});
+  failure.values.insert({{"fault", sentence(cause, stage)}, {"cure", wordsOf(cause.fault).cure}});
   return failure;
 }
 
@@ -223,7 +290,6 @@ Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds&
   Findings findings;
   if (!stage.faults) return findings;
   const FaultDiagnosis& diagnosis = *stage.faults;
-  const TimeNs begin = stage.frames.front().t;
   if (diagnosis.causes.empty()) {
     // The rule compares effects on the calibration, of which there are none: its value is 0, and
     // the largest significance is evidence alone.
@@ -238,17 +304,16 @@ Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds&
   }
   for (const FaultTest& cause : diagnosis.causes) {
     const bool first = &cause == &diagnosis.causes.front();
-    std::string evidence = sentence(cause, begin);
-    std::string advice = wordsOf(cause.fault).cure;
+    std::string evidence = sentence(cause, stage);
     // The alternative is one to the first cause: the further ones were tested with that in the
     // model.
     if (first && diagnosis.alternative) {
-      evidence += "; alternatively " + sentence(*diagnosis.alternative, begin) +
+      evidence += "; alternatively " + sentence(*diagnosis.alternative, stage) +
                   ": this recording does not distinguish the two";
     }
-    const Rule rule{first ? "Unmodelled fault" : "Further unmodelled fault", "sigma", t.fault_sigma,
-                    std::move(advice)};
-    findings.push_back(findingOf(cause, diagnosis, rule, evidence));
+    findings.push_back(findingOf(cause, diagnosis,
+                                 first ? "Unmodelled fault" : "Further unmodelled fault", evidence,
+                                 wordsOf(cause.fault).cure, t));
   }
   return findings;
 }

@@ -15,18 +15,33 @@ namespace {
 
 constexpr double kPessimisticFactor = 1.0 / 5;  // densities further from what the data need
 
+/// Errors of cameras look like noise of the IMU: what is said of those that were given.
+std::string adviceOnDensity(const CalibrationRecord& record) {
+  const auto& faults = record.camera_imu->faults;
+  const bool given_do_not_suit =
+      faults && std::any_of(faults->causes.begin(), faults->causes.end(), [](const FaultTest& f) {
+        return f.fault == UnmodelledFault::kGivenCameras;
+      });
+  if (given_do_not_suit) {
+    return "Mend the given cameras first: they do not suit this recording, and such errors can "
+           "look like noise of the IMU.";
+  }
+  const bool untested = !record.camera && !faults;
+  return fmt::format(
+      "The density in imu.yaml is too small for this recording: raise it by that factor, or "
+      "look for vibration, saturation, blur{} or a wrong IMU scale. Standard deviations are too "
+      "small until then.",
+      untested ? ", given cameras that do not suit the recording (not tested)" : "");
+}
+
 }  // namespace
 
 Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
-                      const VerdictThresholds& t) {
+                      const CalibrationRecord& record, const VerdictThresholds& t) {
   Findings findings;
   // The factor's relative deviation is 1 / sqrt(2 redundancy): a tenth at the bound.
   if (check.redundancy < kLeastRedundancy) return findings;
-  Rule rule{
-      "Noise density of the " + sensor, "-", t.imu_noise_factor,
-      "The density in imu.yaml is too small for this recording: raise it by that factor, or "
-      "look for vibration, saturation, blur or a wrong IMU scale. Standard deviations are too "
-      "small until then."};
+  Rule rule{"Noise density of the " + sensor, "-", t.imu_noise_factor, adviceOnDensity(record)};
   VerdictLevel level = levelAbove(check.factor, rule.bound);
   // Too large a density biases nothing, it wastes information: never bad.
   if (check.factor < kPessimisticFactor) {

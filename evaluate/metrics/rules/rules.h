@@ -105,9 +105,10 @@ Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThre
 /// fit ahead of the batch, where faults could not be tested (caution at most).
 Findings judgeStatements(const CalibrationRecord& record, const VerdictThresholds& t);
 Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t);
-/// One density of imu.yaml against what the residuals say of it, if they say enough.
+/// One density of imu.yaml against what the residuals say of it, if they say enough. `record` is
+/// that of the check, with its camera-IMU stage.
 Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
-                      const VerdictThresholds& t);
+                      const CalibrationRecord& record, const VerdictThresholds& t);
 
 // ---- single samples (sample_rules.cpp)
 /// Channels whose largest reading repeats in a row and far more often than the next ones: cut off

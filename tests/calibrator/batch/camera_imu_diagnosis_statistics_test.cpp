@@ -139,6 +139,30 @@ TEST(CameraImuDiagnosis, CameraThatIsBumped) {
   EXPECT_EQ(bumped.causes.front().camera, 1);
 }
 
+TEST(CameraImuDiagnosis, GivenCamerasThatDoNotSuitTheRecording) {
+  const SimulatedSession simulated = test::simulate(test::noisyRecording(3, kDuration));
+  const auto diagnosisWith = [&](double factor) {
+    std::vector<CameraCalibration> cameras = simulated.truth.cameras;
+    for (CameraCalibration& camera : cameras) camera.intrinsics.projection.head<2>() *= factor;
+    CameraImuOptions options = test::matchedOptions(simulated, 0.2);
+    options.cameras_given = true;
+    const auto result = calibrateCameraImu(simulated.session, cameras, options);
+    EXPECT_TRUE(result && result->faults);
+    return *result->faults;
+  };
+  EXPECT_TRUE(diagnosisWith(1).causes.empty());
+  for (const double factor : {0.99, 1.003}) {
+    const FaultDiagnosis diagnosis = diagnosisWith(factor);
+    ASSERT_FALSE(diagnosis.causes.empty()) << factor;
+    const FaultTest& cause = diagnosis.causes.front();
+    EXPECT_EQ(cause.fault, UnmodelledFault::kGivenCameras) << factor;
+    EXPECT_EQ(cause.estimate.size(), 8 + 8 + 6);
+    const double fu = simulated.truth.cameras[0].intrinsics.projection(0);
+    EXPECT_NEAR(cause.estimate(0), (1 - factor) * fu, 0.1 * std::abs(1 - factor) * fu);
+    EXPECT_GT(cause.shift_sigma, 3) << factor;
+  }
+}
+
 TEST(CameraImuDiagnosis, RollingShutterAndALateCamera) {
   expectCause(diagnosisOf({faultOf(FaultKind::kRollingShutter, 10e-3)}),
               UnmodelledFault::kLineDelay, {10e-3}, 1e-3);

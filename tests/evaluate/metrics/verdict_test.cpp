@@ -220,6 +220,38 @@ TEST(Verdict, AWrongSizeBelowTheBoundOfACauseIsACaution) {
   }
 }
 
+TEST(Verdict, GivenCamerasThatDoNotSuitAreNamedAndTheGyroscopeIsNotBlamed) {
+  CalibrationRecord record;
+  CameraImuStageResult& stage = record.camera_imu.emplace();
+  stage.frames.push_back({0, {0}});
+  stage.cameras.resize(1);
+  stage.cameras[0].name = "cam0";
+  stage.cameras[0].intrinsics.projection = Eigen::Vector4d(460, 460, 376, 240);
+  stage.cameras[0].intrinsics.distortion = Eigen::Vector4d::Zero();
+  stage.imu_summary.noise.gyro.factor = 3.6;
+  stage.imu_summary.noise.gyro.redundancy = 1000;
+  const auto density = [&] { return findingOf(judge(record), "Noise density of the gyroscope"); };
+  EXPECT_THAT(density().advice, ::testing::HasSubstr("(not tested)"));
+  FaultTest test;
+  test.fault = UnmodelledFault::kGivenCameras;
+  test.estimate = test.std = Eigen::VectorXd::Constant(8, 0.1);
+  test.estimate(1) = -4.6;
+  test.shift(2) = 9e-3;
+  FaultDiagnosis& faults = stage.faults.emplace();
+  faults.formal_std.setConstant(3e-4);
+  EXPECT_THAT(density().advice, ::testing::HasSubstr("raise it by that factor"));
+  faults.tests = faults.causes = {test};
+  EXPECT_THAT(density().advice, ::testing::HasSubstr("Mend the given cameras first"));
+  const Finding fault = findingOf(judge(record), "Unmodelled fault");
+  EXPECT_EQ(fault.level, VerdictLevel::kCaution);
+  EXPECT_THAT(fault.evidence, ::testing::HasSubstr("cam0.fv -4.6 px (+- 0.1)"));
+  EXPECT_THAT(fault.advice, ::testing::HasSubstr("--free-cameras"));
+  // By the bounds on deviations; of other recordings' cameras many formal deviations are no more.
+  stage.faults->causes[0].shift(2) = 27e-3;
+  EXPECT_EQ(findingOf(judge(record), "Unmodelled fault").level, VerdictLevel::kBad);
+  EXPECT_EQ(findingOf(judge(record), "Unmodelled fault").unit, "m");
+}
+
 TEST(Verdict, CamerasThatAreNotSynchronisedAreNamedWithTheirOffsets) {
   CalibrationRecord record = cameraRecord(0.3, 0.5);
   record.camera_imu = CameraImuStageResult();
