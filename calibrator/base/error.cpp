@@ -71,6 +71,7 @@ constexpr CodeRow kCodes[] = {
     {Code::kFramePosesFree, "FramePosesFree", Reason::kNotObservable},
     {Code::kCamerasNotConverged, "CamerasNotConverged", Reason::kNotConverged},
     {Code::kCameraCountDiffers, "CameraCountDiffers", Reason::kTooFewViews},
+    {Code::kCamerasDoNotFit, "CamerasDoNotFit", Reason::kImplausible},
     {Code::kTooFewPosedFrames, "TooFewPosedFrames", Reason::kTooFewViews},
     {Code::kTooFewCoveredFrames, "TooFewCoveredFrames", Reason::kNoOverlap},
     {Code::kTooFewJoinedFrames, "TooFewJoinedFrames", Reason::kNoOverlap},

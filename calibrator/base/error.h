@@ -89,16 +89,22 @@ enum class FailureCode {
   kNoFramePose,           ///< frames
   kFilterLeftNoFrame,     ///< frames
   kInformationNotFinite,  ///< the weights are out of measure
-  kFocalLengthFree,       ///< camera, direction (parameters)
-  kPrincipalPointFree,    ///< camera, direction (parameters)
-  kExtrinsicsFree,        ///< camera, direction (parameters)
-  kDistortionFree,        ///< camera, direction (parameters)
+  kFocalLengthFree,       ///< camera, direction (parameters); of its views, where they are known:
+                          ///< tilt_deg (nine in ten are below), reach (nine corners in ten are
+                          ///< nearer to the image's centre, in half diagonals), coefficients (of
+                          ///< the lens); lens_held (1: all else is determined where the lens
+                          ///< coefficients are held, else 0)
+  kPrincipalPointFree,    ///< as kFocalLengthFree
+  kExtrinsicsFree,        ///< as kFocalLengthFree
+  kDistortionFree,        ///< as kFocalLengthFree
   kInformationSingular,   ///< of the cameras
   kSessionInformationSingular,  ///< of cameras that were given, on this session
   kFramePosesFree,              ///< no frame's pose is determined
   kCamerasNotConverged,         ///< iterations
   // Camera and IMU (calibrator/batch/camera_imu).
   kCameraCountDiffers,         ///< calibrated, session
+  kCamerasDoNotFit,            ///< median_px (reprojection error, poses alone), cameras, given (1:
+                               ///< cameras that were given, else 0), imu (words of what failed)
   kTooFewPosedFrames,          ///< frames, needed
   kTooFewCoveredFrames,        ///< covered, frames, offset_s, needed
   kTooFewJoinedFrames,         ///< joined, covered, frames, longest_s, needed

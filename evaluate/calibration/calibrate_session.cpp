@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/calibration/calibrate_session.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "evaluate/metrics/calibration/uncertainty_maps.h"
 #include "evaluate/metrics/coverage.h"
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/rules/rules.h"
 #include "evaluate/session/load_session.h"
@@ -138,6 +140,36 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   return std::nullopt;
 }
 
+/// A failure of the camera-IMU stage, or, where poses of their own do not explain the corners
+/// either, that of the cameras: then no cause in the IMU was tested.
+Failure withCamerasSuspect(const Failure& failure, const CalibrateRequest& request,
+                           const Session& session, const std::vector<CameraCalibration>& cameras,
+                           const CalibrationRecord& record) {
+  StageSummary summary;
+  if (record.camera) {
+    summary = record.camera->summary;
+  } else {
+    const auto score = scoreCameras(session, cameras, request.camera);
+    if (!score) return failure;
+    summary = score->summary;
+  }
+  // The median, as false corners are no fault of the cameras.
+  double worst = 0;
+  std::vector<std::string> names;
+  for (std::size_t c = 0; c < summary.per_camera.size(); ++c) {
+    const double median = summary.per_camera[c].median_px;
+    if (!(median > request.thresholds.rmse_px.caution)) continue;
+    worst = std::max(worst, median);
+    names.push_back(cameras[c].name);
+  }
+  if (names.empty()) return failure;
+  return {FailureCode::kCamerasDoNotFit,
+          {{"median_px", worst},
+           {"cameras", names},
+           {"given", record.camera ? 0 : 1},
+           {"imu", textOf(failure).message}}};
+}
+
 CalibrationRecord emptyRecord(const CalibrateRequest& request, const LoadedSession& loaded) {
   CalibrationRecord record;
   attribute(record, request.provenance, loaded);
@@ -207,7 +239,8 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   if (with_imu) {
     record.assumptions.imu_noise = loaded.session.imu->noise;
     if (auto failure = cameraImuStage(request, loaded, cameras, stated, progress, record)) {
-      return locate(*failure, loaded, request.load.session);
+      return locate(withCamerasSuspect(*failure, request, loaded.session, cameras, record), loaded,
+                    request.load.session);
     }
   }
   addViewImages(loaded, record);

@@ -144,21 +144,21 @@ const FailureRow kRows[] = {
     {Code::kInformationNotFinite, "the information matrix of the cameras is not finite",
      "check --pixel-sigma and the scale of --loss: one of them is far out of range"},
     {Code::kFocalLengthFree,
-     "not observable: the focal length of {camera} cannot be separated from the distance to the "
-     "target: all views are nearly parallel to it (free direction along {direction})",
-     "add views with the target tilted by 30 degrees and more, about both of its axes"},
+     "not observable: the focal length of {camera} is not determined{why} (free direction along "
+     "{direction})",
+     "{mend}"},
     {Code::kPrincipalPointFree,
-     "not observable: the principal point of {camera} cannot be separated from the poses: the "
-     "views are too similar (free direction along {direction})",
-     "add views with the target tilted about both of its axes and the camera rolled"},
+     "not observable: the principal point of {camera} cannot be separated from the poses{why} "
+     "(free direction along {direction})",
+     "{mend}"},
     {Code::kExtrinsicsFree,
      "not observable: the transform {camera} is not determined by the frames that its camera "
      "shares with others (free direction along {direction})",
      "add frames in which both cameras see many tags at the same time, with the target tilted"},
     {Code::kDistortionFree,
-     "not observable: the distortion of {camera} is not determined: too few corners away from the "
-     "image's centre (free direction along {direction})",
-     "add views with the target near the edges and corners of the image"},
+     "not observable: the distortion of {camera} is not determined{why} (free direction along "
+     "{direction})",
+     "{mend}"},
     {Code::kInformationSingular,
      "not observable: the information matrix of the cameras is singular", kTurnAndTilt},
     {Code::kSessionInformationSingular,
@@ -173,6 +173,11 @@ const FailureRow kRows[] = {
 
     {Code::kCameraCountDiffers, "{calibrated} cameras are calibrated, the session has {session}",
      "use a calibration of the session's own cameras"},
+    {Code::kCamerasDoNotFit,
+     "{cameras}: {whose} cameras do not explain the corners: poses of their own leave "
+     "{median_px:.2f} "
+     "px (median), in which no IMU has a part; camera and IMU fail on such poses ({imu})",
+     "{mend}"},
     {Code::kTooFewPosedFrames,
      "{frames} frames show the target well enough for a pose; at least {needed} are needed",
      "keep the target in view, and check that the intrinsics belong to these cameras"},

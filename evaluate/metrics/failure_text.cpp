@@ -176,6 +176,70 @@ void addOfSamples(const Failure& f, Words& words) {
   }
 }
 
+/// What leaves a parameter of a camera free, by what is known of its views; nothing is said that
+/// does not hold of them.
+struct FreeText {
+  std::string why, mend;
+};
+
+FreeText whyFree(const Failure& f) {
+  constexpr double kTilted = 25;  // degrees
+  constexpr double kReach = 0.6;  // half diagonals
+  const double tilt_deg = f.number("tilt_deg"), reach = f.number("reach");
+  // More coefficients than the usual models have can fail to separate whatever the views.
+  const bool many = f.number("coefficients") > 4;
+  if (f.code == Code::kDistortionFree && reach < kReach && !many) {
+    return {fmt::format(": too few corners away from the image's centre (nine in ten within {:.0f} "
+                        "% of its half diagonal)",
+                        100 * reach),
+            "add views with the target near the edges and corners of the image"};
+  }
+  if (f.code != Code::kDistortionFree && tilt_deg < kTilted) {
+    return {fmt::format(": the views are nearly parallel to the target (nine in ten tilted by less "
+                        "than {:.0f} degrees)",
+                        tilt_deg),
+            "add views with the target tilted by 30 degrees and more, about both of its axes, and "
+            "the camera rolled"};
+  }
+  if (f.number("lens_held") > 0) {
+    return {
+        ": the lens model has more coefficients than these views determine; with them held all "
+        "else is determined",
+        "take a lens model with fewer coefficients, or let --models auto choose; views of other "
+        "distances, tilts and parts of the image may determine this one"};
+  }
+  return {"; the cause is not known",
+          "try another lens model (--models), or add views with the target tilted, rolled, and all "
+          "over the image"};
+}
+
+/// Of a camera.
+void addOfCameras(const Failure& f, Words& words) {
+  switch (f.code) {
+    case Code::kFocalLengthFree:
+    case Code::kPrincipalPointFree:
+    case Code::kDistortionFree: {
+      const FreeText text = whyFree(f);
+      words.push_back(fmt::arg("why", text.why));
+      words.push_back(fmt::arg("mend", text.mend));
+      return;
+    }
+    case Code::kCamerasDoNotFit: {
+      const bool given = f.number("given") > 0;
+      words.push_back(fmt::arg("whose", given ? "the given" : "the calibrated"));
+      words.push_back(fmt::arg(
+          "mend", given ? "refine the cameras on this recording (--free-cameras), or calibrate "
+                          "them on it (without --cameras)"
+                        : "mend that first: try another lens model (--models auto), check the "
+                          "target's layout in target.yaml, and see the errors over the image on "
+                          "the page of a run with --no-imu"));
+      return;
+    }
+    default:
+      return;
+  }
+}
+
 /// Of a calibration.
 void addOfCalibration(const Failure& f, Words& words) {
   switch (f.code) {
@@ -263,6 +327,7 @@ FailureText textOf(const Failure& failure) {
   }
   try {
     addOfSamples(failure, words);
+    addOfCameras(failure, words);
     addOfCalibration(failure, words);
     addOfTrajectory(failure, words);
     FailureText text{fmt::vformat(row.message, words), fmt::vformat(row.cure, words)};

@@ -119,7 +119,7 @@ void addClosure(const std::vector<StampedPose>& poses, OdometryRunRecord& r) {
   r.closure_deg = poses.front().q.angularDistance(poses.back().q) * 180 / std::numbers::pi;
 }
 
-/// What the odometry would choose for the time offset, and for T_SC0; that it has no choice is said.
+/// What the odometry would choose for the time offset, and for T_SC0; that it gives none is said.
 void addHint(const Plan& plan, const OdometryRequest& request, OdometryRunRecord& r,
              std::vector<std::string>& remarks) {
   const Calibration calibration = withNoise(plan);

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/camera/stage.h"
@@ -51,6 +55,18 @@ FailureCode codeOfFree(int parameter, const std::vector<CameraCalibration>& came
   return FailureCode::kExtrinsicsFree;
 }
 
+/// Whether all else is determined where the lens coefficients of every camera are held: then it is
+/// they that the views do not separate, from each other or from the rest.
+bool isDeterminedWithLensesHeld(const Eigen::MatrixXd& information, const Eigen::VectorXd& sizes,
+                                const std::vector<CameraCalibration>& cameras,
+                                const CameraLayout& layout) {
+  std::vector<Eigen::Index> others;
+  for (int i = 0; i < layout.size; ++i) {
+    if (codeOfFree(i, cameras, layout) != FailureCode::kDistortionFree) others.push_back(i);
+  }
+  return freeDirections(information(others, others), sizes(others)).empty();
+}
+
 Failure notObservable(const FreeDirection& direction, const CameraStageResult& result,
                       const CameraLayout& layout) {
   std::vector<std::string> names;
@@ -62,6 +78,33 @@ Failure notObservable(const FreeDirection& direction, const CameraStageResult& r
   const std::string camera = names.front().substr(0, names.front().rfind('.'));
   return {codeOfFree(direction.leading.front(), result.cameras, layout),
           {{"camera", camera}, {"direction", names}}};
+}
+
+/// Adds to a failure to observe a camera how its views lie: what they lack, if they lack it.
+void describeViews(const Session& session, const CameraProblem& problem,
+                   const CameraStageResult& result, Failure& failure) {
+  constexpr double kMost = 0.9;
+  const std::string& camera = std::get<std::string>(failure.values.at("camera").content());
+  std::vector<double> tilts, radii;
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    if (session.cameras[c].name != camera) continue;
+    const Intrinsics& intrinsics = result.cameras[c].intrinsics;
+    failure.values.emplace("coefficients", intrinsics.stacked().size() - 4);
+    const Resolution& size = intrinsics.resolution;
+    const Eigen::Vector2d half(0.5 * size.width, 0.5 * size.height);
+    for (std::size_t f = 0; f < problem.frames.size(); ++f) {
+      if (problem.frames[f].view[c] < 0) continue;
+      const PackedView view = problem.corners[c].view(problem.frames[f].view[c]);
+      const Transform T_FC = result.T_FC0[f] * result.cameras[c].T_C0Ci;
+      tilts.push_back(std::acos(std::clamp(-T_FC.R(2, 2), -1.0, 1.0)));
+      for (int k = 0; k < view.count; ++k) {
+        radii.push_back((Eigen::Vector2d(view.u[k], view.v[k]) - half).norm() / half.norm());
+      }
+    }
+  }
+  if (tilts.empty() || radii.empty()) return;
+  failure.values.emplace("tilt_deg", quantile(std::move(tilts), kMost) / kDegree);
+  failure.values.emplace("reach", quantile(std::move(radii), kMost));
 }
 
 /// Corners of all views that take part.
@@ -127,8 +170,14 @@ std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
     return Failure{FailureCode::kInformationNotFinite};
   }
   // Before the covariance: a weak direction has one as well, only a large one.
-  const auto free = freeDirections(information, worthlessErrors(result.cameras, layout));
-  if (!free.empty()) return notObservable(free.front(), result, layout);
+  const Eigen::VectorXd sizes = worthlessErrors(result.cameras, layout);
+  const auto free = freeDirections(information, sizes);
+  if (!free.empty()) {
+    Failure failure = notObservable(free.front(), result, layout);
+    const bool held = isDeterminedWithLensesHeld(information, sizes, result.cameras, layout);
+    failure.values.emplace("lens_held", held ? 1 : 0);
+    return failure;
+  }
   const auto covariance = covarianceOf(information);
   const auto entropy = entropyNats(information);
   if (!covariance || !entropy) {
@@ -225,8 +274,11 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   // Higher terms are unknown as well, though the batch held them.
   if (share) information = share->marginalised(information);
   if (solution.estimate.target) result.target.covariance = targetCovariance(information);
-  const auto failure = addCovariance(
+  auto failure = addCovariance(
       marginalInformation(information, CameraLayout(solution.estimate).camerasSize()), result);
+  if (failure && failure->values.count("camera") > 0) {
+    describeViews(session, problem, result, *failure);
+  }
   if (failure) return *failure;
   if (!solution.converged) {
     return Failure{FailureCode::kCamerasNotConverged, {{"iterations", solution.iterations}}};

@@ -88,8 +88,20 @@ TEST(CameraFailures, AViewFromOnePlaceLeavesTheFocalLengthFreeWhateverTheNoiseAs
       ASSERT_FALSE(result.ok());
       EXPECT_EQ(result.failure().code, FailureCode::kFocalLengthFree);
       EXPECT_EQ(result.failure().reason(), FailureReason::kNotObservable);
+      EXPECT_LT(result.failure().number("tilt_deg"), 25);
     }
   }
+}
+
+TEST(CameraFailures, ALensModelWithTooManyCoefficientsIsToldFromViewsThatAreAlike) {
+  const SimulatedSession s = recording();
+  CameraStageOptions options;
+  options.models.assign(2, {ProjectionModel::kPinhole, DistortionModel::kRational});
+  const auto result = calibrateCameras(s.session, options);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.failure().number("lens_held"), 1);
+  EXPECT_GT(result.failure().number("tilt_deg"), 25);
+  EXPECT_EQ(result.failure().number("coefficients"), 8);
 }
 
 TEST(CameraFailures, AScoreOfWhichAFilterLeavesNoFrameIsNone) {

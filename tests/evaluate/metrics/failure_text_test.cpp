@@ -22,8 +22,9 @@ constexpr const char* kNumbers =
     "offset_std_s pairs across rms_deg rms_m distance_m estimate_from_s "
     "estimate_to_s given_s truth_from_s truth_to_s poses truth in_gaps max_gap_s max_dt_s "
     "nearest_s as_read_deg reordered_deg aligned count apart_s pause_s from_s to_s "
-    "std_s joined longest_s images ";
-constexpr const char* kWords = "trajectory camera stage part calibration problem which alignment";
+    "std_s joined longest_s images median_px given tilt_deg reach lens_held ";
+constexpr const char* kWords =
+    "trajectory camera stage part calibration problem which alignment imu";
 
 std::vector<std::string> split(const std::string& text) {
   std::istringstream words(text);
@@ -38,7 +39,7 @@ std::map<std::string, FailureValue> everyValue() {
   for (const char* axis : {"axis", "translation_axis", "rotation_axis"}) {
     values.emplace(axis, Eigen::Vector3d(Eigen::Vector3d::UnitY()));
   }
-  for (const char* names : {"apart", "together", "direction"}) {
+  for (const char* names : {"apart", "together", "direction", "cameras"}) {
     values.emplace(names, std::vector<std::string>{"a", "b"});
   }
   return values;
@@ -78,6 +79,33 @@ TEST(FailureText, SaysWhereAndWhatToDo) {
                       {{"apart", std::vector<std::string>{"rear"}},
                        {"together", std::vector<std::string>{"left", "right"}}}};
   EXPECT_EQ(textOf(apart).message, "rear never saw the target in the same frame as left, right");
+}
+
+TEST(FailureText, BlamesViewsOnlyForWhatTheyLack) {
+  const auto textOfFree = [](FailureCode code, double tilt_deg, double reach, int lens_held) {
+    return problemOf({code,
+                      {{"camera", "cam0"},
+                       {"direction", std::vector<std::string>{"cam0.fu"}},
+                       {"tilt_deg", tilt_deg},
+                       {"reach", reach},
+                       {"lens_held", lens_held}}});
+  };
+  const auto focal = FailureCode::kFocalLengthFree, distortion = FailureCode::kDistortionFree;
+  EXPECT_THAT(textOfFree(focal, 5, 0.9, 0), HasSubstr("nearly parallel to the target"));
+  // The lens held, its own distortion determines the focal length even then.
+  EXPECT_THAT(textOfFree(focal, 5, 0.9, 1), HasSubstr("nearly parallel to the target"));
+  EXPECT_THAT(textOfFree(focal, 35, 0.9, 1), HasSubstr("a lens model with fewer coefficients"));
+  EXPECT_THAT(textOfFree(focal, 35, 0.9, 0), HasSubstr("the cause is not known"));
+  EXPECT_THAT(textOfFree(distortion, 35, 0.4, 1), HasSubstr("add views with the target near the"));
+  EXPECT_THAT(textOfFree(distortion, 35, 0.9, 1), HasSubstr("fewer coefficients"));
+  Failure many{distortion,
+               {{"camera", "cam0"}, {"direction", std::vector<std::string>{"cam0.k4"}}}};
+  many.values.insert({{"reach", 0.4}, {"lens_held", 1}, {"coefficients", 8}});
+  EXPECT_THAT(problemOf(many), HasSubstr("fewer coefficients"));
+  // Of views nothing is known.
+  EXPECT_THAT(
+      problemOf({focal, {{"camera", "cam0"}, {"direction", std::vector<std::string>{"cam0.fu"}}}}),
+      HasSubstr("the cause is not known"));
 }
 
 TEST(FailureText, ListsWhatTheMotionLeavesLoose) {
