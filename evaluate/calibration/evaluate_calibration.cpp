@@ -56,6 +56,25 @@ CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibratio
   return record;
 }
 
+/// Whether T_SC0 and the offset suit the recording, tested with both free; nothing where either
+/// side has no IMU.
+std::vector<Finding> heldImuFindings(const EvaluateCalibrationRequest& asked,
+                                     const Calibration& calibration, const Session& session,
+                                     const ProgressSink& progress) {
+  const ScoreOptions& options = asked.score;
+  if (!options.use_imu || !calibration.imu || !session.imu) return {};
+  progress("testing T_SC0 and the time offset", -1);
+  CameraImuOptions free = options.camera_imu;
+  free.noise_check = false;
+  // Its tests vary the lenses, of which some models can only be scored.
+  free.diagnose_faults = canBeCalibrated(calibration);
+  std::vector<Finding> findings =
+      judgeHeldImu(*calibration.imu, calibrateCameraImu(session, calibration.cameras, free));
+  if (statesTimeOffset(asked.calibration)) return findings;
+  for (Finding& f : findings) f.evidence += "; the file states no time offset, and 0 was taken";
+  return findings;
+}
+
 /// The board's shape beside the calibration, where none is given; "": there is none.
 std::string unusedShapeOf(const EvaluateCalibrationRequest& asked) {
   if (asked.load.target_shape) return "";
@@ -113,7 +132,9 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
     if (seen) score.held_out = false;
     record.held->scores.push_back(std::move(score));
   }
-  record.verdict = scoreVerdict(record, unusedShapeOf(asked));
+  record.verdict =
+      scoreVerdict(record, unusedShapeOf(asked),
+                   heldImuFindings(asked, scored.calibration, loaded.session, progress));
   return record;
 }
 

@@ -81,7 +81,10 @@ void addHeldImu(const Session& session, const Calibration& calibration, const Sc
   }
   // Its figures would be those of where it stopped.
   if (!imu->summary.converged) {
-    addProblem("camera-IMU: " + problemOf(notConverged(*imu)), out.score);
+    addProblem(fmt::format("camera-IMU: with T_SC0 and the time offset as given, poses and biases "
+                           "did not converge in {} iterations",
+                           imu->summary.iterations),
+               out.score);
     return;
   }
   addImuStage(*imu, out);

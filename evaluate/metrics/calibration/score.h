@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/error.h"
+#include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
@@ -83,8 +85,18 @@ std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
 /// recording, with the thresholds of a calibration's own verdict, and the scores that could not be
 /// had. The headline leads with its RMSE on every session, held out where it is known to be.
 /// For a record with `held`. `unused_shape` is the file of the board's shape that the calibration
-/// came with, where the board was taken as stated all the same ("": none).
+/// came with, where the board was taken as stated all the same ("": none). `held_imu` is what
+/// judgeHeldImu() says, where both sides have an IMU.
 Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape = "",
+                     const std::vector<Finding>& held_imu = {},
                      const VerdictThresholds& thresholds = {});
+
+/// T_SC0 and the time offset that were held against those that `estimated` found on the recording
+/// with the same cameras: by the bounds on their standard deviations, where they differ by more
+/// than three of the estimate's; with the mistake of convention that explains the difference, if
+/// one does. Where nothing could be estimated, that is said.
+std::vector<Finding> judgeHeldImu(const ImuCalibration& held,
+                                  const Result<CameraImuStageResult>& estimated,
+                                  const VerdictThresholds& thresholds = {});
 
 }  // namespace plumbline

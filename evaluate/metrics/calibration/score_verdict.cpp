@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "calibrator/base/transform.h"
 #include "evaluate/metrics/calibration/score.h"
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/rules/rules.h"
 
@@ -20,6 +25,9 @@ void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings
     // With corners scored only a part is missing (the IMU's, a fold's); without there is no score.
     f.level = s.reprojection.count > 0 ? VerdictLevel::kCaution : VerdictLevel::kBad;
     f.evidence = s.problem;
+    if (s.part == "all" && s.problem.starts_with("camera-IMU")) {
+      f.subject = FindingSubject::kExtrinsics;
+    }
     findings.push_back(std::move(f));
   }
 }
@@ -59,6 +67,40 @@ Findings judgeHeldOut(const std::vector<CalibrationScore>& scores, const Verdict
   return findings;
 }
 
+/// judgeResiduals() of a calibration that is held: its own advice is to who calibrates.
+Findings judgeHeldResiduals(const StageErrors& errors, const std::string& stage,
+                            const std::string& advice, const VerdictThresholds& t) {
+  Findings findings = judgeResiduals(errors, stage, t);
+  for (Finding& f : findings) {
+    if (!f.advice.empty()) f.advice = advice;
+  }
+  return findings;
+}
+
+/// The mistake of convention under which the held values are the recording's, as what to do; ""
+/// where none explains them.
+std::string mistakeOf(const ImuCalibration& held, const ImuCalibration& seen) {
+  constexpr double kSameRotation = 0.05;     // [rad]
+  constexpr double kSameTranslation = 0.02;  // [m]
+  constexpr double kSameOffset = 2e-3;       // [s]
+  const auto same = [&](const Transform& a) {
+    return rotationAngle(a.R.transpose() * seen.T_SC0.R) < kSameRotation &&
+           (a.t - seen.T_SC0.t).norm() < kSameTranslation;
+  };
+  const double offset = held.timeOffset(), seen_offset = seen.timeOffset();
+  const auto same_offset = [&](double s) { return std::abs(s - seen_offset) < kSameOffset; };
+  std::vector<std::string> mistakes;
+  if (!same(held.T_SC0) && same(held.T_SC0.inverse())) {
+    mistakes.emplace_back("its inverse agrees: invert T_cam_imu (T_SC0)");
+  }
+  if (!same_offset(offset) && same_offset(-offset)) {
+    mistakes.emplace_back("with the other sign the offset agrees: negate timeshift_cam_imu");
+  } else if (!same_offset(offset) && same_offset(1e-3 * offset)) {
+    mistakes.emplace_back("in milliseconds the offset agrees: divide timeshift_cam_imu by 1000");
+  }
+  return fmt::format("{}", fmt::join(mistakes, "; "));
+}
+
 /// A board of another shape than the one assumed shows as errors of the calibration: it must be
 /// said.
 Finding unusedShape(const std::string& file) {
@@ -92,28 +134,80 @@ std::string scoreWords(const std::vector<CalibrationScore>& scores) {
 
 }  // namespace
 
+std::vector<Finding> judgeHeldImu(const ImuCalibration& held,
+                                  const Result<CameraImuStageResult>& estimated,
+                                  const VerdictThresholds& t) {
+  Finding f;
+  f.rule = "T_SC0 and time offset against this recording";
+  f.subject = FindingSubject::kExtrinsics;
+  if (!estimated || !estimated->summary.converged) {
+    f.level = VerdictLevel::kCaution;
+    f.evidence = "not tested: on this recording they cannot be estimated with these cameras (" +
+                 (estimated ? std::string("the batch did not converge")
+                            : textOf(estimated.failure()).message) +
+                 ")";
+    return {f};
+  }
+  const ImuCalibration& seen = estimated->imu;
+  Eigen::Matrix<double, 7, 1> std;
+  std << *seen.T_SC0_std, *seen.time_offset_std_s;
+  if (estimated->faults) std = std.cwiseMax(estimated->faults->robust_std);
+  const double lever_m = (held.T_SC0.t - seen.T_SC0.t).norm();
+  const double angle_deg = rotationAngle(held.T_SC0.R.transpose() * seen.T_SC0.R) / kDegree;
+  const double offset_ms = 1e3 * std::abs(held.timeOffset() - seen.timeOffset());
+  const auto level = [](double off, double deviation, const Bound& bound) {
+    return off > 3 * deviation ? levelAbove(off, bound) : VerdictLevel::kGood;
+  };
+  f.level = std::max({level(lever_m, std.head<3>().norm(), t.lever_arm_std_m),
+                      level(angle_deg, std.segment<3>(3).norm() / kDegree, t.rotation_std_deg),
+                      level(offset_ms, 1e3 * std(6), t.offset_std_ms)});
+  f.evidence = fmt::format(
+      "estimated on this recording with the same cameras they differ by {:.1f} mm, {:.2f} deg and "
+      "{:.2f} ms (+- {:.1g}, {:.1g}, {:.1g})",
+      1e3 * lever_m, angle_deg, offset_ms, 1e3 * std.head<3>().norm(),
+      std.segment<3>(3).norm() / kDegree, 1e3 * std(6));
+  if (f.level != VerdictLevel::kGood) {
+    f.advice = mistakeOf(held, seen);
+    if (f.advice.empty()) {
+      f.advice =
+          "The recording contradicts them; the cause was not tested: another mounting, other "
+          "conventions, or a fault of this recording (see the verdict of plumbline calibrate on "
+          "it)";
+    }
+  }
+  return {f};
+}
+
 std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
                                  const std::optional<CameraImuStageResult>& camera_imu,
                                  const VerdictThresholds& thresholds) {
   Findings findings;
   if (camera) {
     append(findings,
-           judgeResiduals({camera->residuals, camera->summary, camera->cameras}, "cameras",
-                          thresholds),
+           judgeHeldResiduals({camera->residuals, camera->summary, camera->cameras}, "cameras",
+                              "Poses of their own do not explain the corners: the cameras are not "
+                              "those of this recording, their lens model does not fit, or corners "
+                              "and board are at fault (blur, a bent target). Calibrate a recording "
+                              "of this rig and see its verdict.",
+                              thresholds),
            FindingSubject::kCameras);
   }
   if (camera_imu) {
     append(findings,
-           judgeResiduals({camera_imu->residuals, camera_imu->summary, camera_imu->cameras},
-                          "camera-IMU", thresholds),
+           judgeHeldResiduals({camera_imu->residuals, camera_imu->summary, camera_imu->cameras},
+                              "camera-IMU",
+                              "Compare with the error of the cameras alone: where that is small, "
+                              "T_SC0, the time offset or the IMU contradict the cameras.",
+                              thresholds),
            FindingSubject::kExtrinsics);
   }
   return findings;
 }
 
 Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape,
-                     const VerdictThresholds& thresholds) {
+                     const std::vector<Finding>& held_imu, const VerdictThresholds& thresholds) {
   Findings findings = judgeScored(record.camera, record.camera_imu, thresholds);
+  append(findings, held_imu, FindingSubject::kExtrinsics);
   append(findings, judgeHeldOut(record.held->scores, thresholds));
   addUnscored(record.held->scores, findings);
   if (!unused_shape.empty()) findings.push_back(unusedShape(unused_shape));

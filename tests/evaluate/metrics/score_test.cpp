@@ -192,7 +192,7 @@ TEST(ScoreCalibration, ASolutionThatDidNotConvergeHasNoFigures) {
   Case c;
   c.options.camera_imu.max_iterations = 1;
   const CalibrationScore s = c.run().front();
-  EXPECT_THAT(s.problem, HasSubstr("camera-IMU calibration did not converge"));
+  EXPECT_THAT(s.problem, HasSubstr("poses and biases did not converge in 1 iterations"));
   EXPECT_GT(s.reprojection.count, 0u);
   EXPECT_FALSE(s.camera_imu);
 }

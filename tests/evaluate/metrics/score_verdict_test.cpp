@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Geometry>
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -90,6 +93,66 @@ TEST(ScoreVerdict, ACalibrationThatDoesNotFitTheRecordingIsBad) {
   const Verdict v = scoreVerdict(r);
   EXPECT_EQ(v.level, VerdictLevel::kBad);
   EXPECT_THAT(v.headline, HasSubstr("Reprojection error of cam0"));
+}
+
+CameraImuStageResult estimateOf(const Transform& T_SC0, double offset_s) {
+  CameraImuStageResult stage;
+  stage.summary.converged = true;
+  stage.imu.T_SC0 = T_SC0;
+  stage.imu.time_offsets = {{offset_s}};
+  stage.imu.T_SC0_std = Vector6d(Vector6d::Constant(1e-4));
+  stage.imu.time_offset_std_s = 1e-5;
+  return stage;
+}
+
+Transform quarterTurn() {
+  return {Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix(),
+          Eigen::Vector3d(-0.02, -0.065, 0.01)};
+}
+
+TEST(ScoreVerdict, AnExtrinsicOrOffsetThatTheRecordingContradictsIsBadAndTheMistakeNamed) {
+  const auto judged = [](const Transform& T_SC0, double offset_s) {
+    ImuCalibration held;
+    held.T_SC0 = T_SC0;
+    held.time_offsets = {{offset_s}};
+    return judgeHeldImu(held, estimateOf(quarterTurn(), 8e-3)).front();
+  };
+  EXPECT_EQ(judged(quarterTurn(), 8.1e-3).level, VerdictLevel::kGood);
+  EXPECT_EQ(judged(quarterTurn(), 9e-3).level, VerdictLevel::kCaution);
+  const Finding inverted = judged(quarterTurn().inverse(), 8e-3);
+  EXPECT_EQ(inverted.level, VerdictLevel::kBad);
+  EXPECT_THAT(inverted.advice, HasSubstr("invert T_cam_imu"));
+  // Turned by half a turn it is not the inverse, though the rotation is.
+  Transform half = quarterTurn();
+  half.R = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix() * half.R;
+  EXPECT_EQ(judged(half, 8e-3).level, VerdictLevel::kBad);
+  EXPECT_THAT(judged(half, 8e-3).advice, testing::Not(HasSubstr("invert")));
+  EXPECT_THAT(judged(quarterTurn(), -8e-3).advice, HasSubstr("negate timeshift_cam_imu"));
+  EXPECT_THAT(judged(quarterTurn(), 8).advice, HasSubstr("divide timeshift_cam_imu by 1000"));
+  EXPECT_EQ(judged(quarterTurn(), 8).level, VerdictLevel::kBad);
+}
+
+TEST(ScoreVerdict, AnExtrinsicThatCouldNotBeTestedIsNotGood) {
+  const Finding f =
+      judgeHeldImu({}, Failure{FailureCode::kAccelerometerAxes, {{"rms", 1.6}}}).front();
+  EXPECT_EQ(f.level, VerdictLevel::kCaution);
+  EXPECT_THAT(f.evidence, HasSubstr("not tested"));
+  const Verdict v = scoreVerdict(record({score("euroc", "all", 0.36)}), "", {f});
+  EXPECT_EQ(v.level, VerdictLevel::kCaution);
+}
+
+TEST(ScoreVerdict, NamesNoOptionThatTheCommandDoesNotHave) {
+  CalibrationRecord r = record({score("euroc", "all", 3)});
+  CameraStageResult stage;
+  stage.cameras.resize(1);
+  ErrorStatistics errors;
+  errors.rmse_px = 3;
+  errors.count = 1000;
+  stage.summary.per_camera = {errors};
+  r.camera = stage;
+  for (const Finding& f : scoreVerdict(r).findings) {
+    EXPECT_THAT(f.advice, testing::Not(HasSubstr("--models")));
+  }
 }
 
 }  // namespace
