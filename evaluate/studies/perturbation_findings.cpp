@@ -106,14 +106,24 @@ struct LargestChange {
   double sigmas = 0, bound = 0;
 };
 
+// What the largest of so many independent normal deviates exceeds as rarely as one exceeds three
+// deviations, or more rarely.
+double boundOfLargest(std::size_t count) {
+  return std::sqrt(9 + 2 * std::log(static_cast<double>(std::max<std::size_t>(count, 1))));
+}
+
 // Of a kind of perturbations, where it stands highest over its bound: three predicted deviations,
-// and at least what offsets may do.
+// more of many changes (boundOfLargest()), and at least what offsets may do.
 LargestChange largestChange(const PerturbationRecord& record, const std::string& kind,
                             double least_bound) {
   LargestChange largest;
+  std::size_t count = 0;
+  for (const PerturbationCase& c : record.cases) {
+    if (c.kind == kind && c.problem.empty()) count += c.changes_sigma.size();
+  }
   for (const PerturbationCase& c : record.cases) {
     if (c.kind != kind || !c.problem.empty()) continue;
-    const double bound = std::max(least_bound, 3 * predictedSigma(record, c));
+    const double bound = std::max(least_bound, boundOfLargest(count) * predictedSigma(record, c));
     for (std::size_t i = 0; i < c.changes_sigma.size(); ++i) {
       // No deviation is stated: the change is finite, and there is nothing to hold it against.
       const bool unknown_std = std::isnan(c.changes_sigma[i]) && std::isfinite(c.changes[i]);
@@ -140,8 +150,8 @@ std::string adviceFor(const std::string& kind) {
     return "the solution depends on its start values: give better ones with --cameras and "
            "--free-cameras";
   }
-  return "more than independent errors explain: parts of the recording disagree; see the verdict "
-         "of the calibration";
+  return "more than independent errors explain; the cause was not tested: see the verdict of the "
+         "calibration, and whether its halves agree";
 }
 
 /// Caution at most: perturbed inputs are worse inputs.
@@ -153,8 +163,8 @@ std::optional<Finding> kindFinding(const PerturbationRecord& record, Perturbatio
   f.rule = fmt::format("Parameters under {}", toString(kind));
   // Written so that NaN is no good.
   f.level = largest.sigmas <= largest.bound ? VerdictLevel::kGood : VerdictLevel::kCaution;
-  f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} {}",
-                           largest.parameter, largest.sigmas, largest.of->amount, largest.of->unit);
+  f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {}",
+                           largest.parameter, largest.sigmas, amountText(*largest.of));
   if (const double predicted = predictedSigma(record, *largest.of); predicted > 0) {
     f.evidence += fmt::format("; first order predicts {:.2g} (one sigma)", predicted);
   }
@@ -178,8 +188,8 @@ Finding failuresFinding(const PerturbationRecord& record) {
   f.evidence =
       fmt::format("{} of {} cases were solved", record.cases.size() - failed, record.cases.size());
   if (first != nullptr) {
-    f.evidence += fmt::format("; the first that failed, {} {:+g} {}: {}", first->kind,
-                              first->amount, first->unit, first->problem);
+    f.evidence += fmt::format("; the first that failed, {} {}: {}", first->kind, amountText(*first),
+                              first->problem);
     f.advice = "cases fail where the perturbation is too large to start from, or must be refused";
   }
   f.value = static_cast<double>(failed);

@@ -26,6 +26,7 @@ struct Solution {
   Calibration calibration;
   StageSummary summary;  ///< of the last stage
   std::vector<TimeNs> frame_stamps;
+  Eigen::MatrixXd by_cameras;  ///< of T_SC0 and the offset, see FaultDiagnosis
 };
 
 bool needsImu(PerturbationKind kind) {
@@ -75,9 +76,24 @@ Result<Solution> solveCameraImu(const Session& session,
   Solution solution;
   solution.calibration.cameras = std::move(stage.value().cameras);
   solution.calibration.imu = stage->imu;
+  if (stage->faults) solution.by_cameras = stage->faults->by_cameras;
   solution.summary = std::move(stage.value().summary);
   solution.frame_stamps = stampsOf(stage->frames);
   return solution;
+}
+
+/// The batch alone takes the cameras as exact: adds to first order what the camera stage leaves
+/// open, as robustDeviationsOfBothStages() does to robust deviations.
+void addCameraDeviations(const Eigen::MatrixXd& cameras, const Eigen::MatrixXd& by_cameras,
+                         ImuCalibration& imu) {
+  // Columns behind those of the cameras are the board's, which is held here.
+  if (by_cameras.rows() != 7 || by_cameras.cols() < cameras.cols() || !imu.T_SC0_std) return;
+  const Eigen::MatrixXd J = by_cameras.leftCols(cameras.cols());
+  const Eigen::VectorXd added = (J * cameras * J.transpose()).diagonal();
+  imu.T_SC0_std = Vector6d((imu.T_SC0_std->array().square() + added.head<6>().array()).sqrt());
+  if (imu.time_offset_std_s) {
+    imu.time_offset_std_s = std::hypot(*imu.time_offset_std_s, std::sqrt(added(6)));
+  }
 }
 
 /// The stages that the inputs ask for, on one thread: cases run beside each other.
@@ -87,13 +103,19 @@ Result<Solution> solve(const StudyInputs& inputs, PerturbedInputs changed) {
   changed.camera_imu.noise_check = false;  // no column of the study
   const Session& session = changed.session ? *changed.session : *inputs.session;
   std::vector<CameraCalibration> cameras = inputs.cameras;
+  Eigen::MatrixXd uncertainty;  // of cameras that were calibrated here; else empty
   if (changed.calibrate_cameras) {
     auto camera = solveCameras(session, changed.camera);
     // Without an IMU the cameras are the result.
     if (!camera || !session.imu) return camera;
     cameras = std::move(camera.value().calibration.cameras);
+    uncertainty = std::move(camera.value().summary.covariance.matrix);
   }
-  return solveCameraImu(session, cameras, changed.camera_imu);
+  auto both = solveCameraImu(session, cameras, changed.camera_imu);
+  if (both) {
+    addCameraDeviations(uncertainty, both.value().by_cameras, *both.value().calibration.imu);
+  }
+  return both;
 }
 
 PerturbationCase describe(const Perturbation& p) {

@@ -56,7 +56,7 @@ std::string largestChange(const PerturbationRecord& record, const PerturbationCa
 }
 
 void addLine(Text& text, const PerturbationRecord& record, const PerturbationCase& c) {
-  const std::string what = fmt::format("{} {:+g} {}", c.kind, c.amount, c.unit);
+  const std::string what = c.kind + " " + amountText(c);
   if (!c.problem.empty()) {
     add(text, "{:<32} failed: {}\n", what, c.problem);
     return;

@@ -32,7 +32,18 @@ struct PerturbationCase {
   std::vector<double> changes_sigma;  ///< the same, over the base's standard deviations
 };
 
-/// "imu-shift +10 ms", "corner-noise +0.1 px seed 2".
+/// "+10 ms", "x0.5": a factor has no sign that adds.
+inline std::string amountText(const PerturbationCase& c) {
+  std::ostringstream text;
+  if (c.unit == "x") {
+    text << c.unit << c.amount;
+  } else {
+    text << std::showpos << c.amount << std::noshowpos << ' ' << c.unit;
+  }
+  return text.str();
+}
+
+/// "imu-shift +10 ms", "corner-noise +0.1 px seed 2": what metrics are stored under.
 inline std::string partName(const PerturbationCase& c) {
   std::ostringstream text;
   text << c.kind << ' ' << std::showpos << c.amount << std::noshowpos << ' ' << c.unit;

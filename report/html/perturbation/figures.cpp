@@ -125,8 +125,7 @@ std::string titleOf(const std::string& kind) {
 }
 
 std::string labelOf(const PerturbationCase& c) {
-  std::string label = c.unit == "x" ? fmt::format("\u00d7{:g}", c.amount)
-                                    : fmt::format("{:+g} {}", c.amount, c.unit);
+  std::string label = amountText(c);
   if (c.seed != 0) label += fmt::format(", seed {}", c.seed);
   return label;
 }

@@ -58,6 +58,25 @@ TEST(PerturbationFindings, FewerFramesMayMoveItByWhatTheyAreFewer) {
   EXPECT_EQ(findingOf(Kind::kDroppedImu, 80, -6.5).level, VerdictLevel::kCaution);
 }
 
+TEST(PerturbationFindings, TheLargestOfManyChangesMayBeLarger) {
+  PerturbationRecord record;
+  record.assumptions.pixel_sigma_px = 1;
+  record.parameters.assign(29, "T_SC0.tx");
+  PerturbationCase c;
+  c.kind = toString(Kind::kCornerNoise);
+  c.amount = 0.5;
+  c.unit = "px";
+  c.changes.assign(29, 1e-3);
+  c.changes_sigma.assign(29, 1.9);
+  record.cases.assign(20, c);
+  const auto levelOf = [&] { return perturbationFindings(record, {}).front().level; };
+  // 3.8 predicted deviations are the largest of 580 in one study in twelve.
+  EXPECT_EQ(levelOf(), VerdictLevel::kGood);
+  c.changes_sigma = {1.9};
+  record.cases = {c};
+  EXPECT_EQ(levelOf(), VerdictLevel::kCaution);
+}
+
 TEST(PerturbationFindings, AddedCornerNoiseMayMoveItByItsShareOfTheOwn) {
   const Finding f = findingOf(Kind::kCornerNoise, 0.5, 7);
   EXPECT_NEAR(f.threshold, 3 * 0.5 / kSigma, 1e-12);

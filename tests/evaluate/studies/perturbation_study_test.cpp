@@ -135,13 +135,30 @@ TEST(PerturbationStudy, AddedCornerNoiseShowsInTheRmse) {
   const double expected = std::sqrt(2 * (0.2 * 0.2 + 0.5 * 0.5));
   for (const PerturbationCase& c : record.cases) EXPECT_NEAR(c.rmse_px, expected, 0.03 * expected);
   EXPECT_NE(record.cases[0].values, record.cases[1].values);
-  // Held against the noise that the study assumes, three deviations of it.
+  // Held against the noise that the study assumes, three deviations of it and more of many changes.
+  const auto changes = static_cast<double>(2 * record.parameters.size());
   const auto& findings = record.verdict.findings;
   const auto noise = std::find_if(findings.begin(), findings.end(), [](const Finding& f) {
     return f.rule == "Parameters under corner-noise";
   });
   ASSERT_NE(noise, findings.end());
-  EXPECT_NEAR(noise->threshold, 3 * 0.5 / kCornerSigma, 1e-12);
+  EXPECT_NEAR(noise->threshold, std::sqrt(9 + 2 * std::log(changes)) * 0.5 / kCornerSigma, 1e-12);
+}
+
+TEST(PerturbationStudy, DeviationsHoldWhatTheCamerasLeaveOpen) {
+  SimulationOptions simulation;
+  simulation.duration_s = 10;
+  simulation.camera_rate_hz = 10;
+  simulation.corner_sigma_px = kCornerSigma;
+  const SimulatedSession s = simulateSession(simulatedRig("euroc"), simulation);
+  const auto stdOf = [&](bool cameras_fixed) {
+    StudyInputs in = inputs(cameras_fixed);
+    in.session = &s.session;
+    const auto record = perturbationStudy(in, {});
+    EXPECT_TRUE(record.ok());
+    return record->base_std[indexOf(*record, "T_SC0.rx")];
+  };
+  EXPECT_GT(stdOf(false), 2 * stdOf(true));
 }
 
 TEST(PerturbationStudy, DoesNotDependOnThreads) {
@@ -186,6 +203,17 @@ TEST(ConvergenceBasin, EndsAtTheFirstOffsetThatIsNotRecovered) {
   const ConvergenceBasin basin = convergenceBasin(record, 1e-3);
   EXPECT_EQ(basin.from_ms, -100);
   EXPECT_EQ(basin.to_ms, 200);
+}
+
+TEST(PerturbationSummary, AFactorHasNoSignThatAdds) {
+  PerturbationCase c;
+  c.kind = "noise-densities";
+  c.amount = 0.5;
+  c.unit = "x";
+  EXPECT_EQ(amountText(c), "x0.5");
+  c.amount = 10;
+  c.unit = "ms";
+  EXPECT_EQ(amountText(c), "+10 ms");
 }
 
 TEST(PerturbationTable, HasNoFiguresOfAFailedCase) {
