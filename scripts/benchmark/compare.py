@@ -25,7 +25,8 @@ from tables import Bars, Table
 BARS_MRCAL_S = {"EuRoC": 4.3}
 # What the rivals solve: one stated lens model, the even board, no second solutions of halves. In
 # Plumbline's own rows too, so that they are of one problem.
-AS_RIVALS = ["--models", "pinhole-radtan", "--target-shape", "flat", "--no-halves"]
+MODELS = ["--models", "pinhole-radtan"]  # given cameras have their own
+AS_RIVALS = ["--target-shape", "flat", "--no-halves"]
 MONO = ["--only", "cam0", "--no-imu", "--loss", "none", "--min-corners", "8"]
 
 
@@ -40,8 +41,9 @@ class Benchmark:
         self.mrcal_s = {}  # by recording: mrcal's work on one camera, all views
 
     def plumbline(self, session, *arguments, report=False):
-        return [calibrate(self.options.plumbline, session, self.options.work, *AS_RIVALS, *arguments,
-                          report=report) for _ in range(self.runs)]
+        models = [] if "--cameras" in arguments else MODELS
+        return [calibrate(self.options.plumbline, session, self.options.work, *models, *AS_RIVALS,
+                          *arguments, report=report) for _ in range(self.runs)]
 
     def add(self, name, work, tool, rmse, seconds, runs, ratio=""):
         print(f"{name}: {work}: {tool}", file=sys.stderr)

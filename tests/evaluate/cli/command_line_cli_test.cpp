@@ -190,6 +190,8 @@ TEST_F(CommandLine, UsageErrorsExitWithTwo) {
 }
 
 TEST_F(CommandLine, OptionsThatWouldBeCutOrMeanNothingAreRefused) {
+  expectRefusal(calibrate(session(), "--models pinhole-equidistant --cameras file.yaml"), 2,
+                AllOf(HasSubstr("--cameras"), HasSubstr("--models")));
   for (const char* seed : {"99999999999999999999999", "1.5", "18446744073709551616", "1e3"}) {
     expectRefusal(calibrate(session(), std::string("--seed ") + seed), 2,
                   AllOf(HasSubstr("--seed"), HasSubstr("expected a whole number")));
@@ -298,7 +300,7 @@ TEST_F(CommandLine, MoreCornersThanAViewHoldsAreAskedForByOption) {
 
 TEST_F(CommandLine, EveryFileReadIsInTheHash) {
   const auto hash = [&](const std::string& options) {
-    const Outcome outcome = calibrateAsStated(session(), "--no-report " + options);
+    const Outcome outcome = calibrate(session(), "--no-halves --no-report " + options);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
     const std::string json = read(scratch() / "out/calibration.json");
     return json.substr(json.find("xxh64:"), 22);
@@ -385,8 +387,8 @@ TEST_F(CommandLine, ItsOwnCalibrationIsAStartForTheNext) {
   ASSERT_EQ(calibrateAsStated(session(), "--no-report").exit_code, 0);
   fs::rename(scratch() / "out", scratch() / "first");
   for (const char* file : {"calibration.json", "camchain-imucam.yaml"}) {
-    const Outcome outcome = calibrateAsStated(
-        session(), "--no-report --cameras " + (scratch() / "first" / file).string());
+    const Outcome outcome = calibrate(
+        session(), "--no-halves --no-report --cameras " + (scratch() / "first" / file).string());
     EXPECT_EQ(outcome.exit_code, 0) << file << outcome.text;
     EXPECT_EQ(read(scratch() / "out/imu.yaml"), read(scratch() / "first/imu.yaml"));
   }
@@ -416,6 +418,16 @@ TEST_F(CommandLine, FaultyRowsAreNamedByFileAndLine) {
     write(csv, text);
     expectRefusal(calibrateAsStated(copy), 2, AllOf(HasSubstr("imu0/data.csv"), HasSubstr(words)));
   }
+}
+
+TEST_F(CommandLine, GivenCamerasAreBlamedForPosesThatTheySpoil) {
+  const std::string truth = read(session() / "truth/camchain-imucam.yaml");
+  fs::create_directories(scratch());
+  const fs::path file = scratch() / "equidistant.yaml";
+  write(file, replaced(replaced(truth, "radtan", "equidistant"), "radtan", "equidistant"));
+  expectRefusal(calibrate(session(), "--no-halves --cameras " + file.string()), 2,
+                AllOf(HasSubstr("the given cameras do not explain the corners"),
+                      HasSubstr("--free-cameras")));
 }
 
 TEST_F(CommandLine, WrongTargetSizeIsFoundByTheImu) {
