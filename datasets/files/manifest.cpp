@@ -137,7 +137,8 @@ void moveUnlisted(const fs::path& folder, const Manifest& manifest, const fs::pa
     std::error_code taken;
     fs::create_directories(place.parent_path(), taken);
     if (taken == std::errc::not_a_directory || taken == std::errc::file_exists) continue;
-    fs::rename(path, place);
+    std::error_code stays;
+    fs::rename(path, place, stays);
   }
 }
 

@@ -45,8 +45,7 @@ std::optional<ForeignEntry> firstForeign(const std::filesystem::path& folder,
                                          const Manifest& manifest);
 
 /// Moves the files and links within `folder` that the manifest does not list to the same places
-/// within `to`, but for those whose place is taken there. Throws std::filesystem::filesystem_error
-/// where one cannot be moved.
+/// within `to`, but for those whose place is taken there, or that cannot be moved.
 void moveUnlisted(const std::filesystem::path& folder, const Manifest& manifest,
                   const std::filesystem::path& to);
 

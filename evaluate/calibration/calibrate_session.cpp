@@ -2,6 +2,7 @@
 #include "evaluate/calibration/calibrate_session.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -140,11 +141,24 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   return std::nullopt;
 }
 
+/// Whether wrong cameras can be what failed: not of what was found in samples, stamps or coverage.
+bool standsOnPoses(FailureCode code) {
+  using Code = FailureCode;
+  constexpr std::array kOnPoses = {
+      Code::kRatesDoNotCorrelate,   Code::kStampsWander,      Code::kGyroscopeMirrored,
+      Code::kGyroscopeInDegrees,    Code::kGyroscopeScale,    Code::kAccelerometerAxes,
+      Code::kAccelerometerReversed, Code::kGravityDisagrees,  Code::kScaleDisagrees,
+      Code::kTooFewPosedFrames,     Code::kOffsetLeftSamples, Code::kNoDescent,
+      Code::kCameraImuNotConverged};
+  return std::find(kOnPoses.begin(), kOnPoses.end(), code) != kOnPoses.end();
+}
+
 /// A failure of the camera-IMU stage, or, where poses of their own do not explain the corners
 /// either, that of the cameras: then no cause in the IMU was tested.
 Failure withCamerasSuspect(const Failure& failure, const CalibrateRequest& request,
                            const Session& session, const std::vector<CameraCalibration>& cameras,
                            const CalibrationRecord& record) {
+  if (!standsOnPoses(failure.code)) return failure;
   StageSummary summary;
   if (record.camera) {
     summary = record.camera->summary;

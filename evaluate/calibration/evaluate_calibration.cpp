@@ -68,11 +68,11 @@ std::vector<Finding> heldImuFindings(const EvaluateCalibrationRequest& asked,
   free.noise_check = false;
   // Its tests vary the lenses, of which some models can only be scored.
   free.diagnose_faults = canBeCalibrated(calibration);
-  std::vector<Finding> findings =
-      judgeHeldImu(*calibration.imu, calibrateCameraImu(session, calibration.cameras, free));
-  if (statesTimeOffset(asked.calibration)) return findings;
-  for (Finding& f : findings) f.evidence += "; the file states no time offset, and 0 was taken";
-  return findings;
+  free.cameras_given = free.diagnose_faults;
+  const HeldOffset offset =
+      statesTimeOffset(asked.calibration) ? HeldOffset::kStated : HeldOffset::kAssumed;
+  return judgeHeldImu(*calibration.imu, offset,
+                      calibrateCameraImu(session, calibration.cameras, free));
 }
 
 /// The board's shape beside the calibration, where none is given; "": there is none.

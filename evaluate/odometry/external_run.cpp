@@ -111,8 +111,9 @@ void readRefined(const fs::path& log, const OnlineCalibration& online, ExternalR
 std::string fileText(const ExternalRequest& request, const Calibration& calibration,
                      std::string text) {
   const std::size_t cameras = calibration.cameras.size();
+  // OpenVINS takes two images for a pair, and stops at three; it tracks them one by one without.
   text = replaceAll(std::move(text), "{cameras}", std::to_string(cameras));
-  text = replaceAll(std::move(text), "{stereo}", cameras > 1 ? "true" : "false");
+  text = replaceAll(std::move(text), "{stereo}", cameras == 2 ? "true" : "false");
   text = replaceAll(std::move(text), "{gravity}", fmt::format("{}", calibration.imu->gravity_m_s2));
   if (!request.refine) return text;
   for (const auto& [from, to] : request.runner.online->changes) text = replaceAll(text, from, to);

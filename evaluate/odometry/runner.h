@@ -23,7 +23,7 @@ struct OnlineCalibration {
 /// files), {calibration} (the file that was given), {sequence} (folder that holds mav0), {times}
 /// (file with a stamp [ns] a line), {output} (folder of the run) and {run} (its number). An
 /// argument $NAME is a variable of the environment, which must be set. In the texts of `files`
-/// {cameras} (the calibration's number of them), {stereo} ("true" for two or more, else "false")
+/// {cameras} (the calibration's number of them), {stereo} ("true" for two, else "false")
 /// and {gravity} [m/s^2] are replaced.
 struct Runner {
   std::string name;

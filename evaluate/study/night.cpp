@@ -131,7 +131,7 @@ Finding calibratedBeforeFinding(const std::vector<std::string>& sessions) {
   finding.evidence = fmt::format(
       "without a calibration, but with one on an earlier night from other data or options: {}",
       fmt::join(sessions, ", "));
-  finding.advice = "Look whether their recordings are whole";
+  finding.advice = "Look whether their recordings are whole, and which options changed";
   return finding;
 }
 

@@ -130,9 +130,16 @@ class Planner {
     return steps_.back();
   }
 
+  bool givesCameras() const {
+    return std::any_of(study_.calibrate.begin(), study_.calibrate.end(),
+                       [](const auto& option) { return option.first == "cameras"; });
+  }
+
   void addOptions(StepBuilder& step, StepKind kind) {
     for (const auto& [option, words] : study_.calibrate) {
       if (!isShared(kind, option)) continue;
+      // Given cameras have their models; those of the study are for steps without them.
+      if (kind == StepKind::kCalibrate && option == "models" && givesCameras()) continue;
       // The guide has to know the models before it begins.
       if (kind == StepKind::kReplay && option == "models" && words == "auto") continue;
       step.words({"--" + option});

@@ -181,10 +181,32 @@ ProcessRequest requestOf(const Step& step, const Places& places, const fs::path&
   return request;
 }
 
-/// Of all that lies in a step's folder: what it does not list is somebody else's.
+constexpr const char* kStepManifest = "study step";
+
+/// Of all that lies in a step's folder: what it does not list is somebody else's. A result counts
+/// without it as well (a file that cannot be read, a full disk): then nothing is told apart.
 void writeManifest(const fs::path& folder) {
-  writeNewFile(folder, kManifestFile,
-               manifestText(manifestOf(folder, programVersion(), "study step")));
+  try {
+    writeNewFile(folder, kManifestFile,
+                 manifestText(manifestOf(folder, programVersion(), kStepManifest)));
+  } catch (const std::exception&) {
+    std::error_code ignored;
+    fs::remove(folder / kManifestFile, ignored);
+  }
+}
+
+/// Moves what others put into an older result to the new one, and removes the older. Without a
+/// manifest of the step's own all of it is the step's.
+void replaceOlder(const fs::path& older, const fs::path& now) {
+  std::error_code ignored;
+  const auto manifest = readManifest(older);
+  if (!manifest || manifest->kind != kStepManifest) {
+    fs::remove_all(older, ignored);
+    return;
+  }
+  moveUnlisted(older, *manifest, now);
+  // What could not be moved stays where it is.
+  removeListed(older, *manifest);
 }
 
 /// Where a result is made before it takes the step's folder.
@@ -201,11 +223,7 @@ class StepFolder {
     writeManifest(path());
     Workplace::Moved moved = workplace_.place();
     if (moved == Workplace::Moved::kInTheWay && workplace_.exchange()) {
-      // The older result, now.
-      const fs::path older = workplace_.result();
-      moveUnlisted(older, readManifest(older).value_or(Manifest{}), final_);
-      std::error_code ignored;
-      fs::remove_all(workplace_.result(), ignored);
+      replaceOlder(workplace_.result(), final_);  // the older one lies there now
       moved = Workplace::Moved::kDone;
     }
     if (moved != Workplace::Moved::kDone) {
@@ -241,9 +259,12 @@ void keepLog(const fs::path& log, const Step& step, const fs::path& folder, cons
   const fs::path kept = folder / kLogFile;
   fs::rename(log, kept);
   if (step.kind == StepKind::kEstimate) return;
-  const std::string text(MappedFile(kept.string()).text());
-  if (const std::string final_text = named(text); final_text != text) {
-    writeFileAtomically(kept.string(), final_text);
+  try {
+    const std::string text(MappedFile(kept.string()).text());
+    if (const std::string final_text = named(text); final_text != text) {
+      writeFileAtomically(kept.string(), final_text);
+    }
+  } catch (const InputError&) {  // no room: a log with the other name is better than no result
   }
 }
 

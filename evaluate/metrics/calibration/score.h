@@ -94,8 +94,10 @@ Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_
 /// T_SC0 and the time offset that were held against those that `estimated` found on the recording
 /// with the same cameras: by the bounds on their standard deviations, where they differ by more
 /// than three of the estimate's; with the mistake of convention that explains the difference, if
-/// one does. Where nothing could be estimated, that is said.
-std::vector<Finding> judgeHeldImu(const ImuCalibration& held,
+/// one does. Where nothing could be estimated, that is said. An offset that the file does not state
+/// is 0, and its difference a caution at most.
+enum class HeldOffset { kStated, kAssumed };
+std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
                                   const Result<CameraImuStageResult>& estimated,
                                   const VerdictThresholds& thresholds = {});
 

@@ -93,9 +93,12 @@ std::string mistakeOf(const ImuCalibration& held, const ImuCalibration& seen) {
   if (!same(held.T_SC0) && same(held.T_SC0.inverse())) {
     mistakes.emplace_back("its inverse agrees: invert T_cam_imu (T_SC0)");
   }
-  if (!same_offset(offset) && same_offset(-offset)) {
+  // Near zero any offset agrees with its opposite, and with a thousandth of another.
+  constexpr double kTellsSign = 2 * kSameOffset;
+  constexpr double kLeastInMilliseconds = 0.5;  // no clock of a rig is off by so much
+  if (std::abs(seen_offset) > kTellsSign && same_offset(-offset)) {
     mistakes.emplace_back("with the other sign the offset agrees: negate timeshift_cam_imu");
-  } else if (!same_offset(offset) && same_offset(1e-3 * offset)) {
+  } else if (std::abs(offset) > kLeastInMilliseconds && same_offset(1e-3 * offset)) {
     mistakes.emplace_back("in milliseconds the offset agrees: divide timeshift_cam_imu by 1000");
   }
   return fmt::format("{}", fmt::join(mistakes, "; "));
@@ -134,14 +137,17 @@ std::string scoreWords(const std::vector<CalibrationScore>& scores) {
 
 }  // namespace
 
-std::vector<Finding> judgeHeldImu(const ImuCalibration& held,
+std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
                                   const Result<CameraImuStageResult>& estimated,
                                   const VerdictThresholds& t) {
   Finding f;
   f.rule = "T_SC0 and time offset against this recording";
   f.subject = FindingSubject::kExtrinsics;
   if (!estimated || !estimated->summary.converged) {
-    f.level = VerdictLevel::kCaution;
+    // A recording that moves too little to tell is no fault of the calibration.
+    const bool unobservable =
+        !estimated && estimated.failure().reason() == FailureReason::kNotObservable;
+    f.level = unobservable ? VerdictLevel::kGood : VerdictLevel::kCaution;
     f.evidence = "not tested: on this recording they cannot be estimated with these cameras (" +
                  (estimated ? std::string("the batch did not converge")
                             : textOf(estimated.failure()).message) +
@@ -158,21 +164,39 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held,
   const auto level = [](double off, double deviation, const Bound& bound) {
     return off > 3 * deviation ? levelAbove(off, bound) : VerdictLevel::kGood;
   };
-  f.level = std::max({level(lever_m, std.head<3>().norm(), t.lever_arm_std_m),
-                      level(angle_deg, std.segment<3>(3).norm() / kDegree, t.rotation_std_deg),
-                      level(offset_ms, 1e3 * std(6), t.offset_std_ms)});
+  f.level =
+      std::max({level(lever_m, std.head<3>().norm(), t.lever_arm_std_m),
+                level(angle_deg, std.segment<3>(3).norm() / kDegree, t.rotation_std_deg),
+                offset == HeldOffset::kStated ? level(offset_ms, 1e3 * std(6), t.offset_std_ms)
+                                              : VerdictLevel::kGood});
   f.evidence = fmt::format(
       "estimated on this recording with the same cameras they differ by {:.1f} mm, {:.2f} deg and "
       "{:.2f} ms (+- {:.1g}, {:.1g}, {:.1g})",
       1e3 * lever_m, angle_deg, offset_ms, 1e3 * std.head<3>().norm(),
       std.segment<3>(3).norm() / kDegree, 1e3 * std(6));
+  if (offset == HeldOffset::kAssumed) {
+    f.evidence += "; the file states no time offset, and 0 was taken";
+    f.level = std::max(
+        f.level, std::min(level(offset_ms, 1e3 * std(6), t.offset_std_ms), VerdictLevel::kCaution));
+  }
   if (f.level != VerdictLevel::kGood) {
     f.advice = mistakeOf(held, seen);
+    const auto is_cameras = [](const FaultTest& cause) {
+      return cause.fault == UnmodelledFault::kGivenCameras;
+    };
+    const bool cameras =
+        estimated->faults &&
+        std::any_of(estimated->faults->causes.begin(), estimated->faults->causes.end(), is_cameras);
+    if (f.advice.empty() && cameras) {
+      f.advice =
+          "The cameras do not suit the recording's corners either, which alone moves T_SC0: "
+          "calibrate the cameras on it first";
+    }
     if (f.advice.empty()) {
       f.advice =
-          "The recording contradicts them; the cause was not tested: another mounting, other "
-          "conventions, or a fault of this recording (see the verdict of plumbline calibrate on "
-          "it)";
+          "The recording contradicts them; the cause was not tested: cameras that are not those of "
+          "the recording, another mounting, other conventions, or a fault of this recording (see "
+          "the verdict of plumbline calibrate on it)";
     }
   }
   return {f};

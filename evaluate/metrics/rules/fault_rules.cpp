@@ -120,7 +120,7 @@ const FaultWords kFaultWords[] = {
      "different rates; use the sensors' own stamps"},
     // Named camera by camera: shownOf().
     {UnmodelledFault::kGivenCameras,
-     "the given cameras do not suit this recording's corners, which ask for changes",
+     "the given cameras do not suit this recording's corners",
      1,
      "px",
      {},
@@ -133,6 +133,8 @@ const FaultWords& wordsOf(UnmodelledFault fault) {
   return *std::find_if(std::begin(kFaultWords), std::end(kFaultWords),
                        [&](const FaultWords& words) { return words.fault == fault; });
 }
+
+constexpr double kKnown = 3;  // standard deviations
 
 /// A component of an estimate, in the unit that is shown.
 struct ShownComponent {
@@ -167,7 +169,6 @@ std::vector<ShownComponent> shownOf(const FaultTest& test, const FaultWords& wor
 /// "x +2.00, z +0.13 % (+- 0.01, 0.02)": the components that are known to differ from zero, or the
 /// one that is nearest to it. The others would bury them.
 std::string figures(const std::vector<ShownComponent>& shown, const char* unit) {
-  constexpr double kKnown = 3;  // standard deviations
   const auto ratio = [](const ShownComponent& c) { return std::abs(c.estimate) / c.std; };
   double least = 0;
   for (const ShownComponent& c : shown) least = std::max(least, ratio(c));
@@ -191,7 +192,13 @@ std::string sentence(const FaultTest& test, const CameraImuStageResult& stage) {
     text += fmt::format(" from {:.1f} s on", secondsBetween(stage.frames.front().t, *test.since));
   }
   if (test.frequency_hz) text += fmt::format(" at {:.2f} Hz", *test.frequency_hz);
-  return fmt::format("{}: {}", text, figures(shownOf(test, words, stage.cameras), words.unit));
+  const std::vector<ShownComponent> shown = shownOf(test, words, stage.cameras);
+  const bool in_pixels = std::any_of(shown.begin(), shown.end(), [](const ShownComponent& c) {
+    return std::abs(c.estimate) >= kKnown * c.std;
+  });
+  // What is wrong may be distortion or extrinsics alone.
+  if (test.fault == UnmodelledFault::kGivenCameras && !in_pixels) return text;
+  return fmt::format("{}: {}", text, figures(shown, words.unit));
 }
 
 /// `shift` is what modelling the fault changes: T_SC0's translation [m], its rotation in the left

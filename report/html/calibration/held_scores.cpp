@@ -103,13 +103,17 @@ Figure barsOf(const Scores& scores) {
           true};
 }
 
-/// Whole recordings that were, or were not, held out; or all parts of this one, which stand
-/// together so that each fold's two errors can be compared.
-Scores chosen(const Scores& scores, bool folds, bool held_out_sessions) {
+enum class ScoredPart { kOwn, kOthers, kFolds };
+
+/// The first recording, those after it, or all parts of the first, which stand together so that
+/// each fold's two errors can be compared.
+Scores chosen(const Scores& scores, ScoredPart part) {
   Scores out;
   for (const CalibrationScore& s : scores) {
-    const bool fold = !isWhole(s);
-    if (fold == folds && (fold || s.held_out == held_out_sessions)) out.push_back(s);
+    const ScoredPart of = !isWhole(s)             ? ScoredPart::kFolds
+                          : &s == &scores.front() ? ScoredPart::kOwn
+                                                  : ScoredPart::kOthers;
+    if (of == part) out.push_back(s);
   }
   return out;
 }
@@ -130,13 +134,13 @@ Section heldScoresSection(const HeldCalibration& held) {
           fmt::format("{}, {}: {}", s.session, isWhole(s) ? "whole" : s.part, s.problem));
     }
   }
-  if (const Scores own = chosen(held.scores, false, false); !own.empty()) {
+  if (const Scores own = chosen(held.scores, ScoredPart::kOwn); !own.empty()) {
     section.blocks.push_back(blockOf("This recording", "", own));
   }
-  if (const Scores others = chosen(held.scores, false, true); !others.empty()) {
-    section.blocks.push_back(blockOf("Held-out recordings", "", others));
+  if (const Scores others = chosen(held.scores, ScoredPart::kOthers); !others.empty()) {
+    section.blocks.push_back(blockOf("Other recordings", "", others));
   }
-  if (const Scores folds = chosen(held.scores, true, false); !folds.empty()) {
+  if (const Scores folds = chosen(held.scores, ScoredPart::kFolds); !folds.empty()) {
     section.blocks.push_back(
         blockOf("K-fold validation",
                 "This recording recalibrated without one part at a time, with the same camera "
