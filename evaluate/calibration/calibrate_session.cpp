@@ -214,12 +214,12 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   // Estimates stand on this file as on the recording, so the input hash covers it.
   if (request.cameras_file) request.load.others.push_back(*request.cameras_file);
   LoadedSession loaded = loadSession(request.load, progress);
+  // Before anything is estimated: under a wrong layout no tag may be found, the camera stage fails
+  // for another reason, or does not fail at all.
+  checkTargetLayout(loaded, {});
   if (const auto nothing = noTagSeen(loaded)) {
     return locate(*nothing, loaded, request.load.session);
   }
-  // Before anything is estimated: under a wrong layout the camera stage fails for another reason,
-  // or does not fail at all.
-  checkTargetLayout(loaded, {});
   auto& models = request.camera.models;
   // One model that is named is that of every camera.
   if (models.size() == 1) models.resize(loaded.session.cameras.size(), models.front());

@@ -53,10 +53,10 @@ int detect(const DetectOptions& o) {
       o.json.reserve(o.output, output.inputs, o.output.out, kDocumentMark);
   const LoadedSession loaded = loadSession(request, bar.sink());
   bar.clear();
+  checkTargetLayout(loaded, {});
   if (const auto nothing = noTagSeen(loaded)) {
     return tellFailure(locate(*nothing, loaded, request.session));
   }
-  checkTargetLayout(loaded, {});
   writeCornerSession(loaded.session, out.path());
   const std::string document = detectionDocument(loaded);
   out.write("detection.json", document);

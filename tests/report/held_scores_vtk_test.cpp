@@ -14,12 +14,16 @@ using ::testing::ElementsAre;
 
 TEST(HeldScores, AColumnIsOneCameraInEveryRow) {
   HeldCalibration held;
-  held.scores = {scoreOf("a", {{"left", 0.1}, {"right", 0.2}}),
+  held.scores = {scoreOf("own", {{"left", 0.1}}), scoreOf("a", {{"left", 0.1}, {"right", 0.2}}),
                  scoreOf("b", {{"right", 0.4}, {"left", 0.3}}), scoreOf("c", {{"right", 0.5}})};
-  for (CalibrationScore& score : held.scores) score.held_out = true;
+  // The first is this recording, whichever of them are held out.
+  held.scores.front().held_out = true;
   const Section section = heldScoresSection(held);
-  ASSERT_TRUE(section.blocks.at(0).table.has_value());
-  const Table& table = *section.blocks[0].table;
+  ASSERT_EQ(section.blocks.at(0).heading, "This recording");
+  ASSERT_EQ(section.blocks.at(1).heading, "Other recordings");
+  ASSERT_EQ(section.blocks[0].table->rows.size(), 1U);
+  ASSERT_TRUE(section.blocks[1].table.has_value());
+  const Table& table = *section.blocks[1].table;
   std::size_t left = 0;
   while (table.columns.at(left).name != "left [px]") ++left;
   ASSERT_EQ(table.columns.at(left + 1).name, "right [px]");

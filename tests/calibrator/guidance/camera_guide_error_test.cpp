@@ -130,7 +130,9 @@ TEST(CameraGuideByError, SuggestsTheCandidateThatLeavesLeast) {
     ++rounds;
     ASSERT_EQ(d.round->error_px.size(), d.round->names.size());
     EXPECT_EQ(*d.opened->error_px, d.round->error_px[static_cast<std::size_t>(d.round->best)]);
-    for (const double px : d.round->error_px) EXPECT_FALSE(px < *d.opened->error_px);
+    // Of candidates that differ by rounding only, the first is suggested.
+    const double least = (1 - 1e-6) * *d.opened->error_px;
+    for (const double px : d.round->error_px) EXPECT_FALSE(px < least);
     EXPECT_LT(*d.opened->error_px, *d.error_px);
   }
   EXPECT_GT(rounds, 2);

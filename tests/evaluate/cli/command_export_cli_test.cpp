@@ -45,7 +45,7 @@ class CommandExport : public testing::Test {
 TEST_F(CommandExport, GivesTheCamerasInAnotherModelAndSaysWhatThatCosts) {
   const Outcome outcome = exportedSource("--to basalt --model ds-none");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
-  EXPECT_THAT(outcome.text, AllOf(HasSubstr("as ds-none: 0."), HasSubstr("by region [px]")));
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("as ds-none: 1."), HasSubstr("by region [px]")));
   EXPECT_THAT(contents(out()).at("basalt_calib.json"), HasSubstr("\"camera_type\": \"ds\""));
   fs::remove_all(out());
   expectRefusal(exportedSource("--to basalt --model omni-fov"), HasSubstr("omni-fov"));

@@ -258,7 +258,7 @@ TEST_F(CommandReplay, SuggestionsAreNotJudgedWithoutCameras) {
   const fs::path folder = spoiled();
   write(folder / "suggestions.csv",
         "#t_ns,stage,id,T_FC0\n1400000000150000000,camera,0,0.3,0.3,1.2,1,0,0,0\n");
-  const Outcome run = replay(folder, "--no-report --to 0.1");
+  const Outcome run = replay(folder, "--no-report --to 0.05");
   ASSERT_EQ(run.exit_code, 0) << run.text;
   EXPECT_THAT(run.text, Not(HasSubstr("operator: reached")));
   const json document = json::parse(read(out() / "replay.json"));
