@@ -189,6 +189,18 @@ std::string projectionAdvice(const ComparisonRecord& record, const std::string& 
   const std::string better = betterOf(record, label);
   if (better.empty())
     return "compare the recordings: corners near the image's border determine the difference there";
+  // Who was estimated from these corners predicts them better anyway.
+  const auto held_out = [&](const std::string& one) {
+    return std::any_of(record.scores.begin(), record.scores.end(),
+                       [&](const CalibrationScore& s) { return s.label == one && s.held_out; });
+  };
+  if (!held_out(label) || !held_out(record.calibrations[0].label)) {
+    return fmt::format(
+        "{} predicts the corners better, but it is not known that both were estimated from other "
+        "recordings: score them on a recording of neither; record more corners near the image's "
+        "border, where the two differ most",
+        better);
+  }
   return fmt::format(
       "prefer {}, which predicts the corners better; record more corners near the "
       "image's border, where the two differ most",
