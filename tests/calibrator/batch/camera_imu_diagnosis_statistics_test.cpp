@@ -266,7 +266,10 @@ TEST(CameraImuDiagnosis, StampsThatWanderAreNamedHoweverFar) {
     for (const std::uint64_t seed : {2, 3, 6}) {
       SimulationOptions options = test::noisyRecording(seed, 30);
       options.trajectory.seed = seed;
-      options.faults = {{.kind = FaultKind::kRestamp, .value = 0.01}};
+      Fault restamped;
+      restamped.kind = FaultKind::kRestamp;
+      restamped.value = 0.01;
+      options.faults = {restamped};
       const SimulatedSession s = test::simulate(options, rig);
       CameraImuOptions robust = test::matchedOptions(s, 0.2);
       robust.cauchy_px = CameraImuOptions().cauchy_px;

@@ -96,7 +96,11 @@ TEST(KalibrFiles, ImuAndTargetComeBack) {
   EXPECT_EQ(imu.noise.accel_random_walk, 4.4e-3);
   EXPECT_EQ(imu.noise.rate_hz, 400);
   EXPECT_EQ(imu.rostopic, "/imu7");
-  const AprilGrid grid{.rows = 7, .cols = 5, .tag_size = 0.046, .spacing = 0.25};
+  AprilGrid grid;
+  grid.rows = 7;
+  grid.cols = 5;
+  grid.tag_size = 0.046;
+  grid.spacing = 0.25;
   const AprilGrid again = readTarget(folder.write("target.yaml", kalibrTargetText(grid)));
   EXPECT_EQ(again.rows, 7);
   EXPECT_EQ(again.cols, 5);

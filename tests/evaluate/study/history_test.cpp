@@ -233,7 +233,9 @@ TEST(HistoryTest, CusumFindsADriftThatNoNightShows) {
                   (0.25 + 0.01 * s) * (1 + drift + noise(random)), std::to_string(night));
     }
     alarms = history.judge();
-    if (night <= 12) EXPECT_TRUE(alarms.empty()) << "night " << night;
+    if (night <= 12) {
+      EXPECT_TRUE(alarms.empty()) << "night " << night;
+    }
   }
   const auto cusum = std::find_if(alarms.begin(), alarms.end(),
                                   [](const StudyAlarm& a) { return a.kind == "cusum"; });

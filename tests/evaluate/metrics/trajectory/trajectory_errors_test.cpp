@@ -113,7 +113,9 @@ TEST(RollPitchYaw, OrientationsOverTimeHaveNoJumps) {
                             pose({a[0], 0, 0}, {0, 0, 0});
     EXPECT_LT((again.R - truth[i].R).norm(), 1e-9) << i;
     EXPECT_LT((beside[i] - a - Eigen::Vector3d(0, 0, 2)).norm(), 1e-6) << i;
-    if (i > 0) EXPECT_LT((a - angles[i - 1]).norm(), 10) << i;
+    if (i > 0) {
+      EXPECT_LT((a - angles[i - 1]).norm(), 10) << i;
+    }
   }
 }
 
