@@ -93,37 +93,38 @@ TEST(FindPose, StrayCornersDoNotSpoilIt) {
   }
 }
 
-TEST(RefinePose, ASecondCameraWithKnownExtrinsicsAddsToTheFirst) {
-  const SimulatedSession s = recording("euroc", 0);
-  const auto& cameras = s.truth.cameras;
-  const PackedCorners left(s.session.target, s.session.cameras[0].views);
-  const PackedCorners right(s.session.target, s.session.cameras[1].views);
-  const std::vector<FrameView> views = {
+/// One frame of a stereo recording with its true pose.
+struct StereoFrame {
+  explicit StereoFrame(double corner_sigma_px) : s(recording("euroc", corner_sigma_px)) {}
+  StereoFrame(const StereoFrame&) = delete;  // its views point to its own corners and cameras
+
+  SimulatedSession s;
+  const std::vector<CameraCalibration>& cameras = s.truth.cameras;
+  PackedCorners left{s.session.target, s.session.cameras[0].views};
+  PackedCorners right{s.session.target, s.session.cameras[1].views};
+  std::vector<FrameView> views = {
       {&cameras[0].intrinsics, left.view(3), Transform()},
       {&cameras[1].intrinsics, right.view(3), cameras[1].T_C0Ci.inverse()}};
-  const Transform truth = truePose(s, 0, s.session.cameras[0].views[3]);
-  const Transform start = boxplus(truth, Vector6d::Constant(0.03));
-  const PoseRefinement pose = refinePose(views, start, {{0, 0}, 20, 1e-8});
+  Transform truth = truePose(s, 0, s.session.cameras[0].views[3]);
+};
+
+TEST(RefinePose, ASecondCameraWithKnownExtrinsicsAddsToTheFirst) {
+  const StereoFrame frame(0);
+  const Transform start = boxplus(frame.truth, Vector6d::Constant(0.03));
+  const PoseRefinement pose = refinePose(frame.views, start, {{0, 0}, 20, 1e-8});
   EXPECT_TRUE(pose.converged);
-  EXPECT_LT(distance(pose.T_C0F, truth), 1e-9);
-  EXPECT_EQ(pose.corners, left.view(3).count + right.view(3).count);
+  EXPECT_LT(distance(pose.T_C0F, frame.truth), 1e-9);
+  EXPECT_EQ(pose.corners, frame.left.view(3).count + frame.right.view(3).count);
 }
 
 TEST(ErrorPx, OfAPoseAsItStandsIsThatOfARefinementWithoutSteps) {
-  const SimulatedSession s = recording("euroc", 0.3);
-  const auto& cameras = s.truth.cameras;
-  const PackedCorners left(s.session.target, s.session.cameras[0].views);
-  const PackedCorners right(s.session.target, s.session.cameras[1].views);
-  const std::vector<FrameView> views = {
-      {&cameras[0].intrinsics, left.view(3), Transform()},
-      {&cameras[1].intrinsics, right.view(3), cameras[1].T_C0Ci.inverse()}};
-  const Transform truth = truePose(s, 0, s.session.cameras[0].views[3]);
+  const StereoFrame frame(0.3);
   // Of both coordinates, 0.3 px each; 288 corners, so that it is within some 12 %.
-  EXPECT_NEAR(errorPx(views, truth, {0, 0}), 0.3 * std::sqrt(2), 0.06);
-  const Transform off = boxplus(truth, Vector6d::Constant(0.01));
+  EXPECT_NEAR(errorPx(frame.views, frame.truth, {0, 0}), 0.3 * std::sqrt(2), 0.06);
+  const Transform off = boxplus(frame.truth, Vector6d::Constant(0.01));
   for (const double cauchy_px : {0.0, 2.0}) {
-    EXPECT_NEAR(errorPx(views, off, {cauchy_px, 0}),
-                refinePose(views, off, {{cauchy_px, 0}, 0, 1e-8}).errorPx(), 1e-9);
+    EXPECT_NEAR(errorPx(frame.views, off, {cauchy_px, 0}),
+                refinePose(frame.views, off, {{cauchy_px, 0}, 0, 1e-8}).errorPx(), 1e-9);
   }
 }
 

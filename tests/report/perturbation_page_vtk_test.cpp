@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the page of a perturbation study shows: data on their pixels, missing values with their
+// reason.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/report/rendered_pages.h"
+
+namespace plumbline {
+namespace {
+
+using test::AxisMapping;
+using test::drawnAt;
+using test::perturbationPage;
+using test::plot;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(PerturbationPage, PutsErrorsOfTheBasinOnTheirPixels) {
+  const PerturbationRecord record = test::syntheticPerturbation();
+  const std::string svg = plot(perturbationPage(), "perturbation-basin");
+  const AxisMapping axes(svg);
+  for (const PerturbationCase& c : record.cases) {
+    if (c.kind != "imu-shift" || !c.problem.empty()) continue;
+    EXPECT_TRUE(
+        drawnAt(svg, axes.pixelX(c.amount), axes.pixelY(std::log10(std::abs(c.offset_error_s)))))
+        << c.amount;
+  }
+  EXPECT_THAT(svg, HasSubstr(">failed<"));
+  EXPECT_THAT(svg, HasSubstr("injected offset [ms]"));
+}
+
+TEST(PerturbationPage, KeepsFailedCasesWithTheirProblem) {
+  EXPECT_THAT(perturbationPage(), HasSubstr("failed: too few IMU samples &lt;here&gt;"));
+  EXPECT_THAT(perturbationPage(), HasSubstr("26 solved, 1 failed"));
+}
+
+TEST(PerturbationPage, EscapesAnUnknownKind) {
+  PerturbationRecord record = test::syntheticPerturbation();
+  for (PerturbationCase& c : record.cases) c.kind = "\"><script>alert(1)</script>";
+  EXPECT_THAT(renderPerturbationPage(record), Not(HasSubstr("<script>alert(1)")));
+}
+
+TEST(PerturbationPage, ShowsAnErrorThatIsNoNumber) {
+  PerturbationRecord record = test::syntheticPerturbation();
+  const auto shift = std::find_if(record.cases.begin(), record.cases.end(), [](const auto& c) {
+    return c.kind == "imu-shift" && c.problem.empty();
+  });
+  ASSERT_NE(shift, record.cases.end());
+  shift->offset_error_s = std::nan("");
+  const std::string page = renderPerturbationPage(record);
+  const std::string card = page.substr(page.find("Largest offset error"), 200);
+  EXPECT_THAT(card, HasSubstr("nan"));
+  EXPECT_THAT(card, HasSubstr(fmt::format("at {:+g} ms injected", shift->amount)));
+}
+
+}  // namespace
+}  // namespace plumbline

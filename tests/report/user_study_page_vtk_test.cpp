@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the page of a user study shows: data on their pixels, missing values with their reason.
+#include <algorithm>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/report/rendered_pages.h"
+
+namespace plumbline {
+namespace {
+
+using test::AxisMapping;
+using test::between;
+using test::countOf;
+using test::drawnAt;
+using test::kDrawnPixel;
+using test::plot;
+using test::pointsOf;
+using test::userStudyPage;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(UserStudyPage, LinksEveryPointOfASession) {
+  const std::string& page = userStudyPage();
+  for (const char* id : {"study-ate", "study-held-out", "study-entropy-camera", "study-offsets",
+                         "study-board", "study-survival", "study-spread"}) {
+    const std::string svg = plot(page, id);
+    const auto links = between(svg, "<a ", "</a>");
+    EXPECT_FALSE(links.empty()) << id;
+    for (const std::string& point : links) EXPECT_THAT(point, HasSubstr("sessions/")) << id;
+  }
+}
+
+TEST(UserStudyPage, SaysWhichRatiosOfSpreadAreBeyondTheAxis) {
+  StudyRecord record = test::syntheticUserStudy();
+  EXPECT_THAT(userStudyPage(), Not(HasSubstr("Ratios above 10")));
+  record.statistics.spread.front().ratio = 40;
+  EXPECT_THAT(renderStudyPage(record), HasSubstr("Ratios above 10 stand there (1)"));
+}
+
+TEST(UserStudyPage, LeadsFromEveryPointToItsSession) {
+  const StudyRecord record = test::syntheticUserStudy();
+  const std::string svg = plot(userStudyPage(), "study-held-out");
+  const AxisMapping axes(svg);
+  ASSERT_FALSE(record.held_out.empty());
+  std::size_t linked = 0;
+  for (const std::string& point : between(svg, "<a ", "</a>")) {
+    for (const StudyHeldOut& h : record.held_out) {
+      const std::string page = "sessions/" + h.session + "/report.html";
+      if (point.find(page) == std::string::npos ||
+          point.find(h.session + ", " + h.recording) == std::string::npos) {
+        continue;
+      }
+      ++linked;
+      EXPECT_NEAR(pointsOf(point).front().second, axes.pixelY(*h.rmse_px), kDrawnPixel);
+    }
+  }
+  EXPECT_EQ(linked, record.held_out.size());
+}
+
+TEST(UserStudyPage, LeadsFromMediansToTheSessionNearestToThem) {
+  const auto bars = between(plot(userStudyPage(), "study-stages"), "<a ", ">");
+  const StudyRecord record = test::syntheticUserStudy();
+  std::size_t sessions = 0;
+  for (const StudySession& s : record.sessions) sessions += s.stages.empty() ? 0 : 1;
+  std::size_t stages = 0;
+  for (const StudySession& s : record.sessions) stages = std::max(stages, s.stages.size());
+  EXPECT_EQ(bars.size(), stages * (record.methods.size() + sessions)) << "each bar has a link";
+  for (const std::string& bar : bars) EXPECT_THAT(bar, HasSubstr("sessions/"));
+  const auto nights = between(plot(userStudyPage(), "study-nights"), "<a ", ">");
+  ASSERT_EQ(nights.size(), record.nights.size());
+  for (std::size_t i = 0; i + 1 < nights.size(); ++i) {
+    EXPECT_THAT(nights[i], HasSubstr("#sessions")) << "its pages are gone";
+  }
+  EXPECT_THAT(nights.back(), HasSubstr("sessions/"));
+}
+
+TEST(UserStudyPage, StacksTheStagesOfASession) {
+  const StudyRecord record = test::syntheticUserStudy();
+  const std::string svg = plot(userStudyPage(), "study-stages");
+  const AxisMapping axes(svg);
+  const StudySession& s = record.sessions.front();
+  EXPECT_TRUE(drawnAt(svg, axes.pixelX(2 - 0.35), axes.pixelY(s.stages[0].seconds)));
+  EXPECT_TRUE(
+      drawnAt(svg, axes.pixelX(2 + 0.35), axes.pixelY(s.stages[0].seconds + s.stages[1].seconds)));
+}
+
+TEST(UserStudyPage, SaysTheResultsFirstAndTheFailuresWithTheirMessages) {
+  const std::string& page = userStudyPage();
+  const auto words = page.find("guided has 18 % lower held-out RMSE");
+  ASSERT_NE(words, std::string::npos);
+  EXPECT_LT(words, page.find("<svg "));
+  EXPECT_THAT(page, HasSubstr("cam1 saw the target in 0 frames"));
+  EXPECT_THAT(page, HasSubstr("<a href=\"sessions/p01_free/report.html\">p01_free</a>"));
+}
+
+TEST(UserStudyPage, ShowsCountsOfTheVerdictWithoutAUnit) {
+  EXPECT_THAT(userStudyPage(), HasSubstr("data-name=\"value\">1</td>"));
+  EXPECT_THAT(userStudyPage(), HasSubstr("data-name=\"threshold\">0</td>"));
+}
+
+TEST(UserStudyPage, ShowsCountsAsCountsAndDriftsAsShares) {
+  StudyRecord record = test::syntheticUserStudy();
+  record.verdict = makeVerdict({{"Regressions", VerdictLevel::kBad,
+                                 "ate_m of the study has become worse by 1.5 %", "", 1, 0, "1"}});
+  record.alarms = {{"ate_m", "", 2, "cusum", 0, 0.015, ""},
+                   {"camera_entropy_nats", "", 2, "cusum", 0, 0.3, ""}};
+  const std::string page = renderStudyPage(record);
+  EXPECT_THAT(page, HasSubstr("data-name=\"value\">1</td>"));
+  EXPECT_THAT(page, HasSubstr("data-name=\"threshold\">0</td>"));
+  const std::string alarms = page.substr(page.find("<section id=\"nights\""));
+  const auto rows = between(alarms.substr(alarms.find("<tbody>")), "<tr>", "</tr>");
+  EXPECT_THAT(rows.at(0), HasSubstr("+1.5 %</td>"));
+  EXPECT_EQ(countOf(rows.at(0), "\u2013</td>"), 1U) << "before";
+  EXPECT_EQ(countOf(rows.at(1), "\u2013</td>"), 2U) << "an entropy has no share";
+}
+
+TEST(UserStudyPage, GivesNoReasonForGivingUp) {
+  StudyRecord record = test::syntheticUserStudy();
+  const auto session = std::find_if(record.sessions.begin(), record.sessions.end(),
+                                    [](const StudySession& s) { return !s.finished; });
+  ASSERT_NE(session, record.sessions.end());
+  const auto row = [&] {
+    const std::string page = renderStudyPage(record);
+    const std::string failures = page.substr(page.find("<section id=\"failures\""));
+    for (const auto& r : between(failures.substr(failures.find("<tbody>")), "<tr>", "</tr>")) {
+      if (r.find(session->name) != std::string::npos) return r;
+    }
+    return std::string();
+  };
+  session->verdict = VerdictLevel::kCaution;
+  session->verdict_sentence = "Shape of the target";
+  EXPECT_THAT(row(), HasSubstr("gave up<"));
+  EXPECT_THAT(row(), Not(HasSubstr("Shape of the target")));
+  session->verdict = VerdictLevel::kBad;
+  EXPECT_THAT(row(), HasSubstr("gave up, bad verdict<"));
+  EXPECT_THAT(row(), HasSubstr("Shape of the target"));
+}
+
+TEST(UserStudyPage, HasNoDeviationOfASingleSession) {
+  StudyRecord record = test::syntheticUserStudy();
+  record.perturbations.resize(1);
+  const std::string page = renderStudyPage(record);
+  const std::string section = page.substr(page.find("<section id=\"perturbations\""));
+  const std::string row = between(section.substr(section.find("<tbody>")), "<tr>", "</tr>").at(0);
+  EXPECT_EQ(countOf(row, "\u2013</td>"), 1U) << row;
+}
+
+}  // namespace
+}  // namespace plumbline
