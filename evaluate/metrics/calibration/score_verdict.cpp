@@ -104,6 +104,23 @@ std::string mistakeOf(const ImuCalibration& held, const ImuCalibration& seen) {
   return fmt::format("{}", fmt::join(mistakes, "; "));
 }
 
+/// What to do where `estimated` contradicts what was held.
+std::string contradictionAdvice(const ImuCalibration& held, const CameraImuStageResult& estimated) {
+  if (std::string mistake = mistakeOf(held, estimated.imu); !mistake.empty()) return mistake;
+  const auto is_cameras = [](const FaultTest& cause) {
+    return cause.fault == UnmodelledFault::kGivenCameras;
+  };
+  const bool cameras = estimated.faults && std::any_of(estimated.faults->causes.begin(),
+                                                       estimated.faults->causes.end(), is_cameras);
+  if (cameras) {
+    return "The cameras do not suit the recording's corners either, which alone moves T_SC0: "
+           "calibrate the cameras on it first";
+  }
+  return "The recording contradicts them; the cause was not tested: cameras that are not those of "
+         "the recording, another mounting, other conventions, or a fault of this recording (see "
+         "the verdict of plumbline calibrate on it)";
+}
+
 /// A board of another shape than the one assumed shows as errors of the calibration: it must be
 /// said.
 Finding unusedShape(const std::string& file) {
@@ -164,11 +181,13 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
   const auto level = [](double off, double deviation, const Bound& bound) {
     return off > 3 * deviation ? levelAbove(off, bound) : VerdictLevel::kGood;
   };
-  f.level =
-      std::max({level(lever_m, std.head<3>().norm(), t.lever_arm_std_m),
-                level(angle_deg, std.segment<3>(3).norm() / kDegree, t.rotation_std_deg),
-                offset == HeldOffset::kStated ? level(offset_ms, 1e3 * std(6), t.offset_std_ms)
-                                              : VerdictLevel::kGood});
+  const VerdictLevel of_transform =
+      std::max(level(lever_m, std.head<3>().norm(), t.lever_arm_std_m),
+               level(angle_deg, std.segment<3>(3).norm() / kDegree, t.rotation_std_deg));
+  const VerdictLevel of_offset = level(offset_ms, 1e3 * std(6), t.offset_std_ms);
+  f.level = std::max(of_transform, offset == HeldOffset::kStated
+                                       ? of_offset
+                                       : std::min(of_offset, VerdictLevel::kCaution));
   f.evidence = fmt::format(
       "estimated on this recording with the same cameras they differ by {:.1f} mm, {:.2f} deg and "
       "{:.2f} ms (+- {:.1g}, {:.1g}, {:.1g})",
@@ -176,28 +195,15 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
       std.segment<3>(3).norm() / kDegree, 1e3 * std(6));
   if (offset == HeldOffset::kAssumed) {
     f.evidence += "; the file states no time offset, and 0 was taken";
-    f.level = std::max(
-        f.level, std::min(level(offset_ms, 1e3 * std(6), t.offset_std_ms), VerdictLevel::kCaution));
   }
-  if (f.level != VerdictLevel::kGood) {
-    f.advice = mistakeOf(held, seen);
-    const auto is_cameras = [](const FaultTest& cause) {
-      return cause.fault == UnmodelledFault::kGivenCameras;
-    };
-    const bool cameras =
-        estimated->faults &&
-        std::any_of(estimated->faults->causes.begin(), estimated->faults->causes.end(), is_cameras);
-    if (f.advice.empty() && cameras) {
-      f.advice =
-          "The cameras do not suit the recording's corners either, which alone moves T_SC0: "
-          "calibrate the cameras on it first";
+  if (of_transform == VerdictLevel::kGood && offset == HeldOffset::kAssumed) {
+    if (of_offset != VerdictLevel::kGood) {
+      f.advice = fmt::format(
+          "State the time offset in the file (timeshift_cam_imu); this recording's is {:.3f} ms",
+          1e3 * seen.timeOffset());
     }
-    if (f.advice.empty()) {
-      f.advice =
-          "The recording contradicts them; the cause was not tested: cameras that are not those of "
-          "the recording, another mounting, other conventions, or a fault of this recording (see "
-          "the verdict of plumbline calibrate on it)";
-    }
+  } else if (f.level != VerdictLevel::kGood) {
+    f.advice = contradictionAdvice(held, *estimated);
   }
   return {f};
 }

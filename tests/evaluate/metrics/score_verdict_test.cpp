@@ -155,6 +155,14 @@ TEST(ScoreVerdict, AnOffsetThatTheFileDoesNotStateIsNoMoreThanACaution) {
       judgeHeldImu(held, HeldOffset::kAssumed, estimateOf(quarterTurn(), 8e-3)).front();
   EXPECT_EQ(f.level, VerdictLevel::kCaution);
   EXPECT_THAT(f.evidence, HasSubstr("states no time offset"));
+  EXPECT_THAT(f.advice, HasSubstr("timeshift_cam_imu"));
+  EXPECT_THAT(f.advice, HasSubstr("8.000 ms"));
+  EXPECT_THAT(f.advice, testing::Not(HasSubstr("contradicts")));
+  held.T_SC0 = {};
+  const Finding turned =
+      judgeHeldImu(held, HeldOffset::kAssumed, estimateOf(quarterTurn(), 8e-3)).front();
+  EXPECT_EQ(turned.level, VerdictLevel::kBad);
+  EXPECT_THAT(turned.advice, HasSubstr("contradicts"));
 }
 
 TEST(ScoreVerdict, ARecordingThatMovesTooLittleToTellIsNoFault) {
