@@ -135,6 +135,16 @@ TEST_F(PlanTest, EveryStepGetsTheOptionsThatItTakes) {
   EXPECT_EQ(checked, 2);
 }
 
+// plumbline calibrate refuses both together; other steps have no use for the cameras.
+TEST_F(PlanTest, GivenCamerasNeedNoModels) {
+  write("cameras.yaml", "");
+  const auto own = plan("calibrate: {models: pinhole-radtan}\n");
+  EXPECT_THAT(own.at("sessions/a/calibrate").words, testing::Contains("--models"));
+  const auto given = plan("calibrate: {models: pinhole-radtan, cameras: cameras.yaml}\n");
+  EXPECT_THAT(given.at("sessions/a/calibrate").words, testing::Contains("--cameras"));
+  EXPECT_THAT(given.at("sessions/a/calibrate").words, testing::Not(testing::Contains("--models")));
+}
+
 TEST_F(PlanTest, InputKeysOutliveVersions) {
   const auto one = plan("", "1"), two = plan("", "2");
   for (const auto& [name, step] : one) EXPECT_EQ(step.inputs_key, two.at(name).inputs_key) << name;
