@@ -428,6 +428,11 @@ TEST_F(CommandLine, GivenCamerasAreBlamedForPosesThatTheySpoil) {
   expectRefusal(calibrate(session(), "--no-halves --cameras " + file.string()), 2,
                 AllOf(HasSubstr("the given cameras do not explain the corners"),
                       HasSubstr("--free-cameras")));
+  // What is found in the stamps stands on no poses: it is said as with good cameras.
+  const Outcome apart =
+      calibrate(session(), "--no-halves --imu-shift-ms 1e6 --cameras " + file.string());
+  EXPECT_EQ(apart.exit_code, 1) << apart.text;
+  EXPECT_THAT(apart.text, Not(HasSubstr("do not explain the corners")));
 }
 
 TEST_F(CommandLine, WrongTargetSizeIsFoundByTheImu) {
