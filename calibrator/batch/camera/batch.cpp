@@ -180,6 +180,7 @@ std::size_t rejectAboveSigma(std::vector<PackedCorners>& corners, const CameraPr
   return count;
 }
 
+/// Each view by its own pose, refined alone: the joint solution is only where that starts.
 std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners, const CameraProblem& problem,
                              const CameraEstimate& estimate) {
   std::size_t count = 0;

@@ -15,6 +15,7 @@ constexpr int kBlocks = 10;             // of time, for the held-out error
 constexpr int kLeastFrames = 2;         // in a block
 constexpr double kTestTolerance = 0.1;  // of the halves' solutions [standard deviations]
 
+/// With their weights: what a filter rejected adds neither to the cost nor to the count.
 double usedCorners(const CameraProblem& problem, std::size_t f) {
   double corners = 0;
   for (std::size_t c = 0; c < problem.frames[f].view.size(); ++c) {
@@ -99,6 +100,8 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, BoardD
     if (detail != BoardDetail::kTwelve) {
       trained = withHigherTerms(training.problem, std::move(trained), solver, {detail, 1});
     }
+    // The board that the training half has found goes with its cameras: with terms of their own the
+    // test frames would not be unseen.
     std::span<const PackedCorners> corners = problem.corners;
     if (trained.estimate.target) {
       placed.assign(corners.begin(), corners.end());

@@ -19,6 +19,8 @@ Eigen::MatrixXd cameraRows(const ImpliedShift& shift, const CameraEstimate& esti
   const Matrix6d A = adjoint(T_CiC0);
   const int K = layout.intrinsics_size[c];
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(6 + K, 6 + layout.size);
+  // The camera follows the rig's shift by the adjoint, its own T_C0Ci without lever arm
+  // (problem.cpp).
   M.topLeftCorner<6, 6>() = A;
   M.topRightCorner(6, layout.size) = A * shift.A;
   M.block(6, 6 + layout.intrinsics[c], K, K).setIdentity();

@@ -31,6 +31,7 @@ CameraPart aloneCamera(const AprilGrid& board, const CameraProblem& problem,
   mono.problem.corners = problem.corners.subspan(c, 1);
   mono.problem.frames.clear();
   mono.problem.weights.clear();
+  // The trials of all models run beside each other.
   mono.problem.threads = 1;
   const Transform T_CiC0 = solved.T_C0Ci[c].inverse();
   for (std::size_t f = 0; f < problem.frames.size(); ++f) {
@@ -82,6 +83,7 @@ struct Trialled {
   double cost() const {
     if (!error) return std::numeric_limits<double>::infinity();
     double sum = 0;
+    // Block by block, as meanGain() compares them, whatever corners each has.
     for (const double c : error->cost) sum += c;
     return sum / static_cast<double>(error->cost.size());
   }
@@ -212,6 +214,7 @@ bool isSettled(const CameraTrial& trial, const std::optional<CameraModelPair>& s
 void scoreAll(int frames, int threads, std::vector<CameraTrial>& trials) {
   std::vector<std::pair<CameraTrial*, Trialled*>> jobs;
   for (CameraTrial& camera : trials) {
+    // A model without a rival needs no further frames.
     if (camera.open.size() < 2 || camera.settled) continue;
     for (Trialled& trial : camera.open) jobs.emplace_back(&camera, &trial);
   }
@@ -231,6 +234,8 @@ CameraTrial trialOf(CameraPart mono, int most_parameters) {
     Trialled t{model, std::nullopt, std::nullopt};
     if (t.parameters() > most_parameters) continue;
     if (isSame(model, modelOf(solved))) {
+      // It stands in the minimum of its model already; another lens is fitted to where it puts the
+      // corners.
       t.lens = solved;
     } else if (const auto fit =
                    fitLens(plainLike(solved, model.projection, model.distortion), points)) {
@@ -354,6 +359,7 @@ ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
   }
   if (more) scoreAll(kTestFrames, problem.threads, trials);
   for (CameraTrial& trial : trials) {
+    // Models that solved on few frames may fail on more.
     std::erase_if(trial.open, [](const Trialled& t) { return !t.error; });
     rank(trial.open);
   }

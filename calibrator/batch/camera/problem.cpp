@@ -51,6 +51,8 @@ struct CameraSums {
   TargetViewGram gram;
   bool target;
   CameraSums(int intrinsics, bool with_target) : target(with_target) {
+    // Pose rows are the camera's own twist: summed over frames they serve T_C0Ci, which acts on all
+    // of them; those of the frames' poses are placed by addFrame().
     gram.H_pose_k.setZero(6, intrinsics);
     gram.H_k.setZero(intrinsics, intrinsics);
     gram.b_k.setZero(intrinsics);
@@ -151,6 +153,7 @@ void evaluateView(const Evaluation& at, std::size_t c, const Transform& T_CiF,
   TargetViewGram& g = terms.grams[c];
   const Intrinsics& lens = at.estimate.intrinsics[c];
   if (!at.target) {
+    // What is left of `g` has no reader where the board is fixed.
     static_cast<ViewGram&>(g) = viewGram(lens, T_CiF, view, gram);
     return;
   }
@@ -191,6 +194,7 @@ void addFrame(const Evaluation& at, int f, FrameTerms& terms, CameraNormals& out
   if (at.gram.triggs_clamp > 0 && Eigen::LLT<Matrix6d>(terms.H).info() != Eigen::Success) {
     evaluateFrame(at, index, GramOptions{at.gram.cauchy_px, 0}, terms);
   }
+  // The Gram matrices are in pixels: here they get the unit of the cost.
   const double weight = at.problem.weight(f) / (at.problem.pixel_sigma * at.problem.pixel_sigma);
   out.H[index] = weight * terms.H;
   auto b = out.b_pose.segment<6>(6 * f);
@@ -234,6 +238,8 @@ void addCamera(const TargetViewGram& g, const CameraDerivatives& d, const Camera
   }
   if (c == 0) return;
   const int e = layout.T_C0Ci[c];
+  // T_C0Ci moves the target in every frame as a twist of the camera would: the chain is applied to
+  // the sum.
   Matrix6d A = Matrix6d::Zero();
   A.topLeftCorner<3, 3>() = d.A;
   A.bottomRightCorner<3, 3>() = d.A;
@@ -387,6 +393,7 @@ std::vector<Eigen::MatrixXd> frameInformation(const CameraProblem& problem,
                                               const CameraEstimate& estimate) {
   std::vector<Eigen::MatrixXd> shares(problem.frames.size());
   CameraProblem inner = problem;
+  // One frame is one chunk: threads would find nothing to share.
   inner.threads = 1;
   // Each frame as a problem of its own; what is known beforehand is no frame's.
   inner.prior = nullptr;

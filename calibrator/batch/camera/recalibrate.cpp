@@ -23,6 +23,7 @@ void CameraStageOptions::check() const {
   if (select_views) select_views->check();
   frames.check();
   requireAtLeast(1, "frames.min_corners", frames.min_corners);
+  // A start is a homography, which four points determine.
   requireAtLeast(4, "min_start_corners", min_start_corners);
   requireAtLeast(1, "start_views", start_views);
   requirePositive("max_start_error", max_start_error);
@@ -78,6 +79,7 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
       estimate.T_C0F.push_back(earlier.T_FC0[static_cast<std::size_t>(f)].inverse());
     }
   }
+  // What was solved for on the whole is solved for on the part: the board's terms are free again.
   const CameraSolution solution =
       solveAgain(session, earlier, options, problem, std::move(estimate));
   if (problem.target) placeCorners(problem.target->grid, solution.estimate, corners);

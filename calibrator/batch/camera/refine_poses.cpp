@@ -14,6 +14,7 @@ constexpr int kIterations = 50;
 
 }  // namespace
 
+// A board under estimation must stand in the corners already (placeCorners()).
 std::vector<FrameView> frameViews(const Frame& frame, std::span<const PackedCorners> corners,
                                   const CameraEstimate& cameras) {
   std::vector<FrameView> views;
@@ -38,6 +39,7 @@ RefinedPoses refinePoses(const CameraProblem& problem, CameraEstimate& estimate)
   forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
     for (int i = chunk.begin; i < chunk.end; ++i) {
       const auto f = static_cast<std::size_t>(i);
+      // Cameras and board held, frames have nothing in common: each is a problem of six unknowns.
       const PoseRefinement refined = refinePose(
           frameViews(problem.frames[f], problem.corners, estimate), estimate.T_C0F[f], options);
       estimate.T_C0F[f] = refined.T_C0F;

@@ -33,6 +33,7 @@ Eigen::VectorXd worthlessErrors(const std::vector<CameraCalibration>& cameras,
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const Intrinsics& camera = cameras[c].intrinsics;
     const auto k = layout.intrinsics[c] + camera.projection.size() - 4;  // of fu
+    // With the width and the focal length, so that the same lens on a finer image is judged alike.
     sizes.segment<2>(k) = kWorthlessFocal * camera.projection.tail<4>().head<2>().cwiseAbs();
     sizes.segment<2>(k + 2).setConstant(kWorthlessPrincipal * camera.resolution.width);
     if (c == 0) continue;
@@ -47,6 +48,7 @@ FailureCode codeOfFree(int parameter, const std::vector<CameraCalibration>& came
                        const CameraLayout& layout) {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const int k = parameter - layout.intrinsics[c];
+    // Coefficients of the projection stand before fu, those of the distortion behind pv.
     if (k < 0 || k >= layout.intrinsics_size[c]) continue;
     const auto from_fu = k - (cameras[c].intrinsics.projection.size() - 4);
     if (from_fu < 0 || from_fu >= 4) return FailureCode::kDistortionFree;
@@ -83,6 +85,7 @@ Failure notObservable(const FreeDirection& direction, const CameraStageResult& r
 /// Adds to a failure to observe a camera how its views lie: what they lack, if they lack it.
 void describeViews(const Session& session, const CameraProblem& problem,
                    const CameraStageResult& result, Failure& failure) {
+  // Of tilts and radii: a single view or corner does not make up for all the others.
   constexpr double kMost = 0.9;
   const std::string& camera = std::get<std::string>(failure.values.at("camera").content());
   std::vector<double> tilts, radii;
@@ -96,6 +99,7 @@ void describeViews(const Session& session, const CameraProblem& problem,
       if (problem.frames[f].view[c] < 0) continue;
       const PackedView view = problem.corners[c].view(problem.frames[f].view[c]);
       const Transform T_FC = result.T_FC0[f] * result.cameras[c].T_C0Ci;
+      // Between the optical axis and the board seen straight on, where the axis is -z of F.
       tilts.push_back(std::acos(std::clamp(-T_FC.R(2, 2), -1.0, 1.0)));
       for (int k = 0; k < view.count; ++k) {
         radii.push_back((Eigen::Vector2d(view.u[k], view.v[k]) - half).norm() / half.norm());
@@ -127,6 +131,7 @@ void addView(int camera, int frame, const PackedView& view,
     const Eigen::Vector2d& e = errors[static_cast<std::size_t>(k)];
     const bool is_used = view.w[k] > 0;
     if (is_used) used.push_back(e);
+    // Counted above all the same: a draw of a bootstrap keeps its statistics.
     if (list == ResidualList::kDrop) continue;
     const Eigen::Vector2d uv(view.u[k], view.v[k]);
     residuals.push_back({camera, frame, view.id[k], uv.cast<float>(), e.cast<float>(), is_used});
@@ -251,6 +256,8 @@ namespace {
 /// deviations of the other terms exceed the formal ones (RMS).
 HigherTerms higherDeviations(const HigherShare& share, const CameraProblem& problem,
                              const CameraStageResult& result, const TargetCovariance& formal) {
+  // Without tag_edge: it errs with the detector and the sizes of the tags in the images, not with
+  // the board.
   constexpr int kBoard = kTargetTerms - 1;
   const double rmse = result.summary.reprojection.rmse_px / problem.pixel_sigma;
   const double noise = 0.5 * rmse * rmse;  // per axis
@@ -289,9 +296,11 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   addResiduals(session, problem, solution.estimate, list, result);
   // Draws of a bootstrap, of which nobody reads more.
   if (list == ResidualList::kDrop) return result;
+  // As it is now: below it is stretched, while the higher terms are judged by the formal one.
   const std::optional<TargetCovariance> formal = result.target.covariance;
   if (auto robust = robustCovariance(problem, solution, share)) {
     const auto n = result.summary.covariance.matrix.rows();
+    // The first n: behind them stand the board's terms, which the list of parameters leaves out.
     RobustDeviations deviations = robust->deviations(n);
     result.summary.robust_std = std::move(deviations.std);
     result.summary.robust_dof = std::move(deviations.dof);

@@ -63,6 +63,7 @@ Pieces piecesOf(const CameraProblem& problem, const CameraEstimate& estimate) {
   return out;
 }
 
+/// Scores and information of blocks, each of whole units and of about as many.
 BlockScores sums(const Pieces& pieces, int blocks) {
   BlockScores out{Eigen::MatrixXd(pieces.scores.rows(), blocks), {}};
   for (int b = 0; b < blocks; ++b) {

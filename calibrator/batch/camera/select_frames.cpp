@@ -31,6 +31,7 @@ std::vector<RigView> rigViews(const CameraProblem& problem, const CameraEstimate
   return views;
 }
 
+/// Without cell weights: those are of later use, and make no measurement better.
 std::vector<ViewTerms> termsOf(const ViewTermsMaker& maker, const std::vector<RigView>& views,
                                int threads) {
   std::vector<ViewTerms> terms(views.size());
@@ -101,6 +102,8 @@ std::vector<int> selectByError(const CameraProblem& problem, const CameraEstimat
     const bool enough = static_cast<int>(kept.size()) >= options.least_views;
     if (enough && relativeExcess(error.value(), components) <= options.stop_excess) break;
   }
+  // As keepFrames() takes them: the frames stay in the order of time, of which blocks are made
+  // later.
   std::sort(kept.begin(), kept.end());
   return kept;
 }
@@ -112,6 +115,7 @@ std::vector<int> selectFrames(const CameraProblem& problem, const CameraEstimate
   if (options.criterion == ViewCriterion::kPredictedError) {
     return selectByError(problem, estimate, options);
   }
+  // Bits of corners that err by pixel_sigma: the threshold counts under the stated noise.
   return selectViews(frameInformation(problem, estimate), options.threshold_bits, options.seed);
 }
 

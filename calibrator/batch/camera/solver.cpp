@@ -43,6 +43,8 @@ class StepSolver {
     forChunks(frames, kFrameChunk, threads_, [&](const Chunk& chunk) {
       parts[static_cast<std::size_t>(chunk.index)] = eliminate(n, damping, chunk);
     });
+    // Marquardt's scaling, here and in eliminate(): damping by shares of the diagonal needs no
+    // common unit of pixels, metres and coefficients.
     Eigen::MatrixXd S = n.G;
     S.diagonal() *= 1 + damping;
     Eigen::VectorXd s = n.b;
@@ -88,6 +90,7 @@ class StepSolver {
     }
     const int rows = 6 * (chunk.end - chunk.begin);
     const auto W = W_.middleRows(6 * chunk.begin, rows);
+    // One product over the frames of the chunk: of single frames six rows each would cost more.
     out.WtW = W.transpose() * W;
     out.Wty = W.transpose() * y_.segment(6 * chunk.begin, rows);
     return out;
@@ -139,6 +142,8 @@ class Steps {
 
   Trial attempt() {
     next_ = moved(estimate_, *step_);
+    // Of the next equations alone: the cost is the same under either, so that the trial is judged
+    // fairly.
     const bool near = step_->decrement < kNear * normals_.cost;
     next_gram_ = near ? newton() : gram_;
     next_normals_ = normalsAt(problem_, next_, next_gram_);
@@ -162,6 +167,8 @@ class Steps {
     return true;
   }
 
+  // The equations that are handed on are those of re-weighting: as information they are never
+  // indefinite, as the loss' own curvature may be.
   CameraSolution solution(const MinimiserSummary& summary) && {
     if (gram_.triggs_clamp != problem_.gram.triggs_clamp) {
       normals_ = normalsAt(problem_, estimate_);

@@ -49,6 +49,7 @@ std::vector<int> spreadViews(const PackedCorners& corners, const std::vector<int
   const int full = sizes[sizes.size() * 9 / 10];
   std::vector<int> rich;
   for (const int v : views) {
+    // Views with few corners would be taken for their place in time alone, and settle little.
     if (2 * corners.view(v).count >= full) rich.push_back(v);
   }
   const std::vector<int>& from = static_cast<int>(rich.size()) >= kLeastViews ? rich : views;
@@ -93,12 +94,17 @@ MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
     estimate.T_C0F.push_back(pose->T_C0F);
     count += pose->corners;
   }
+  // Its error stays infinite: any focal length with a solution is better.
   if (problem.frameCount() < kLeastViews) return {plain};
+  // Coarsely: what is asked is whether this focal length leads anywhere, and the batch goes on from
+  // it.
   MinimiserOptions coarse;
   coarse.max_iterations = 30;
   coarse.cost_tolerance = 1e-4;
   const CameraSolution solution = solveCameraProblem(problem, estimate, coarse);
   const Intrinsics& camera = solution.estimate.intrinsics[0];
+  // A focal length that has passed through zero mirrors the image: no start, however small the
+  // error.
   const bool sane =
       camera.stacked().allFinite() && camera.projection.tail<4>().head<2>().minCoeff() > 0;
   if (!sane) return {plain};
@@ -208,6 +214,8 @@ std::optional<Transform> bestPose(const Frame& frame, std::size_t f,
     if (!best && sure && errorPx(views, T_C0F, few.gram) < std::min(kGoodPose, max_error) * width) {
       return T_C0F;
     }
+    // From every camera whose own pose is in doubt: of the two mirrored ones only the right one
+    // suits the other cameras too.
     const PoseRefinement pose = refinePose(views, T_C0F, few);
     if (!best || pose.cost < best->cost) best = pose;
     if (sure && best->errorPx() < kGoodPose * width) break;
@@ -238,6 +246,7 @@ Result<CameraStart> withPoses(CameraEstimate cameras, std::span<const PackedCorn
   return start;
 }
 
+/// Of any view, paired or not: tells a target that is hardly seen from too strict a limit.
 std::size_t mostCorners(const CameraStream& stream) {
   std::size_t most = 0;
   for (const ImageView& view : stream.views) most = std::max(most, view.corners.size());
@@ -302,6 +311,7 @@ Result<CameraStart> startFromCameras(const std::vector<CameraCalibration>& camer
   std::vector<CameraPoses> own;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     known.intrinsics.push_back(cameras[c].intrinsics);
+    // By definition of C0, whatever a file says of it.
     known.T_C0Ci.push_back(c == 0 ? Transform() : cameras[c].T_C0Ci);
     own.push_back(ownPoses(known.intrinsics[c], corners[c], frames, c, options));
   }

@@ -64,6 +64,7 @@ class ViewTermsMaker::Sum {
       return;
     }
     // T_CiF = T_CiC0 T_C0F: its twist is A d + E e, e the tangent of T_C0Ci.
+    // Lever arms of adjoint and tangent cancel in E (problem.cpp).
     const Eigen::Matrix3d& R = maker_.T_CiC0_[c].R;
     const Matrix6d A = adjoint(maker_.T_CiC0_[c]);
     const int e = layout.T_C0Ci[c];
@@ -88,6 +89,7 @@ class ViewTermsMaker::Sum {
     if (!isDetermined(H_, llt)) {
       for (Eigen::MatrixXd* sum : {&out_.I, &out_.C, &out_.D}) sum->setZero();
       out_.s.setZero();
+      // Without corners it is no frame of the selection (fittingFrames()).
       out_.squared_px = out_.corners = 0;
       return std::move(out_);
     }
@@ -185,6 +187,8 @@ ViewTerms ViewTermsMaker::seen(const RigView& frame, std::span<const double> cel
       }
       view.w = roots.data();
     }
+    // Re-weighted (clamp 0): with the loss' own curvature a frame's information might be
+    // indefinite.
     const FieldGram g =
         fieldGram(cameras_.intrinsics[c], T_CiC0_[c] * frame.T_C0F, view, field_.boxes[c],
                   FieldSquares::kKeep, {cauchy_px_, 0}, field_.ofCamera(c));
@@ -216,11 +220,13 @@ std::vector<double> cellWeights(const std::vector<RigView>& frames, const Camera
       for (int k = 0; k < view.count; ++k) {
         const int cell =
             CornerCells::cellOf(view.u[k], view.v[k], cameras.intrinsics[c].resolution);
+        // By weight, so that rejected corners make no cell look seen.
         weights[c * CornerCells::kCount + static_cast<std::size_t>(cell)] += view.w[k];
         corners += view.w[k];
       }
     }
   }
+  // Over all cells of all cameras, those without corners included.
   const double mean = corners / static_cast<double>(weights.size());
   for (double& w : weights) {
     // A cell without corners has none that it could weigh.
@@ -240,6 +246,7 @@ std::vector<FieldBox> seenBoxes(const std::vector<RigView>& frames, const Camera
     for (const RigView& frame : frames) {
       const PackedView& view = frame.views[c];
       for (int k = 0; k < view.count; ++k) {
+        // A gross error far outside would stretch the box, and with it the functions over it.
         if (!(view.w[k] > 0)) continue;
         low = low.min(Eigen::Array2d(view.u[k], view.v[k]));
         high = high.max(Eigen::Array2d(view.u[k], view.v[k]));
