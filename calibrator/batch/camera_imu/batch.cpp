@@ -47,6 +47,7 @@ Failure tooFewSelected(const FrameSelection& selection, std::size_t frames,
                        const FrameSelectionOptions& choice) {
   Failure failure{FailureCode::kTooFewCoveredFrames,
                   {{"covered", selection.covered}, {"frames", frames}, {"needed", kFewestFrames}}};
+  // Frames off the samples point to the clocks, frames without a neighbour to pauses.
   if (selection.covered < kFewestFrames) {
     failure.values.emplace("offset_s", choice.time_offset_s);
   } else {
@@ -80,6 +81,7 @@ std::vector<CameraPose> take(const FrameSelection& selection, const PosedFrames&
 /// A gyroscope that seems too slow may be cut off at the end of its range.
 Failure withCutOff(Failure failure, std::span<const ImuSample> samples) {
   if (failure.code != FailureCode::kGyroscopeScale) return failure;
+  // Channels 0 to 2 are the gyroscope's.
   for (const CutOff& channel : findCutOff(samples)) {
     if (channel.channel < 3) failure.values.insert_or_assign("cut_off_at", channel.limit);
   }
@@ -116,6 +118,7 @@ Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFr
       return tooFewSelected(selection, stamps.size(), choice);
     }
     const auto poses = take(selection, posed, problem);
+    // Of frames that have a pose; the others are counted by without_pose.
     out.frames_without_imu = static_cast<int>(stamps.size() - selection.chosen.size());
     out.gaps = pausesWithin(problem, options, start.time_offsets.front().s);
     out.solution = solveFrom(problem,
@@ -173,6 +176,7 @@ void filterAndSolve(CameraImuProblem& problem, CameraImuSolution& solution,
                     const CameraImuOptions& options) {
   for (int round = 0; round < kFilterRounds; ++round) {
     if (rejectAboveSigma(problem, solution.estimate, options.filter_sigmas) == 0) return;
+    // Iterations of all rounds, not of the last alone.
     const int before = solution.iterations;
     solution = solveFromSolution(problem, solution.estimate, options);
     solution.iterations += before;
@@ -202,6 +206,7 @@ Screening screeningOf(const PosedFrames& posed, const CameraImuProblem& problem,
   Screening screening = posed.screening;
   screening.spikes = problem.spikes;
   for (const ImuGap& gap : imuGaps(problem.recorded, options.max_gap_intervals)) {
+    // The samples are shifted, the page speaks of the recording's stamps.
     screening.pauses.push_back({gap.from - options.imu_shift_ns, secondsBetween(gap.from, gap.to)});
   }
   return screening;
@@ -260,6 +265,7 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   CameraImuProblem problem = makeProblem(session, options);
   const PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
   if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
+  // Before any filter: what stands in the wrong place would spoil its limits.
   weigh(posed.rejected, 0, problem.corners);
   const Screening screening = screeningOf(posed, problem, options);
   CameraImuOptions with_noise = options;

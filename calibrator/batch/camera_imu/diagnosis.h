@@ -24,7 +24,7 @@ struct Candidate {
   double dispersion = 0;                 ///< of what it explains by chance, where that is known
 };
 
-/// The faults that are tested, with what the search of fault_search.h found about their instants
+/// The faults that are tested, with what the search of fault_search.cpp found about their instants
 /// and frequencies.
 std::vector<Candidate> faultCandidates(const FaultColumns& columns,
                                        const CameraImuEstimate& estimate,

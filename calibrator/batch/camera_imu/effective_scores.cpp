@@ -33,6 +33,7 @@ void addViewGram(const FaultViewTerms& v, const PoseRows& T, MatrixXd& informati
       gradient(column) += v.b(row);
     }
     for (std::size_t j = i; j < v.own.size(); ++j, ++H_own) {
+      // H_own goes on for columns that are left out, too: it is one list.
       if (column >= n || v.own[j] >= n) continue;
       information(column, v.own[j]) += *H_own;
       if (j > i) information(v.own[j], column) += *H_own;
@@ -63,6 +64,7 @@ void addView(const FaultViewTerms& v, Index n, BlockArrow& chain) {
 }
 
 void addLink(const LinkTerms& t, Index n, BlockArrow& chain) {
+  // Columns from of_links on are zero in every link, and not stored.
   const Index touched = std::min(n, t.J_B.cols());
   const auto J_B = t.J_B.leftCols(touched);
   chain.diagonal[t.at] += t.J_i.transpose() * t.J_i;
@@ -142,6 +144,7 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   const auto views = viewTerms(problem, solution, columns);
   auto links = linkTerms(problem, solution, columns, out.sway_hz);
   if (!links) return std::nullopt;
+  // Before the scores: where a jump is tested decides what its column is.
   if (const auto S = covarianceOf(problem, views, *links, columns.border.size)) {
     out.jumps = placeJumps(problem, columns, *S, *links);
   } else {

@@ -52,6 +52,7 @@ class ViewRows {
     const PoseColumns moved = poseColumns(pose, chain, c, camera.T_C0Ci.t, twist);
     out.A_B = moved.A;
     out.by = moved.columns;
+    // The rows are in pixels so far.
     const double weight = problem_.weights[i] / (problem_.pixel_sigma * problem_.pixel_sigma);
     out.H *= weight;
     out.H_own *= weight;
@@ -115,6 +116,8 @@ class ViewRows {
       rows.middleCols<FaultColumns::kShape>(6 + k) =
           w * image->J_point * T_CF.R *
           basis_.columns(corners.id[i]).leftCols<FaultColumns::kShape>();
+      // The row is exposed h readout times after the middle one, and the target has moved by the
+      // twist of that time.
       rows.col(n - 1) = h * rows.leftCols<6>() * twist;
       r.segment<2>(2 * i) = w * error;
     }
@@ -122,6 +125,7 @@ class ViewRows {
     out.b = J.transpose() * r;
     MatrixXd own = MatrixXd::Zero(n - 6, n - 6);
     own.selfadjointView<Eigen::Lower>().rankUpdate(J.rightCols(n - 6).transpose());
+    // One triangle: of all that is kept per view these blocks are the largest.
     out.H_own.resize(own.rows() * (own.rows() + 1) / 2);
     Index at = 0;
     for (Index row = 0; row < own.rows(); at += own.rows() - row++) {
@@ -170,6 +174,7 @@ class LinkRows {
     w << Eigen::Vector3d::Constant(weight.gyro_walk), Eigen::Vector3d::Constant(weight.accel_walk);
     const auto& states = solution_.estimate.states;
     out.r.tail<6>() = w.cwiseProduct(biasWalkResidual(states[k], states[k + 1]));
+    // The walk's residual is the later biases less the earlier ones.
     out.J_i.bottomRightCorner<6, 6>() = (-w).asDiagonal();
     out.J_j.bottomRightCorner<6, 6>() = w.asDiagonal();
   }
@@ -178,6 +183,8 @@ class LinkRows {
     const CameraImuEstimate& e = solution_.estimate;
     const ImuState& i = e.states[k];
     const ImuWindow window{problem_.frames[k].t, problem_.frames[k + 1].t, e.timeOffset()};
+    // Smooth, for these are scores and information: the exact derivative has the noise of single
+    // samples in it, which is in the residual as well.
     const auto rows = motionRows(problem_, e, solution_.weights, k, OffsetDerivative::kSmooth);
     const auto faults =
         sampleFaultDerivatives(problem_.samples, window, {i.gyro_bias, i.accel_bias});
@@ -246,6 +253,7 @@ FaultColumns::FaultColumns(const CameraImuEstimate& estimate, bool free_cameras)
   target_size = take(1);
   shape = take(kShape);
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    // A fault's column only where the batch does not estimate the camera's offset already.
     const bool own = border.own_offset[c] >= 0;
     own_offset.push_back(c == 0 ? -1 : own ? border.own_offset[c] : take(1));
   }

@@ -20,6 +20,7 @@ Reading readingAt(const std::vector<ImuSample>& samples, TimeNs frame, double af
   const TimeNs t = frame + toNanoseconds(after_frame_s);
   auto next = std::upper_bound(samples.begin(), samples.end(), t,
                                [](TimeNs at, const ImuSample& s) { return at < s.t; });
+  // A delay of milliseconds may lead past the last sample though its frame is covered.
   next = std::clamp(next, samples.begin() + 1, samples.end() - 1);
   const ImuSample& a = *(next - 1);
   const double interval = secondsBetween(a.t, next->t);
@@ -42,6 +43,7 @@ BorderLayout::BorderLayout(const CameraImuEstimate& estimate, bool free_cameras)
     size += static_cast<int>(estimate.cameras[c].intrinsics.stacked().size());
   }
   for (std::size_t c = 0; free_cameras && c < count; ++c) {
+    // Camera 0 is the rig's frame.
     T_C0Ci.push_back(c == 0 ? -1 : size);
     if (c > 0) size += 6;
   }
@@ -138,6 +140,7 @@ MovedView movedView(const CameraImuProblem& problem, const CameraImuEstimate& es
   Eigen::Matrix<double, 6, MovedView::kIntrinsics> A;
   A << chain.A_FS * pose.by_state, chain.A_FS * pose.by_calibration, chain.A_FS * pose.by_delay,
       chain.A_C0Ci;
+  // by_calibration leaves T_SC0 zero: it moves the camera on the sensor, not the sensor.
   A.middleCols<6>(MovedView::kFixed) += chain.A_SC0;
 
   // The view's Gram matrix is of the camera's own pose: A carries it to the columns, so that the
@@ -147,6 +150,7 @@ MovedView movedView(const CameraImuProblem& problem, const CameraImuEstimate& es
   if (problem.free_cameras) {
     g = viewGram(camera.intrinsics, chain.T_CiF, view, gram);
   } else {
+    // The cheaper kernel: held intrinsics have no columns.
     static_cast<PoseGram&>(g) = poseGram(camera.intrinsics, chain.T_CiF, view, gram);
   }
   constexpr int n = MovedView::kIntrinsics;

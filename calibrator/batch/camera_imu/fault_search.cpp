@@ -37,6 +37,7 @@ std::vector<Force> forcesLeftOver(const CameraImuProblem& problem,
     if (!motion) continue;
     const ImuResidual r = imuResidual(*motion, i, e.states[k + 1], gravity);
     forces.push_back(
+        // In F, where the target sways: the direction in S turns with the sensor.
         {secondsBetween(begin, window.from), i.T_FS.R * r.r.segment<3>(3) / window.duration_s()});
   }
   return forces;
@@ -119,6 +120,7 @@ JumpPlaces placeJumps(const CameraImuProblem& problem, const FaultColumns& colum
   };
   std::vector<double> of_target;
   for (std::size_t l = 0; l < links.size(); ++l) {
+    // Links over a pause have no motion by which a jump would show.
     if (links[l].r.size() != 15) continue;
     const MatrixXd R = redundancyOf(links[l], S, columns.border.size);
     for (std::size_t kind = 0; kind < places.size(); ++kind) {

@@ -150,6 +150,7 @@ void addRows(const Link& link, const Groups& information, const ChainInverse& in
   const Vector6d variance =
       (S.diagonal[at] + S.diagonal[at + 1] - 2 * S.next[at]).diagonal().tail<6>();
   const Vector6d explained = link.walk_weight.cwiseAbs2().cwiseProduct(variance);
+  // Gyroscope, then accelerometer; their groups stand behind those of the motion.
   for (int g = 0; g < 2; ++g) {
     sum.squares(2 + g) += information(2 + g) * walk.segment<3>(3 * g).squaredNorm();
     sum.redundancy(2 + g) += 3 - information(2 + g) * explained.segment<3>(3 * g).sum();
@@ -193,6 +194,8 @@ class VarianceComponents {
   std::optional<Evaluation> at(const Factors& factors) const {
     const auto inverse = invertChain(combined(cameras_, links_, factors), {0, threads_});
     if (!inverse) return std::nullopt;
+    // The Gram matrices are of rows under the assumed densities; what is asked for is their squares
+    // under these factors.
     const Groups information = factors.imu.square().inverse();
     const int count = static_cast<int>(links_.size());
     std::vector<Evaluation> parts(static_cast<std::size_t>(chunkCount(count, kImuChunk)));
@@ -252,6 +255,7 @@ std::vector<int> spreadFrames(int n, int most) {
     return frames;
   }
   for (int s = 0; s < segments; ++s) {
+    // The first segment begins with the recording, the last one ends with it.
     const int first = s * (n - kSegment) / (segments - 1);
     for (int f = 0; f < kSegment; ++f) frames.push_back(first + f);
   }
@@ -413,6 +417,7 @@ std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
   gradient(BorderLayout::kOffset, BorderLayout::kOffset) +=
       noise.samples * noise.samples * normals->offset_noise;
   const Eigen::MatrixXd inverse = borderCovariance(chain->border_information);
+  // H^-1 V H^-1: the weights that the batch used, the noise that there is.
   const Eigen::MatrixXd full = inverse * gradient * inverse;
   constexpr int kT = BorderLayout::kExtrinsics;
   const std::array<int, 7> rows{kT, kT + 1, kT + 2, kT + 3, kT + 4, kT + 5, BorderLayout::kOffset};

@@ -50,6 +50,7 @@ class Linearisation {
     const int n = problem_.frameCount();
     std::vector<Partial> partials(static_cast<std::size_t>(chunkCount(n, kImuChunk)),
                                   Partial(layout_.size));
+    // Set by any thread; which link it was nobody asks.
     std::atomic<bool> covered{true};
     forChunks(n, kImuChunk, problem_.threads, [&](const Chunk& chunk) {
       Partial& partial = partials[static_cast<std::size_t>(chunk.index)];
@@ -77,6 +78,7 @@ class Linearisation {
       inertial += p.inertial_cost;
       normals_.squared_px += p.squared_px;
       normals_.offset_noise += p.offset_noise;
+      // The last link of a chunk reaches into the next one's first frame.
       const std::size_t next = (k + 1) * kImuChunk;
       if (next >= chain.diagonal.size()) continue;
       chain.diagonal[next] += p.next_diagonal;
@@ -136,6 +138,8 @@ class Linearisation {
   void addFixedView(int i, std::size_t c, Partial& partial) {
     const CameraImuChain chain = chainOf(i, c);
     const PoseGram g = poseGram(estimate_.cameras[c].intrinsics, chain.T_CiF, viewOf(i, c), gram_);
+    // Corners are in pixels throughout the kernels: pixel_sigma and the frame's weight come in
+    // here.
     const double scale = viewScale(i);
     const auto at = static_cast<std::size_t>(i);
     const Matrix6d AtH = scale * (chain.A_FS.transpose() * g.H);
@@ -168,6 +172,7 @@ class Linearisation {
     b << A.transpose() * g.b, g.b_k;
     H *= scale;
     b *= scale;
+    // Camera 0's T_C0Ci is the identity: its columns have no place in the border.
     std::vector<Part> parts = {{6, BorderLayout::kExtrinsics, 6}, {18, layout_.intrinsics[c], k}};
     if (layout_.T_C0Ci[c] >= 0) parts.push_back({12, layout_.T_C0Ci[c], 6});
     scatter({i, 6, parts}, H, b, partial);
@@ -223,7 +228,10 @@ class Linearisation {
   bool addLink(int i, bool last_of_chunk, Partial& partial) {
     const auto at = static_cast<std::size_t>(i);
     const FrameLink link = problem_.links[at];
+    // Across a broken link nothing is carried, not even the biases: the segments of a bootstrap are
+    // draws of their own.
     if (link == FrameLink::kBroken || purpose_ == Purpose::kCameraInformation) return true;
+    // The later frame may belong to another thread's chunk.
     ChainMatrix& D = last_of_chunk ? partial.next_diagonal : normals_.chain.diagonal[at + 1];
     ChainBorderRows& rows = last_of_chunk ? partial.next_rows : normals_.chain.to_border[at + 1];
     addBiasWalk(at, D, rows, partial);
@@ -278,6 +286,7 @@ class Linearisation {
     J *= std::sqrt(problem_.weights[at]);
     RowMatrix G = RowMatrix::Zero(28, 28);
     addGram(product(weights_[at].sqrt_information, J), 0, G);
+    // addGram() fills the upper triangle alone.
     G.triangularView<Eigen::StrictlyLower>() = G.transpose();
     BlockArrow& chain = normals_.chain;
     constexpr int kGravity = BorderLayout::kGravity;
@@ -317,6 +326,7 @@ std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
       const auto i = static_cast<std::size_t>(k);
       if (problem.links[i] == FrameLink::kBroken) continue;
       const ImuWindow window{problem.frames[i].t, problem.frames[i + 1].t, estimate.timeOffset()};
+      // Missing samples say nothing of the motion, but the biases walk on over the pause.
       weights[i] = biasWalkWeight(problem.noise, window.duration_s());
       if (problem.links[i] == FrameLink::kBiasWalk) continue;
       const ImuBias bias{estimate.states[i].gyro_bias, estimate.states[i].accel_bias};

@@ -22,6 +22,7 @@ void append(const FrameSegment& segment, const CameraImuStageResult& earlier,
   for (int k = 0; k < segment.count; ++k) {
     stamps.push_back(earlier.frames[static_cast<std::size_t>(segment.first + k)].t);
   }
+  // Segment by segment: a frame whose only neighbours stand in another segment has no link here.
   const FrameSelection selection = selectFrames(stamps, problem.samples, gaps, choice);
   if (selection.chosen.empty()) return;
   if (!problem.frames.empty()) problem.links.push_back(FrameLink::kBroken);
@@ -56,6 +57,7 @@ Eigen::VectorXd difference(const CameraImuStageResult& to, const CameraImuStageR
   if (free_cameras) append(d, cameraDifference(to.cameras, from.cameras));
   for (const std::string& name : from.summary.covariance.names) {
     if (name.rfind(kOwnOffset, 0) != 0) continue;
+    // By the names of the earlier result: which cameras have an offset of their own is its choice.
     const auto c = static_cast<std::size_t>(std::stoi(name.substr(kOwnOffset.size())));
     d.push_back(to.imu.timeOffset(c) - from.imu.timeOffset(c));
   }
@@ -84,6 +86,7 @@ Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
   if (problem.frames.size() < 2) {
     return Failure{FailureCode::kTooFewLinkedFrames};
   }
+  // No warm start by squared errors: it would lead away from a solution under the loss.
   const CameraImuSolution solution = solveFromSolution(problem, estimate, options);
   return stageResult(problem, solution, session, options);
 }
@@ -94,6 +97,7 @@ Result<ResampleSummary> resampleCameraImu(const Session& session,
                                           const CameraImuOptions& options,
                                           const DrawnCameras& cameras) {
   CameraImuOptions one_thread = options;
+  // Draws run beside each other (solveDraws()).
   one_thread.threads = 1;
   const auto solve = [&](const std::vector<FrameSegment>& segments) {
     std::optional<HeldCameras> held;

@@ -116,6 +116,7 @@ std::optional<Loose> looseDirection(const Eigen::Matrix3d& covariance, double li
   return Loose{eigen.eigenvectors().col(2), deviation};
 }
 
+/// Every group is looked at, so that one message names all that is loose.
 std::optional<Failure> unobservable(const Eigen::MatrixXd& covariance,
                                     const CameraImuOptions& options) {
   Failure failure{FailureCode::kLooseDirections};
@@ -140,6 +141,7 @@ std::optional<Failure> unobservable(const Eigen::MatrixXd& covariance,
 void addReadings(const Preintegration& motion, const ImuState& i, const ImuState& j,
                  const Gravity& gravity, const Matrix9d& sqrt_information,
                  ImuIntervalResidual& interval) {
+  // Biases are added back: what is shown compares with the samples.
   const double T = interval.dt_s;
   const Eigen::Matrix3d R_SF = i.T_FS.R.transpose();
   interval.gyro.measured = logSO3(motion.R) / T + i.gyro_bias;
@@ -190,6 +192,7 @@ std::vector<ImuIntervalResidual> imuIntervalResiduals(const CameraImuProblem& pr
     interval.rotation_rad = r.head<3>();
     interval.velocity_m_s = r.segment<3>(3);
     interval.position_m = r.tail<3>();
+    // By the weights of the solution, so that their squares are the cost's.
     interval.normalised << weights[k].sqrt_information * r, walk.head<3>() * weights[k].gyro_walk,
         walk.tail<3>() * weights[k].accel_walk;
     addReadings(*motion, i, j, gravity, weights[k].sqrt_information, interval);
@@ -218,6 +221,8 @@ ImuResidualSummary summarise(const std::vector<ImuIntervalResidual>& residuals) 
   s.gyro_bias_normalised_rms = std::sqrt(gyro_walk / (3 * n));
   s.accel_bias_normalised_rms = std::sqrt(accel_walk / (3 * n));
   s.chi2 = rotation + motion + gyro_walk + accel_walk;
+  // Rows, without what states and calibration take of them: the noise check knows that
+  // (redundancy).
   s.dof = static_cast<int>(15 * residuals.size());
   return s;
 }
@@ -241,6 +246,8 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
   const CameraImuEstimate& estimate = solution.estimate;
   const ParameterList list =
       withOwnOffsets(parameterList(estimate, problem.free_cameras), estimate, problem.free_cameras);
+  // With the solution's own weights of the intervals, not with renewed ones: of the cost that was
+  // minimised.
   const auto normals = informationAt(problem, estimate, solution.weights);
   std::optional<ChainSolution> chain;
   if (normals) chain = solveChain(normals->chain, {0, problem.threads});
@@ -260,6 +267,7 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
 std::optional<ParameterCovariance> fixedCovariance(CameraImuProblem problem,
                                                    const CameraImuSolution& solution,
                                                    double cauchy_px) {
+  // Linearised as if the calibration were free, at the values that it was held at.
   problem.fixed_calibration = false;
   problem.free_cameras = false;
   problem.gram.cauchy_px = cauchy_px;

@@ -127,6 +127,7 @@ RobustDeviations ScoreTests::clusterRobustDeviations() const {
   BlockScores blocks{MatrixXd::Zero(S_.rows(), joined), {}};
   for (int j = 0; j < joined; ++j) {
     MatrixXd information = MatrixXd::Zero(S_.rows(), S_.cols());
+    // About equally many to each, in time order.
     for (int b = j * count / joined; b < (j + 1) * count / joined; ++b) {
       blocks.scores.col(j) += pieces.col(b);
       information += scores_.information(model_, model_, static_cast<std::size_t>(b));
@@ -166,6 +167,7 @@ FaultTest ScoreTests::test(const Terms& fault) const {
   out.explained = explained / overdispersion();
   out.chi2 = std::min(out.estimate.dot(inverseOf(C) * out.estimate), out.explained);
   out.significance = significanceOf(out.chi2, out.dof);
+  // What the calibration would change by with the fault in the model.
   out.shift = listed(-(P * out.estimate));
   out.shift_sigma = out.shift.cwiseAbs().cwiseQuotient(robustStd()).maxCoeff();
   return out;

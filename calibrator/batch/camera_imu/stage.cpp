@@ -38,6 +38,7 @@ CameraImuStageResult estimates(const CameraImuProblem& problem, const CameraImuS
   result.imu.time_offsets = e.time_offsets;
   result.imu.gravity_m_s2 = problem.gravity_m_s2;
   result.imu.noise = problem.noise;
+  // The size of gravity is given, its direction estimated.
   result.gravity_F = problem.gravity_m_s2 * e.gravity_direction;
   result.cameras = e.cameras;
   result.frames = problem.frames;
@@ -58,6 +59,7 @@ void fillCovariance(ParameterCovariance covariance, bool free_cameras,
   result.imu.time_offset_std_s = deviations(6);
   setCovariance(std::move(covariance), result.summary);
   if (!free_cameras) return;
+  // Behind T_SC0 and the offset.
   Eigen::Index at = 7;
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
     const auto count = result.cameras[c].intrinsics.stacked().size();
@@ -187,6 +189,7 @@ Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
   CameraImuStageResult result = estimates(problem, solution);
   result.imu.rostopic = session.imu->rostopic;
   fillCovariance(std::move(covariance).value(), problem.free_cameras, result);
+  // At the exposures, like the cost (targetInCamera()).
   result.residuals = cornerResiduals(problem, solution.estimate);
   fillReprojection(session, result);
   if (options.state_covariances) result.state_covariances = stateCovariances(problem, solution);
@@ -197,6 +200,7 @@ Result<CameraImuStageResult> scoreResult(const CameraImuProblem& problem,
                                          const CameraImuSolution& solution,
                                          const Session& session) {
   if (solution.end == MinimiserEnd::kLeftDomain) return Failure{FailureCode::kOffsetLeftSamples};
+  // With the calibration held no covariance tells of a start that went nowhere: the solver has to.
   if (solution.end == MinimiserEnd::kNoStep) return Failure{FailureCode::kNoDescent};
   CameraImuStageResult result = estimates(problem, solution);
   result.imu.rostopic = session.imu->rostopic;

@@ -21,6 +21,7 @@ bool gapBetween(TimeNs from, TimeNs to, std::span<const ImuGap> gaps,
   const TimeNs offset = toNanoseconds(options.time_offset_s);
   const TimeNs margin = toNanoseconds(options.margin_s);
   return std::any_of(gaps.begin(), gaps.end(), [&](const ImuGap& gap) {
+    // The gaps are on the IMU's clock, t_imu = t_cam + t_d.
     return gap.from < to + offset + margin && gap.to > from + offset - margin;
   });
 }
@@ -104,6 +105,7 @@ class FramePoses {
     for (std::size_t c = 0; c < cameras_.size(); ++c) {
       if (frame.view[c] < 0) continue;
       const PackedView view = corners_[c].view(frame.view[c]);
+      // Of a repeated view, whose corners all have no weight (packCorners()).
       if (std::none_of(view.w, view.w + view.count, [](double w) { return w > 0; })) continue;
       views.push_back({&cameras_[c].intrinsics, view, cameras_[c].T_C0Ci.inverse()});
     }
@@ -241,6 +243,7 @@ std::vector<ImuGap> imuGaps(std::span<const ImuSample> samples, double max_inter
   for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
     intervals.push_back(secondsBetween(samples[k].t, samples[k + 1].t));
   }
+  // Of the median: pauses, however many, hardly move it.
   const double longest = max_intervals * median(intervals);
   std::vector<ImuGap> gaps;
   for (std::size_t k = 0; k < intervals.size(); ++k) {
@@ -269,6 +272,7 @@ FrameSelection selectFrames(std::span<const TimeNs> stamps, std::span<const ImuS
   for (std::size_t k = 0; k < covered.size(); ++k) {
     const bool left = k > 0 && isJoined(k - 1, k);
     const bool right = k + 1 < covered.size() && isJoined(k, k + 1);
+    // Without an inertial link nothing would determine a frame's velocity.
     if (left || right) out.chosen.push_back(covered[k]);
   }
   for (std::size_t k = 0; k + 1 < out.chosen.size(); ++k) {
@@ -311,6 +315,7 @@ PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>&
     }
     out.poses.push_back(posed[i]->pose);
     out.frames.push_back(std::move(all[i]));
+    // Frame by frame in their order, whatever thread posed them.
     out.rejected.insert(out.rejected.end(), posed[i]->rejected.begin(), posed[i]->rejected.end());
     append(posed[i]->screening, out.screening);
   }
@@ -334,6 +339,7 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   // the rotation, then gravity and the lever arm, which need both. What contradicts its description
   // is refused at the first step that shows it.
   SanityOptions sanity = options.sanity;
+  // One gravity for the checks and the batch.
   sanity.gravity_m_s2 = options.gravity_m_s2;
   if (const auto failure = checkSampleStamps(samples)) return *failure;
   if (const auto failure = checkSampleUnits(samples, sanity)) return *failure;
@@ -360,6 +366,7 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   start.gravity_direction = downFromMeanForce(poses, samples, start);
   InertialAlignmentOptions inertial_options;
   inertial_options.noise = options.noise.value_or(ImuNoise());
+  // Its failure is none of the start: the batch finds the lever arm from zero.
   const auto inertial = alignInertially(poses, samples, alignment.R_SC0, alignment.gyro_bias,
                                         offset->offset_s, inertial_options);
   if (!inertial) return start;
@@ -377,6 +384,7 @@ void freeOwnOffsets(const Session& session, const std::vector<Frame>& frames,
   const std::vector<TimeNs> shifts = stampShifts(session.cameras, frames);
   offsets.resize(session.cameras.size(), {offsets.front().s});
   for (std::size_t c = 1; c < shifts.size(); ++c) {
+    // Cameras that trigger together share one offset; one of its own would only take up noise.
     offsets[c].estimated = std::llabs(shifts[c]) > kSynchronised;
   }
 }
