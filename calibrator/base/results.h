@@ -250,7 +250,7 @@ struct ModelCandidate {
 };
 
 /// How much of a camera's reprojection error is systematic: left by lens model and board, not noise
-/// of the detector (batch/bias_ratio.h).
+/// of the detector (biasRatios() in batch/halves.h).
 struct BiasRatio {
   std::string camera;
   double ratio = 0;     ///< share of the mean squared error that is systematic, 0 to 1

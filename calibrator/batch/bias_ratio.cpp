@@ -79,6 +79,7 @@ class ViewPatches {
   /// Adds whole patches to the sums, and begins the next view.
   void finish(Sums& sums) {
     for (Patch& patch : patches_) {
+      // With a corner less the basis would not be orthonormal over the rest.
       if (patch.count == kPatchCorners) {
         // |E|^2 - |A' E|^2, A the orthonormal basis: what the affine functions leave.
         sums.scatter +=
@@ -127,6 +128,7 @@ std::vector<BiasRatio> biasRatios(const AprilGrid& board, const CameraStageResul
       axes += 2;
       view.add(r);
     }
+    // The list has views one after the other.
     const bool last = i + 1 == stage.residuals.size() || stage.residuals[i + 1].frame != r.frame ||
                       stage.residuals[i + 1].camera != r.camera;
     if (last) view.finish(of_camera);

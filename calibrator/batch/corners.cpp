@@ -144,6 +144,7 @@ void addReprojection(const CameraErrors& errors, const Session& session, StageSu
   summary.reprojection = all;
   summary.per_camera = std::move(per_camera);
   summary.corners_used = all.count;
+  // All that the session has, of views without corners or pose too.
   summary.views_offered = 0;
   summary.corners_offered = 0;
   for (const CameraStream& stream : session.cameras) {
@@ -187,6 +188,7 @@ std::size_t rejectAboveSigma(PackedCorners& corners, const Intrinsics& camera,
 std::vector<int> kalibrOutliers(const Intrinsics& camera, const PackedView& view,
                                 const Transform& start) {
   PoseRefinementOptions options;
+  // Squared errors, as in Kalibr: outliers pull the pose, and widen their own limit.
   options.max_iterations = kKalibrIterations;
   // The camera by itself: it takes the place of camera 0, and the pose found is its own.
   const Transform T_CF = refinePose({{&camera, view, Transform()}}, start, options).T_C0F;

@@ -46,6 +46,8 @@ std::optional<Half> solveHalf(const Session& session, const CameraStageResult& w
     start.T_C0F.push_back(whole.T_FC0[f].inverse());
   }
   const CameraSolution solution = solveAgain(session, whole, options, problem, std::move(start));
+  // Half a recording may leave something free that the whole determines: then there is nothing to
+  // compare.
   if (!solution.converged) return std::nullopt;
   const auto share = higherShare(problem, solution.estimate);
   auto formal = covarianceOf(reducedInformation(solution.normals));
@@ -91,6 +93,8 @@ std::vector<Place> placesOf(const CameraStageResult& whole, const CameraLayout& 
 /// The recording's halves, of equally many frames.
 std::array<FrameSegment, 2> halvesOf(std::size_t frames) {
   const auto n = static_cast<int>(frames);
+  // One cut, not every other frame: what creeps in with time (temperature, a knock) is to differ
+  // between them.
   return {FrameSegment{0, n / 2}, FrameSegment{n / 2, n - n / 2}};
 }
 
@@ -114,6 +118,7 @@ HalvesBlock compareHalves(const HalvesDifference& block) {
   C.diagonal().array() += a * std::max(1.0, W.trace() / p);
   const Eigen::VectorXd z = L.matrixL().solve(block.difference);
   out.chi2 = z.dot(C.llt().solve(z));
+  // Below this the expectation of an inverse of p x p estimates does not exist.
   const double room = block.blocks - p - 3;
   const double widening = room > 0 ? (block.blocks - 2) / room : kMostWidening;
   out.limit = chiSquare99(p) * std::min(widening, kMostWidening);
@@ -164,6 +169,7 @@ std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
   if (!whole.faults || whole.frames.size() < 4) return std::nullopt;
   const Eigen::VectorXd ratio =
       whole.faults->robust_std.cwiseQuotient(whole.faults->formal_std).cwiseMax(1);
+  // A formal deviation of zero has no ratio.
   if (!ratio.allFinite()) return std::nullopt;
   // Without what is read of a whole recording alone: it costs a good part of the time.
   CameraImuOptions plain = options;

@@ -15,7 +15,7 @@ namespace plumbline {
 /// Whether the halves of a recording, each solved apart from the whole's solution, agree.
 ///
 /// For each block of parameters, d their difference, F the sum of both halves' formal covariances
-/// and R that of their cluster-robust ones (camera/robust_covariance.h) from M blocks of time:
+/// and R that of their cluster-robust ones (camera/information.h) from M blocks of time:
 ///   chi2 = d^T C^-1 d,   L^-1 C L^-T = (1 - a) W + a max(1, tr W / p) 1,   W = L^-1 R L^-T,
 /// F = L L^T, p parameters, a = p / (p + M): the robust covariance, drawn towards the formal one at
 /// the size of the robust one, since M blocks do not fill p x p entries (a linear shrinkage after

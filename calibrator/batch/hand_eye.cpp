@@ -66,6 +66,7 @@ class HandEyeSteps {
 
   std::optional<double> solve(double damping) {
     Eigen::MatrixXd H = now_.H;
+    // By shares of the diagonal: metres, radians and seconds have no common unit.
     H.diagonal() *= 1 + damping;
     const Eigen::LLT<Eigen::MatrixXd> llt(H);
     if (llt.info() != Eigen::Success) return std::nullopt;
@@ -114,6 +115,7 @@ Eigen::Matrix3d bodyRotation(std::span<const HandEyePair> pairs) {
     const Eigen::Vector3d turn_M = logSO3(a.T_VM.R.transpose() * b.T_VM.R);
     if (turn_S.norm() < kAmbiguous) sum += turn_S * turn_M.transpose();
   }
+  // Wahba's problem: the sum of outer products has its solution.
   return nearestRotation(sum);
 }
 
@@ -258,6 +260,7 @@ Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEy
     return Failure{FailureCode::kHandEyeTooFewPairs,
                    {{"pairs", pairs.size()}, {"needed", kFewest}}};
   }
+  // Before the start: without turns about two axes its linear systems are singular.
   if (const auto unseen = unseenDirection(pairs, options)) return *unseen;
   const auto n = static_cast<double>(pairs.size());
   HandEye out;
@@ -283,6 +286,8 @@ Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEy
   out.sigma_rad = noise.sigma_rad;
   out.rms_translation_m = std::sqrt(squares.translation / n);
   out.rms_rotation_rad = std::sqrt(squares.rotation / n);
+  // Against the motion's own size: rotations may agree where the positions are of another scale or
+  // unit.
   const double spread = spreadOf(pairs);
   if (out.rms_translation_m > kImplausibleShare * spread) {
     return Failure{FailureCode::kHandEyePositionsDisagree,

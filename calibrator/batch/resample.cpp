@@ -78,6 +78,7 @@ Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int fr
   });
   Eigen::MatrixXd draws(static_cast<Eigen::Index>(parameters.names.size()),
                         static_cast<Eigen::Index>(solved.size()));
+  // In the order of the draws, whatever thread solved them.
   int count = 0;
   for (const auto& draw : solved) {
     if (draw) draws.col(count++) = *draw;

@@ -35,6 +35,7 @@ std::optional<RobustDeviations> robustDeviationsOfBothStages(
   RobustDeviations out{Eigen::VectorXd(J->rows()), Eigen::VectorXd(J->rows())};
   for (Eigen::Index k = 0; k < J->rows(); ++k) {
     const double v = own.robust_std(k) * own.robust_std(k);
+    // Variances, not deviations: the two errors are independent (two_stages.h).
     const EstimatedVariance both =
         sumOf({v, (*own.robust_dof)(k)}, cameras.variance(J->row(k).transpose()));
     out.std(k) = std::sqrt(both.value);
@@ -61,6 +62,7 @@ std::vector<FrameSegment> segmentsAtTheSameTime(const std::vector<FrameSegment>&
   for (const FrameSegment& segment : segments) {
     const int first = indexAt(segment.first);
     const int end = indexAt(segment.first + segment.count);
+    // The stages keep other frames, so that a segment may have none here.
     if (end > first) out.push_back({first, end - first, segment.weight});
   }
   return out;

@@ -80,6 +80,7 @@ HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const Eigen::VectorXd&
     double change = 0;
     for (std::size_t g = 0; g < kGroups; ++g) {
       const double before = variance[g];
+      // Not zero: that would hold the terms there, and be found again in every round.
       variance[g] = std::max(kLeastStd * kLeastStd, squares[g] / std::max(determined[g], 1e-9));
       change = std::max(change, std::abs(variance[g] / before - 1));
     }
@@ -100,6 +101,7 @@ CameraSolution withHigherTerms(CameraProblem& problem, CameraSolution without,
   for (int round = 0; round < steps.rounds; ++round) {
     const JointSystem joint = jointSystem(problem, solution.estimate, steps.detail);
     const auto covariance = covarianceOf(joint.S_gg);
+    // Without it there is no saying how cameras and terms would follow h.
     if (!covariance) break;
     // One Newton step of the higher terms with everything else following, H = S_hh - S_hg S_gg^-1
     // S_gh; then the batch solves for everything else with them held.

@@ -26,6 +26,7 @@ struct CornerRows {
   double weight = 0;
 };
 
+/// Empty where the corner cannot be projected: the kernels give it no gradient either.
 std::optional<CornerRows> rowsOf(const Intrinsics& lens, const Transform& T_CF,
                                  const PackedView& view, int k, const Eigen::Vector3d& p_F,
                                  double cauchy_px) {
@@ -124,6 +125,7 @@ ViewShare addHigherView(const HigherBoard& board, const Intrinsics& lens, const 
   const HigherColumns& columns = board.columns;
   ViewShare out{PoseHigher::Zero(6, columns.size), Eigen::RowVectorXd::Zero(columns.size)};
   for (int k = 0; k < view.count; ++k) {
+    // Weights are 0 or 1 here.
     if (!(view.w[k] > 0)) continue;
     const int id = view.id[k];
     const auto rows = rowsOf(lens, T_CF, view, k, board.placed.point(id, view.edge[k]), cauchy_px);
@@ -151,6 +153,7 @@ struct HigherNormals {
   Eigen::MatrixXd G_hh;
 };
 
+/// The sums of all frames; each frame's P and gradient go to `out`.
 HigherSums sumFrames(const CameraProblem& problem, const CameraEstimate& estimate,
                      const CameraLayout& layout, const HigherBoard& board, HigherNormals& out) {
   std::vector<Transform> T_CiC0;
@@ -180,6 +183,7 @@ HigherSums sumFrames(const CameraProblem& problem, const CameraEstimate& estimat
       }
     }
   });
+  // In the order of the chunks, so that no sum depends on the threads.
   for (std::size_t i = 1; i < parts.size(); ++i) parts[0].add(parts[i]);
   return std::move(parts[0]);
 }
@@ -210,6 +214,8 @@ void placeSums(const HigherSums& sums, const CameraEstimate& estimate, const Cam
     Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(3, board.columns.size);  // of the displacement
     board.columns.add(Eigen::Matrix3d::Identity(), id, phi, Q);
     const auto polynomials = Q.leftCols<kHigherTerms>();
+    // Blocks of other corners stay zero: before the poses are eliminated a corner's remainder meets
+    // no other's.
     out.G_hh.topLeftCorner<kHigherTerms, kHigherTerms>() +=
         polynomials.transpose() * sums.M[i] * polynomials;
     if (board.columns.corners == 0) continue;
@@ -275,6 +281,7 @@ JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& esti
       W_g.middleRows<6>(6 * k) = R * normals.P.middleRows<6>(6 * i);
       W_h.middleRows<6>(6 * k) = R * higher.P[f];
       w.segment<6>(6 * k) = R * normals.b_pose.segment<6>(6 * i);
+      // s_h of a frame less what its pose takes up.
       out.scores.col(i).noalias() -= W_h.middleRows<6>(6 * k).transpose() * w.segment<6>(6 * k);
     }
     out.S_gg.noalias() -= W_g.transpose() * W_g;
@@ -283,6 +290,7 @@ JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& esti
     out.s_g.noalias() -= W_g.transpose() * w;
   }
   if (const auto space = remainderSpaceOf(problem.target->grid, detail)) {
+    // From displacements of corners to coordinates of the space, on both sides of S_hh.
     out.S_gh = reducedRows(*space, out.S_gh.transpose()).transpose();
     out.S_hh = reducedRows(*space, reducedRows(*space, out.S_hh).transpose());
     out.scores = reducedRows(*space, out.scores);

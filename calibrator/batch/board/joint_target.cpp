@@ -129,6 +129,7 @@ JointSolution ownSolution(const BoardSystem& session, const JointColumns& column
 TargetMember compared(const JointSolution& own, const JointSolution& joint) {
   const Eigen::Index n = own.x.size();
   const Eigen::VectorXd d = own.x - joint.x.head(n);
+  // Of d: less by C, not more, for the joint estimate is made of the session's own as well.
   const Eigen::MatrixXd C_d = own.C - joint.C.topLeftCorner(n, n);
   const Eigen::LLT<Eigen::MatrixXd> L(own.C);
   const Eigen::MatrixXd half = L.matrixL().solve(C_d);
@@ -174,6 +175,7 @@ JointFit fitUnder(const std::vector<BoardSystem>& sessions, const Eigen::VectorX
   double chi2 = 0;
   int terms = 0;
   for (const BoardSystem& session : sessions) {
+    // The board's terms and one tag_edge, the session's own.
     const Eigen::VectorXd own = information.head(out.columns.board + 1);
     out.members.push_back(compared(ownSolution(session, out.columns, own), out.solution));
     chi2 += out.members.back().chi2;
@@ -265,6 +267,7 @@ std::string targetTermName(int term) {
   if (term < kBoardTerms) return kTargetTermNames[static_cast<std::size_t>(term)];
   const int function = (term - kBoardTerms) % kHigherFunctions;
   const int degree = function < kCubicFunctions ? 3 : 4;
+  // Functions of one degree in the order x..x, x..xy, ..., y..y (HigherBasis).
   const int of_y = degree == 3 ? function : function - kCubicFunctions;
   const char axis = "xyz"[(term - kBoardTerms) / kHigherFunctions];
   return fmt::format("{}_{}{}", axis, std::string(static_cast<std::size_t>(degree - of_y), 'x'),

@@ -12,6 +12,7 @@ RemainderSpace::RemainderSpace(const AprilGrid& board) {
   Eigen::MatrixXd P = Eigen::MatrixXd::Zero(2 * n, kFirst + 2 * kHigherFunctions);
   Eigen::MatrixXd Z(n, 6 + kHigherFunctions);
   for (int id = 0; id < n; ++id) {
+    // Of order one, like the functions beside them: pivots compare columns.
     const Eigen::Vector2d p = board.corner(id) / board.width();
     const Eigen::Matrix<double, 3, kTargetTerms> B = terms.columns(id);
     const Eigen::RowVectorXd phi = higher.functions(id).transpose();
@@ -19,6 +20,7 @@ RemainderSpace::RemainderSpace(const AprilGrid& board) {
     P.block<2, kTargetTerms>(2 * id, kSimilarity) = B.topRows<2>();
     P.block<1, kHigherFunctions>(2 * id, kFirst) = phi;
     P.block<1, kHigherFunctions>(2 * id + 1, kFirst + kHigherFunctions) = phi;
+    // In height translation along z and turns about x and y are the similarity's part.
     Z.row(id) << 1, p.x(), p.y(), B.block<1, 3>(2, 8), phi;
   }
   // With pivots: on a small grid columns coincide or are zero, and what the others span counts.

@@ -44,6 +44,7 @@ bool otherLensIsBetter(const CameraProblem& problem, const CameraEstimate& bent,
                        const HeldOut& with) {
   const CameraPart part = testedPart(problem, withOtherLenses(bent));
   const CameraSolution other = solveCameraProblem(part.problem, part.estimate, roughSolver());
+  // A lens that finds no minimum on these frames is no rival.
   if (!other.converged) return false;
   CameraEstimate all = bent;
   all.intrinsics = other.estimate.intrinsics;
@@ -147,9 +148,11 @@ TargetSolution solveKnown(const AprilGrid& board, CameraProblem& problem, Camera
     known = withHigherTerms(problem, std::move(known), solverOptions(options), {});
   }
   CameraProblem free = problem;
+  // Under the weak prior alone: what the board would be if nobody knew it.
   free.target = std::make_shared<TargetModel>(board);
   const CameraSolution own = solveCameraProblem(free, known.estimate, solverOptions(options));
   TargetFit fit = judge({free, own}, {problem, known}, options).fit;
+  // A board that is known is kept, also where the recording has too few blocks to judge.
   if (fit.finding != TargetFinding::kOther) fit.finding = TargetFinding::kKnown;
   return {std::move(known), std::move(fit)};
 }
@@ -177,6 +180,7 @@ void freeTarget(const Session& session, const CameraStageResult& earlier,
   plain.target = std::make_shared<TargetModel>(board);
   auto model =
       std::make_shared<TargetModel>(*targetModel(session.target, options.target, plain, placed));
+  // The detail that was found holds while the twelve terms move.
   model->grid.shape.higher = earlier.target.higher;
   model->grid.shape.corners = earlier.target.corners;
   problem.target = std::move(model);
@@ -188,6 +192,7 @@ void freeTarget(const Session& session, const CameraStageResult& earlier,
 double noiseRatio(const CameraProblem& problem, const CameraEstimate& estimate) {
   CameraProblem plain = problem;
   plain.prior = nullptr;
+  // What the guide knows of the cameras beforehand is no noise of corners.
   double cost = normalsAt(plain, estimate).cost;
   if (estimate.target) {
     const TargetTerms gradient = problem.target->priorGradient(*estimate.target);
@@ -213,6 +218,8 @@ std::shared_ptr<const TargetModel> targetModel(const AprilGrid& board, TargetMod
   if (mode != TargetMode::kKnown) return model;
   model->mean = startTerms(board, mode);
   using Board = Eigen::Matrix<double, kTargetTerms - 1, kTargetTerms - 1>;
+  // Also where the file has deviations: of terms that it calls exact the information would be
+  // infinite.
   Board covariance = kExact * kExact * Board::Identity();
   if (board.shape.covariance) {
     covariance += board.shape.covariance->topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>();
