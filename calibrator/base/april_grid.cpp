@@ -77,6 +77,7 @@ Eigen::Matrix<double, 3, kTargetTerms> TargetBasis::columns(const Functions& f) 
   return B;
 }
 
+// Exact zeros: what a small grid cannot tell has been set to them, not left to rounding.
 std::array<bool, kTargetTerms> TargetBasis::observable() const {
   Eigen::Array<double, 1, kTargetTerms> largest = Eigen::Array<double, 1, kTargetTerms>::Zero();
   for (int id = 0; id < cornerCount(); ++id) {
@@ -191,6 +192,7 @@ std::vector<Eigen::Vector3d> cornerPoints(const AprilGrid& board) {
     const Eigen::Vector2d p = board.corner(id);
     points.emplace_back(p.x(), p.y(), 0);
   }
+  // Most boards: no basis is made for them.
   if (board.shape.isFlat()) return points;
   const TargetBasis basis(board);
   for (std::size_t id = 0; id < points.size(); ++id) {

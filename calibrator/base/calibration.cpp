@@ -36,6 +36,7 @@ TimeOffsets selected(const TimeOffsets& offsets, const std::vector<std::size_t>&
   return out;
 }
 
+// With this the one offset of a tool that knows no other is compared.
 double meanTimeOffset(const ImuCalibration& imu) {
   if (!haveOwnOffsets(imu.time_offsets)) return imu.timeOffset();
   double sum = 0;

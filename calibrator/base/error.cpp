@@ -141,6 +141,8 @@ FailureReason Failure::reason() const { return rowOf(code).reason; }
 FaultyInput Failure::input() const { return rowOf(code).input; }
 
 double Failure::number(const std::string& name) const {
+  // NaN, not an exception, for what a failure does not hold: messages are made of whatever is
+  // there.
   const auto found = values.find(name);
   if (found == values.end()) return std::numeric_limits<double>::quiet_NaN();
   const FailureValue::Content& content = found->second.content();

@@ -38,6 +38,7 @@ std::vector<TimeNs> nearestDifferences(const std::vector<TimeNs>& stamps,
 // nearest stamp is another frame's, from which a quarter keeps away.
 TimeNs constantShift(const std::vector<TimeNs>& stamps, const std::vector<TimeNs>& reference,
                      TimeNs tolerance) {
+  // Too few may agree by chance.
   if (std::min(stamps.size(), reference.size()) < kFewestForConstant) return 0;
   std::vector<TimeNs> differences = nearestDifferences(stamps, reference);
   const TimeNs shift = middleOf(differences);
@@ -132,6 +133,7 @@ std::vector<Group> groupStamps(const std::vector<Stamp>& stamps, TimeNs toleranc
       group_of[member] = a;
       groups[a].members.push_back(member);
     }
+    // Left empty rather than erased: indices of groups stay what they are.
     groups[b].members.clear();
   }
   return groups;

@@ -43,6 +43,7 @@ std::string withoutNegativeZeros(std::string_view text) {
   for (std::size_t at = 0; at < text.size(); ++at) {
     const std::size_t sign = signAt(text, at);
     if (sign > 0 && (at == 0 || !isPartOfWord(text[at - 1])) && isZero(text, at + sign)) {
+      // The sign is left out, whichever of the two it is; the zeros follow.
       at += sign - 1;
       continue;
     }

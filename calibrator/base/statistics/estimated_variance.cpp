@@ -15,6 +15,7 @@ EstimatedVariance sumOf(const EstimatedVariance& a, const EstimatedVariance& b) 
 }
 
 double halfWidth90(double std, double dof) {
+  // Said here, for the quantile of no degrees of freedom would throw.
   if (std::isnan(std) || !(dof > 0)) return std::numeric_limits<double>::quiet_NaN();
   // Two-sided: 5 % are left at either end.
   constexpr double kUpper = 0.95;

@@ -45,6 +45,7 @@ double quantile(std::vector<double> values, double q) {
   const auto low = static_cast<std::size_t>(q * static_cast<double>(values.size() - 1));
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(low);
   std::nth_element(values.begin(), at, values.end());
+  // The neighbour above is the least of what nth_element() left behind.
   if (at + 1 != values.end()) std::iter_swap(at + 1, std::min_element(at + 1, values.end()));
   return quantileOfSorted(values, q);
 }
