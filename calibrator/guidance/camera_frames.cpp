@@ -71,6 +71,7 @@ std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& c
   packed.reserve(corners.size());
   std::vector<FrameView> views;
   for (std::size_t c = 0; c < corners.size(); ++c) {
+    // Also of a camera without corners, so that packed[c] is camera c's.
     packed.emplace_back(target, std::vector<ImageView>{{0, corners[c]}});
     if (corners[c].empty()) continue;
     views.push_back({&cameras.intrinsics[c], packed[c].view(0), cameras.T_C0Ci[c].inverse()});

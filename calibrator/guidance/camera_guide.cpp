@@ -229,6 +229,7 @@ void CameraGuide::State::consider(const GuideFrame& frame, const FrameCorners& c
   if (d.accepted) {
     frames_without_view = 0;
     until_round = options.views.patience;
+    // Only a view that was kept changes what is known.
     if (judge.isEnough()) finish(d);
     return;
   }
@@ -264,6 +265,7 @@ bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
     return false;
   }
   d.reason = GuideReason::kInformative;
+  // Where the window has moved it, so that what is kept and shown is one pose.
   d.T_FC0 = window->estimate().T_C0F.back().inverse();
   kept.push_back({d.frame, d.t, corners});
   judge.keep(corners, *d.T_FC0);
@@ -329,6 +331,7 @@ void CameraGuide::State::openSuggestion(const CandidateRound& round, std::size_t
   Suggestion s;
   s.id = next_suggestion++;
   s.stage = GuideStage::kCamera;
+  // Its time runs from when the operator could see it.
   s.t = round.answered;
   s.candidate = round.names[asked];
   s.camera = camera;

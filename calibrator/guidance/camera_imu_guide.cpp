@@ -200,6 +200,7 @@ void CameraImuGuide::State::beginEvaluator() {
 void CameraImuGuide::State::track(PosedFrame frame, Decision& d) {
   d.reason = GuideReason::kUsed;
   d.accepted = true;
+  // Before it enters: the tracker drops it from there if it finds no solution.
   recording.keep(frame);
   tracker->add(std::move(frame));
   tracker->drain(recording, d);
@@ -302,6 +303,7 @@ std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, const Decisio
 void CameraImuGuide::State::open(const CandidateRound& round, std::size_t asked, Decision& d) {
   Suggestion s;
   s.mi_nats = round.mi_nats[asked];
+  // What could not be predicted stays empty, not NaN.
   if (!std::isnan(round.error_px[asked])) s.error_px = round.error_px[asked];
   if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
   show(std::move(s), evaluator->trajectories()[asked], d);

@@ -15,6 +15,7 @@ void ViewGuideOptions::check() const {
   requireOption(start_move_px >= 0, "views.start_move_px", start_move_px, "0 or more");
   requireOption(start_anew_after >= 1, "views.start_anew_after", start_anew_after, "1 or more");
   requireOption(window >= 1, "views.window", window, "1 or more");
+  // A homography, with which every pose begins, needs four.
   requireOption(min_corners >= 4, "views.min_corners", min_corners, "4 or more");
   requireOption(threshold_nats >= 0, "views.threshold_nats", threshold_nats, "0 or more");
   requireOption(least_lowering > 0 && least_lowering < 1, "views.least_lowering", least_lowering,
@@ -105,6 +106,7 @@ Guide::Guide(const GuideRig& rig, const GuideOptions& options,
   if (!cameras) {
     state_->camera.emplace(rig, options);
   } else if (rig.imu) {
+    // Without IMU, and with the cameras given, there is nothing to guide.
     state_->camera_imu.emplace(rig, std::move(*cameras), options);
   }
 }
@@ -142,6 +144,7 @@ void Guide::State::endCameraStage(Decision& last) {
     if (camera_ended) {
       busy_until = std::max(busy_until, last.t) + toNanoseconds(options.latency.camera_batch_s);
     }
+    // The batch's cameras, not the window's: they are what the operator is given.
     camera_imu.emplace(rig, camera_batch->value().cameras, options,
                        CameraImuGuide::Begin{camera->nextSuggestion(), busy_until});
   }
@@ -199,6 +202,7 @@ Failure notRun(const char* stage) { return {FailureCode::kStageNotBegun, {{"stag
 
 Result<CameraStageResult> Guide::cameraBatch() const {
   if (state_->camera_batch) return *state_->camera_batch;
+  // The cameras were given.
   if (!state_->camera) return notRun("camera");
   return state_->camera->batch();
 }

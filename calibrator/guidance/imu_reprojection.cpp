@@ -22,6 +22,7 @@ Matrix6d meanTwistGram(const Intrinsics& camera, const ImuUse& use) {
     for (const double range_m : use.ranges_m) {
       const auto J = pixelJacobian(camera, *ray, range_m);
       if (!J) continue;
+      // Of the twist alone: the cameras' intrinsics are held in this stage.
       const Eigen::Matrix<double, 2, 6> J_twist = J->leftCols<6>();
       sum += J_twist.transpose() * J_twist;
       ++count;

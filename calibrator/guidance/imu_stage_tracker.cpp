@@ -35,6 +35,7 @@ std::optional<PosedFrame> poseFrame(const GuideFrame& frame, const AprilGrid& ta
   PosedFrame out{frame.index, frame.t, frame.corners, {}};
   std::vector<PackedCorners> packed;
   for (auto& corners : out.corners) {
+    // Out of the frame, not only out of the pose: the window uses the same views.
     if (static_cast<int>(corners.size()) < options.min_corners) corners.clear();
     packed.emplace_back(target, std::vector<ImageView>{{frame.t, corners}});
   }
@@ -78,6 +79,7 @@ void ImuStageRecording::drop(int index) {
 double ImuStageRecording::longestInterval() const {
   const std::size_t count = std::min(samples_.size(), kRateSamples);
   const double median = medianSampleInterval(std::span(samples_).first(count));
+  // Of the stated rate while too few samples have come.
   return kGapIntervals * (median > 0 ? median : 1 / rig_.imu->rate_hz);
 }
 
@@ -125,6 +127,7 @@ Session ImuStageRecording::session() const {
 CameraImuOptions ImuStageRecording::batchOptions() const {
   CameraImuOptions batch;
   batch.model() = options_.trajectories.model();
+  // Pauses are the same to the batch as to the window.
   batch.max_interval_s = options_.max_frame_gap_s;
   batch.threads = options_.threads;
   return batch;

@@ -92,6 +92,7 @@ class Maker {
     if (depth != options_.depths.front()) name += fmt::format(" depth {:.2f}", depth);
     if (roll != 0) name += fmt::format(" roll {:.0f}", roll);
     Transform T_FCi = lookingAt(centre + offset, centre);
+    // On the right: about the camera's own axis.
     T_FCi.R *= expSO3(roll * kDegree * Eigen::Vector3d::UnitZ());
     views_.push_back({std::move(name), index_, T_FCi * T_CiC0_});
   }

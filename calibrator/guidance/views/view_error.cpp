@@ -92,6 +92,7 @@ void ViewErrorTracker::pose(Held& frame) const {
     views.push_back({&cameras_.intrinsics[c], view, cameras_.T_C0Ci[c].inverse()});
   }
   frame.T_C0F =
+      // 0.7: as much of the loss' curvature as does not turn H indefinite (GramOptions).
       refinePose(views, frame.T_C0F, {{options_.cauchy_px, 0.7}, kPoseIterations, kPoseTolerance})
           .T_C0F;
 }
@@ -115,6 +116,7 @@ void ViewErrorTracker::refresh(const CameraEstimate& estimate,
   cameras_.T_C0F.clear();
   kept_at_refresh_ = static_cast<int>(kept_.size());
   seen_at_refresh_ = seen_count_;
+  // Made of the intrinsics, which have moved.
   visible_.clear();
   for (const Intrinsics& camera : cameras_.intrinsics) {
     visible_.emplace_back(camera, target_, VisibleTags::Limits());
@@ -141,6 +143,7 @@ void ViewErrorTracker::refresh(const CameraEstimate& estimate,
   model_ = errorModel(frames, cameras_, options_.cauchy_px, options_.later_use, threads);
   // Later use that does not determine the cameras predicts nothing.
   if (!model_ || kept_.empty()) return model_.reset();
+  // Of exact corners the median is rounding, of which good views may have three times as much.
   median_px_ = std::max(median(rmse), kNoiseFloorPx);
   std::vector<ViewTerms> terms, fitting;
   for (std::size_t i = 0; i < kept_.size(); ++i) {

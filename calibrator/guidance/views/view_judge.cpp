@@ -71,6 +71,7 @@ void ViewJudge::forget() {
 
 void ViewJudge::refresh(const CameraWindow& window, const Eigen::MatrixXd& information) {
   cameras_ = static_cast<int>(window.cameras().size());
+  // With every change of the window: its gains stand on this very information.
   scorer_.emplace(target_, window.estimate(), information, gainOptions(options_));
   if (errors_.isDue()) errors_.refresh(window.estimate(), window.cameras(), threads_);
   if (options_.stop_projection_px > 0) {
@@ -138,6 +139,7 @@ CandidateRound ViewJudge::scored(const std::vector<CandidateView>& views) const 
 }
 
 bool ViewJudge::isWorthAsking(const CandidateRound& round, std::size_t i) const {
+  // The goal is in pixels: as long as it is not reached no gain is too small to ask for.
   if (options_.stop_projection_px > 0) return !std::isnan(round.mi_nats[i]);
   if (!byError()) return round.mi_nats[i] >= options_.threshold_nats;
   if (std::isnan(round.error_px[i])) return false;
