@@ -69,8 +69,8 @@ struct CameraStageOptions : MeasurementModel {
   std::optional<ViewSelectionOptions> select_views;  ///< none: all frames are used
 
   TargetMode target = TargetMode::kGiven;
-  /// Of TargetMode::kAuto: the board is taken as stated where the cluster-robust standard deviation
-  /// of some term exceeds this [m].
+  /// Of TargetMode::kAuto: the board is taken as stated where the standard deviation of some term
+  /// (TargetFit::std) exceeds this [m].
   double target_max_std = 5e-4;
   /// Highest degree of an estimated board's displacement: 2, or 4 where unseen frames ask for it.
   int target_degree = 4;
@@ -111,7 +111,7 @@ std::vector<CameraModelPair> cameraModels(const Session& session,
 /// The covariance lists every camera's stacked intrinsics ("cam0.fu" ...), then the tangent of
 /// every T_C0Ci ("T_C0C1.tx" ... "T_C0C1.rz"); poses are marginalised.
 /// With ModelMode::kAuto the lens model of every camera is chosen by the error of unseen frames
-/// (CameraStageResult::models); models of options or session only count among equals.
+/// (CameraStageResult::models); the session's words only count among equals, options.models not.
 /// With options.target the board's terms are estimated besides (CameraStageResult::target); the
 /// covariance is the cameras', with the terms marginalised.
 /// views_offered counts all views of the session, whatever they saw; corners_offered their corners.
