@@ -70,6 +70,8 @@ Eigen::VectorXd parametersField(const YamlMap& map, const std::string& key, std:
 
 Resolution resolutionOf(const YamlMap& map, const std::string& key,
                         const std::vector<double>& size) {
+  // Up to the sixteen bits of JPEG; a fraction is no count of pixels, and the casts below would
+  // hide it.
   const auto isSide = [](double v) { return v >= 1 && v <= 65535 && v == std::floor(v); };
   if (size.size() != 2 || !isSide(size[0]) || !isSide(size[1])) {
     throw map.fault(key, {InputFault::kBadNumber, key + " is not two numbers of pixels",
@@ -90,6 +92,7 @@ void refuseImplausible(const YamlMap& map, const std::optional<Implausible>& fou
 }
 
 ImuNoise noiseFields(const YamlMap& map, const std::string& rate_key) {
+  // Zero is refused: residuals are divided by their density, and would weigh without bound.
   const auto positive = [&](const std::string& key, const std::string& unit) {
     const std::string expected = "a positive number [" + unit + "]";
     const double value = map.number(key, expected);

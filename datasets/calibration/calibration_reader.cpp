@@ -195,6 +195,7 @@ bool statesImuNoise(const std::string& path) {
   return isYacResult(file) || isBasaltCalibration(file) || file.has("schema");
 }
 
+// Of the formats Kalibr's alone may leave the offset out, which is then read as zero.
 bool statesTimeOffset(const std::string& path) {
   const YamlMap file = YamlMap::load(path, kKnownCalibrations);
   const bool chain = file.has("cam0") && !isYacResult(file);
@@ -240,6 +241,7 @@ std::optional<ParameterCovariance> camerasCovariance(const YamlMap& file) {
   for (const char* stage : {"camera_imu", "camera"}) {
     if (!stages.has(stage)) continue;
     ParameterCovariance covariance = covarianceOf(stages.map(stage, "a covariance"));
+    // A focal length among a stage's parameters says that the stage did not hold the cameras.
     const auto is_focal = [](const std::string& name) { return name.ends_with(".fu"); };
     if (std::any_of(covariance.names.begin(), covariance.names.end(), is_focal)) return covariance;
   }

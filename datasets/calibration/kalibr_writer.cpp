@@ -55,6 +55,7 @@ std::string densitiesText(const ImuNoise& noise, const char* indent) {
 
 }  // namespace
 
+// All others, as a calibration does not say which cameras see the same.
 std::string kalibrOverlaps(std::size_t camera, std::size_t count) {
   std::string text;
   for (std::size_t i = 0; i < count; ++i) {

@@ -17,6 +17,8 @@ Transform poseOf(const YamlMap& map) {
   const auto number = [&](const char* key) { return map.number(key, kPose); };
   // Hamilton; each component has a key of its own, so the file's order does not matter.
   const Eigen::Quaterniond q(number("qw"), number("qx"), number("qy"), number("qz"));
+  // Rounded numbers pass; what is further off is no quaternion, or its numbers stand under other
+  // keys.
   if (std::abs(q.norm() - 1) > 1e-3) {
     throw map.fault("qw", {InputFault::kNotRigid,
                            fmt::format("the quaternion's length is {:.4f}", q.norm()), "1", ""});
@@ -24,6 +26,7 @@ Transform poseOf(const YamlMap& map) {
   return {q, Eigen::Vector3d(number("px"), number("py"), number("pz"))};
 }
 
+// In the order of `keys`: our projections hold a model's own parameters first, then fx fy cx cy.
 Eigen::VectorXd numbersOf(const YamlMap& map, std::initializer_list<const char*> keys) {
   Eigen::VectorXd values(static_cast<Eigen::Index>(keys.size()));
   Eigen::Index i = 0;
@@ -60,6 +63,8 @@ Intrinsics unified(const YamlMap& map, Intrinsics k) {
 
 // rpmax is not read: our distortions find the radius up to which they are unique themselves
 // (squaredRadiusLimit()).
+// The numbers of ds, eucm and kb4 mean the same in Basalt and here; ucm and pinhole-radtan8 are
+// translated.
 Intrinsics intrinsicsOf(const YamlMap& camera) {
   const std::string type = camera.text("camera_type", "pinhole-radtan8, kb4, ds, ...");
   const YamlMap map = camera.map("intrinsics", "the camera's parameters");
@@ -128,6 +133,8 @@ CameraCalibration cameraOf(const YamlMap& file, int i) {
   return camera;
 }
 
+// Of yac: T_imu0_cam0 maps camera 0 into the IMU, as T_SC0 does; the sign of time_delay is ours,
+// and sigma_*_c are continuous-time densities.
 ImuCalibration imuOf(const YamlMap& file) {
   const YamlMap section = file.map("imu0", "the IMU's noise");
   ImuCalibration imu;
@@ -141,6 +148,8 @@ ImuCalibration imuOf(const YamlMap& file) {
   imu.noise.rate_hz = section.number("rate", "Hz");
   refuseImplausible(section, implausibleGravity(imu.gravity_m_s2),
                     {{Implausible::Part::kGravity, "g"}});
+  // Without keys: place and offset stand outside of the section, so that its line is all that holds
+  // for every part.
   refuseImplausible(section, implausible(imu), {});
   return imu;
 }
@@ -182,6 +191,7 @@ Calibration readBasaltCalibration(const YamlMap& file) {
   return calibration;
 }
 
+// Kalibr's cameras have camera_model where yac's have proj_model.
 bool isYacResult(const YamlMap& file) {
   return file.has("cam0") && file.node("cam0").IsMap() &&
          file.map("cam0", "a camera").has("proj_model");

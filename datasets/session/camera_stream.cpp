@@ -60,6 +60,7 @@ void checkUnit(const std::string& path, const std::vector<ImageFile>& images) {
   checkStampUnit(path, stamps, kShortestFrameInterval, "frames");
 }
 
+// Endings in either case of letters: some recorders write .PNG.
 bool isImageName(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -83,6 +84,7 @@ std::string imageName(TextTable& table) {
 TimeNs stampOfName(const fs::path& path) {
   const std::string stem = path.stem().string();
   TimeNs t = 0;
+  // The whole name: the digits alone of "1403636579_left" would be another stamp than was meant.
   const auto [stop, error] = std::from_chars(stem.data(), stem.data() + stem.size(), t);
   if (error == std::errc() && stop == stem.data() + stem.size() && t >= 0) return t;
   throw badInput(path.string(), 0,
@@ -167,6 +169,7 @@ CameraDescription readCameraDescription(const std::string& path, bool supported_
 std::vector<ImageFile> readFrameList(const std::string& folder) { return readList(folder, false); }
 
 std::vector<ImageFile> listImages(const std::string& folder) {
+  // The list goes first: where it is, names need not be stamps.
   if (fs::exists(fs::path(folder) / "data.csv")) {
     if (!fs::is_directory(fs::path(folder) / "data")) {
       throw badInput(folder, 0,

@@ -48,6 +48,7 @@ std::optional<Detection> decode(std::string_view text) {
   double spacing = 0;
   if (body.size() % sizeof(StoredCorner) != sizeof spacing) return std::nullopt;
   std::memcpy(&spacing, body.data(), sizeof spacing);
+  // Never written: a spacing is above 0, or the 0 that stands for none.
   if (std::signbit(spacing) || !std::isfinite(spacing)) return std::nullopt;
   Detection found;
   if (spacing != 0) found.spacing = spacing;
@@ -65,6 +66,8 @@ std::optional<Detection> decode(std::string_view text) {
 CornerCache::CornerCache(std::string folder, const AprilGrid& target,
                          const DetectorOptions& options)
     : folder_(std::move(folder)),
+      // All that the corners found depend on. "{}" writes every digit of a double, so that no two
+      // settings share a key.
       settings_(fmt::format("revision {} grid {}x{} {} {} detector {} {} {} {} {} {} {} {}",
                             kRevision, target.rows, target.cols, target.tag_size, target.spacing,
                             options.border_bits, options.decimation, options.max_hamming,

@@ -16,6 +16,7 @@ constexpr const char* kCornersLayout = "timestamp [ns], corner_id, u [px], v [px
 // Turns rows into views; a view's corners gather in one buffer, so that each is allocated once.
 class ViewBuilder {
  public:
+  // Views count from 1, so that -1 is an id that none has shown yet.
   ViewBuilder(TextTable& table, const CornerLimits& limits)
       : table_(table),
         limits_(limits),

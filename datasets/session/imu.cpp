@@ -46,6 +46,7 @@ void refuseDistorted(const YamlMap& map, const KalibrImu& imu) {
 /// Kalibr's results stand below imu0:, its inputs at the top.
 YamlMap unwrapped(const YamlMap& file) {
   for (const std::string& key : file.keys()) {
+    // Of a second IMU nothing would be read, though its user believes it to count.
     if (key.rfind("imu", 0) == 0 && key != "imu0" && file.node(key).IsMap()) {
       throw file.fault(key,
                        {InputFault::kUnsupported, "the file describes a second IMU ('" + key + "')",

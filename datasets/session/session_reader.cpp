@@ -202,6 +202,7 @@ void SessionReadOptions::check() const {
 }
 
 void selectFrames(Recording& recording, const SessionReadOptions& options) {
+  // The usual case: all views stay, and need not be paired for it.
   if (options.from_s == 0 && std::isinf(options.to_s) && options.stride == 1) return;
   Session& session = recording.session;
   // 0: views of images have no corners yet.
@@ -222,6 +223,7 @@ void selectFrames(Recording& recording, const SessionReadOptions& options) {
                                "the recording's {:.1f} s; correct them",
                                options.from_s, options.to_s, length));
   }
+  // Under a stride alone the samples between the frames that stay are those of the whole recording.
   const bool whole = options.from_s == 0 && std::isinf(options.to_s);
   if (session.imu && !whole) trimImu(*session.imu, frames.front().t, options);
 }

@@ -113,6 +113,8 @@ std::string trajectoryCsv(const SimulatedSession& simulated) {
 
 namespace {
 
+// Of every view, those without a corner too: by the list the reader knows the frames that saw no
+// target.
 std::string frameList(const CameraStream& camera) {
   std::string text = "#timestamp [ns],filename\n";
   for (const ImageView& view : camera.views) {
@@ -205,6 +207,7 @@ std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz
       {"mav0/imu0/sensor.yaml", fmt::format("sensor_type: imu\n"
                                             "rate_hz: {}\n{}",
                                             yamlNumber(imu.noise.rate_hz), noiseYaml(imu.noise))});
+  // The same densities twice: EuRoC's file for its readers, Kalibr's for its tools.
   files.push_back({"imu.yaml", fmt::format("rostopic: {}\nupdate_rate: {}  # [Hz]\n{}", topic,
                                            yamlNumber(imu.noise.rate_hz), noiseYaml(imu.noise))});
   return files;

@@ -12,6 +12,7 @@ namespace {
 
 // The unit in which the interval would be that of a usual sensor.
 const char* likelyUnit(TimeNs interval, TimeNs shortest) {
+  // Read in microseconds an interval is a thousand times as long, in milliseconds a million.
   if (interval * 1000 >= shortest) return "microseconds";
   return interval * 1'000'000 >= shortest ? "milliseconds" : "seconds";
 }
@@ -20,6 +21,7 @@ const char* likelyUnit(TimeNs interval, TimeNs shortest) {
 
 std::string duplicateCure(TimeNs t) {
   constexpr TimeNs kNanosecondsFromHere = 10'000'000'000'000;  // as milliseconds: the year 2286
+  // Seconds and milliseconds since 1970 lie between these; nanoseconds since 1970 are far above.
   const bool perhaps_other_unit = t > 1'000'000'000 && t < kNanosecondsFromHere;
   return perhaps_other_unit
              ? "delete one of the two rows; or, if the stamps are seconds or milliseconds, "

@@ -50,6 +50,7 @@ double tagSize(const YamlMap& file) {
 double tagSpacing(const YamlMap& file, double size) {
   const double spacing = file.number("tagSpacing", "the gap between tags as a ratio of tagSize");
   if (spacing >= kSmallestSpacing && spacing <= kLargestSpacing) return spacing;
+  // No grid has gaps as narrow as that, but one in metres is: 0.026 for a tag of 0.088 m.
   const bool metres = spacing > 0 && spacing < kSmallestSpacing;
   throw file.fault(
       "tagSpacing",

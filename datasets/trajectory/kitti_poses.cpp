@@ -10,6 +10,8 @@ namespace plumbline {
 namespace {
 
 constexpr int kPoseColumns = 12;
+// Poses that were written with few digits pass; a scaled matrix, or one in another order, is far
+// beyond.
 constexpr double kOrthonormal = 1e-2;  // largest entry of R^T R - I
 
 std::vector<TimeNs> readTimes(const std::string& path) {

@@ -92,6 +92,7 @@ void takeColumns(Take& take, const std::vector<Cells>& rows) {
   // From the end: between names and kinds there may be more rows than the ids.
   const Cells& kinds = rows[rows.size() - 2];
   const Cells& axes = rows.back();
+  // After the frame and its time.
   for (std::size_t c = 2; c < axes.size(); ++c) {
     if (cellAt(types, c) != "Rigid Body") {
       ++take.other_columns;
@@ -113,6 +114,7 @@ Take readTake(const TrajectorySource& source, TextTable& table) {
   }
   std::vector<Cells> rows;
   while (rows.empty() || rows.back().front() != "Frame") {
+    // The header has a handful of rows; a file without the last of them is not searched to its end.
     if (!table.nextLine() || rows.size() > 10) {
       throw source.fault(table.line(), {InputFault::kMissingKey,
                                         "no row 'Frame,Time (Seconds),...' follows the header",

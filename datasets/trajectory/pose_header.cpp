@@ -89,6 +89,7 @@ std::optional<std::array<int, 4>> quaternionColumns(const std::vector<Name>& nam
 std::optional<TableHeader> parseTableHeader(std::string_view line) {
   while (!line.empty() && (line.front() == '#' || line.front() == ' ')) line.remove_prefix(1);
   const std::vector<Name> names = namesOf(line, line.find(',') != std::string_view::npos);
+  // A stamp and a position at the least; any other comment is no header.
   if (names.size() < 4 || !namesTime(names.front().text)) return std::nullopt;
   TableHeader header;
   header.stamp_power = powerOf(names.front().unit);

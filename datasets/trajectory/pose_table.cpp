@@ -69,6 +69,7 @@ bool knownCount(const NumberRow& row, const Layout& layout) {
 /// Whether a row of OpenVINS' length has variances where OpenVINS writes them, and not something
 /// else of another program.
 bool hasVariances(const NumberRow& row) {
+  // Upper triangles row by row, of the orientation from column 8 and of the position from 14.
   constexpr std::array<std::size_t, 6> kDiagonals = {8, 11, 13, 14, 17, 19};
   return row.columns == kOpenVinsColumns &&
          std::all_of(kDiagonals.begin(), kDiagonals.end(),

@@ -78,6 +78,8 @@ StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& e
                                        fmt::format("{}, as the header states", unitName(power)),
                                        "correct the header's unit or convert the stamps"});
   }
+  // Seconds and nanoseconds are each the unit of one of the formats, and are mixed up between them.
+  // Milliseconds and microseconds are neither's, so that somebody has to vouch for them.
   if (*epoch == 3 || *epoch == 6) {
     throw source.fault(evidence.line,
                        {InputFault::kWrongUnit, what, unitName(power), headerCure(*epoch)});

@@ -48,6 +48,7 @@ std::optional<TrajectoryFormat> formatOf(std::string_view text) {
 }
 
 // `format` empty: a table of poses.
+// An option that would do nothing shows that the file is not what its user takes it for.
 void refuseIdle(const TrajectorySource& source, const TrajectoryReadOptions& options,
                 std::optional<TrajectoryFormat> format) {
   const bool mocap = format == TrajectoryFormat::kMotive || format == TrajectoryFormat::kVicon;

@@ -131,6 +131,7 @@ Json calibrationJson(const Calibration& calibration, const ImuCalibration& imu,
   json["gyro_noise_std"] = thrice(imu.noise.gyro_density);
   json["accel_bias_std"] = thrice(imu.noise.accel_random_walk);
   json["gyro_bias_std"] = thrice(imu.noise.gyro_random_walk);
+  // Camera 0's, of Basalt's one offset; unlikeOffsets() says what the others need.
   json["cam_time_offset_ns"] = nanosecondsOf(imu.timeOffset());
   json["vignette"] = Json::array();
   return {{"value0", json}};

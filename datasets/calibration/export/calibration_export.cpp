@@ -142,6 +142,7 @@ Calibration selectCameras(const Calibration& calibration, const std::vector<std:
   // Without the product's rounding.
   chosen.cameras.front().T_C0Ci = Transform();
   if (chosen.imu) {
+    // T_SCn = T_SC0 T_C0Cn.
     chosen.imu->T_SC0 = chosen.imu->T_SC0 * T_C0Cn;
     // It is that of another camera's place, and the covariance that would carry it over is not
     // here.

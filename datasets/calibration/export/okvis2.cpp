@@ -51,6 +51,8 @@ const char* okvis2Distortion(const CameraCalibration& camera, const ExportChecks
   checks.refuseModel(camera, "pinhole with radtan, equidistant, rational or no distortion");
 }
 
+// radialtangential wants four numbers, zeros where there is no distortion; radialtangential8 wants
+// eight, in OpenCV's order, which is ours.
 Eigen::VectorXd coefficients(const Intrinsics& k) {
   if (k.distortion_model == DistortionModel::kRational) return k.distortion;
   return fourCoefficients(k);

@@ -137,6 +137,7 @@ std::string orbSlam3Imu(const ImuCalibration& imu) {
 ExportedFiles exportOrbSlam3(const Calibration& calibration, const ExportOptions& options) {
   const ExportChecks checks(calibration, options, "ORB-SLAM3");
   check(calibration, checks);
+  // imageText() writes a whole number, and below 0.5 Hz none is left.
   if (options.camera_rate_hz && std::lround(*options.camera_rate_hz) < 1) {
     checks.refuse(InputFault::kBadCameraRate, "Camera.fps must be a whole number, 1 or more",
                   "correct the rate of the images");

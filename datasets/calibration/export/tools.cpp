@@ -93,6 +93,8 @@ const ImuCalibration& ExportChecks::neededImu() const {
   return *calibration_.imu;
 }
 
+// What stands in a calibration whose file states no noise is nobody's measurement, and a tool would
+// take it for one. A density of zero, which a file may hold, is a weight without bound.
 void ExportChecks::knownNoise() const {
   if (!calibration_.imu) return;
   if (!options_.noise_known) {
@@ -152,6 +154,7 @@ std::string commentHeader(const ExportOptions& options,
   return wrapped({provenanceLine(options)}, "# ") + wrapped(paragraphs, "# ");
 }
 
+// cv::FileStorage knows YAML by this first line and opens nothing without it.
 std::string opencvHeader(const ExportOptions& options, const std::vector<std::string>& paragraphs) {
   return "%YAML:1.0\n---\n" + commentHeader(options, paragraphs);
 }
@@ -161,6 +164,7 @@ std::string opencvMatrix(const std::string& key, const Transform& T, char dt) {
                      dt, sixteenNumbers(T, "         "));
 }
 
+// Row by row, as OpenCV stores a matrix.
 std::string sixteenNumbers(const Transform& T, const std::string& indent) {
   const Eigen::Matrix4d M = T.matrix();
   std::string text = "[";

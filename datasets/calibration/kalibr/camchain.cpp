@@ -61,6 +61,7 @@ KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
   return camera;
 }
 
+// Translation and rotation each by itself: no one number weighs metres against radians.
 bool agree(const Transform& a, const Transform& b) {
   const Vector6d d = boxminus(a, b);
   return d.head<3>().norm() <= kTranslation && d.tail<3>().norm() <= kRotation;

@@ -155,6 +155,7 @@ void readImuToolLine(KalibrResults& results, ResultsLines& lines) {
     lines.next();
     results.gravity_F = vectorOf(lines.bracket(3));
   } else if (lines.startsWith("IMU configuration") && !results.noise) {
+    // Of the first IMU, by which the rig goes; others have sections of their own.
     results.noise = noiseOf(lines);
   }
 }

@@ -23,6 +23,8 @@ using Files = std::map<Kind, std::vector<std::string>>;
 // Rounding to eight decimals costs 5e-9; the rest is room.
 constexpr double kRounding = 2e-8;  // the text has eight decimals
 
+// By keys that the one kind alone has; densities stand at the top of an imu.yaml that a user wrote,
+// and below imu0 in one that Kalibr wrote.
 std::optional<Kind> yamlKind(const std::string& path) {
   const YamlMap file = YamlMap::load(path, "Kalibr's output");
   if (file.has("cam0") && file.node("cam0").IsMap()) {
@@ -56,6 +58,7 @@ bool isNear(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
          (a - b).cwiseAbs().maxCoeff() <= kRounding * std::max(1.0, b.cwiseAbs().maxCoeff());
 }
 
+// Each tool's text by what that tool estimated: the projections, or the cameras' places at the IMU.
 bool belongs(const KalibrResults& text, const KalibrCamchain& chain) {
   if (text.cameras.size() != chain.cameras.size()) return false;
   for (std::size_t i = 0; i < chain.cameras.size(); ++i) {
@@ -235,6 +238,8 @@ std::optional<KalibrFileKind> kalibrFileKind(const std::string& path) {
     const MappedFile file(path);
     if (const auto kind = textKind(file.text())) return kind;
     const std::string ending = fs::path(path).extension().string();
+    // A parser of YAML builds a tree of everything before a key can be asked for, and a table of
+    // hours of samples may lie in the folder.
     if (ending == ".csv" || file.text().size() > 1'000'000)
       return std::nullopt;  // no YAML of theirs
     return yamlKind(path);
