@@ -77,6 +77,8 @@ void checkOwner(SQLite::Database& db, const std::string& path, const FileKind& k
 
 std::int64_t writeStore(const std::filesystem::path& path,
                         const std::function<std::int64_t(SQLite::Database&)>& insert) {
+  // A new store gets its name only with its first run in it: a store without runs would pass for
+  // one that lost them.
   if (std::filesystem::exists(path)) return writeInto(path, true, insert);
   // A writer that was killed leaves PATH.partial; the next one begins with removing it.
   std::filesystem::path temporary = path;

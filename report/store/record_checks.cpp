@@ -14,6 +14,8 @@ constexpr double kLargestSpacing = 3;
 constexpr double kLongestBound_s = 1e4;
 // Where the axis of the basin ends (kLeastError, html/perturbation/figures.cpp).
 constexpr double kShortestBound_s = 1e-12;
+// A store may come from anybody: these keep a crafted document from taking all memory, or the
+// stack.
 constexpr std::size_t kMostBytes = 256U << 20U;
 constexpr int kDeepest = 64;
 
@@ -71,6 +73,7 @@ void checkCorners(const std::vector<std::vector<Corner>>& cameras, const AprilGr
   }
 }
 
+// -1: none of the candidates could be scored.
 void checkRound(const CandidateRound& round) {
   require(round.best >= -1 && round.best < static_cast<int>(round.mi_nats.size()),
           "the best candidate is none of its round");
