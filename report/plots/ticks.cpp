@@ -43,6 +43,8 @@ std::vector<AxisTick> roundTicks(const Range& range, int target) {
   // worst.
   const double step = roundStep((range.max - range.min) / (1.5 * target));
   const double largest = std::max(std::abs(range.min), std::abs(range.max));
+  // Ticks are whole multiples of the step, counted in integers: a running sum would drift off 0.
+  // The margin keeps a tick that rounding puts just beyond an end of the axis.
   const auto first = static_cast<long long>(std::ceil(range.min / step - 1e-9));
   const auto last = static_cast<long long>(std::floor(range.max / step + 1e-9));
   std::vector<AxisTick> ticks;
@@ -65,6 +67,7 @@ Range rangeOf(const std::vector<const std::vector<double>*>& columns, double mar
   if (range.min > range.max) return {0, 1};
   double span = range.max - range.min;
   if (span <= 1e-12 * std::max(std::abs(range.min), std::abs(range.max)) || span == 0) {
+    // All values are equal, or differ by rounding alone, which no axis should magnify.
     span = range.max == 0 ? 1 : std::abs(range.max);
     return {range.min - span / 2, range.max + span / 2};
   }

@@ -29,6 +29,7 @@ constexpr double kLegendBand = 20;   // [px]
 constexpr double kColourBar = 86;    // room for bar, its labels and title [px]
 constexpr double kMargin = 14;       // around everything [px]
 constexpr Colour kInk{64, 70, 80, 255};
+// zoom.js finds the lines of the grid by this colour.
 constexpr Colour kGrid{228, 231, 236, 255};
 constexpr Colour kFrame{150, 156, 166, 255};
 
@@ -94,6 +95,7 @@ void drawText(vtkContext2D& painter, double x, double y, const std::string& text
 
 ChartPage::ChartPage(const PlotFrame& frame, const PageLayout& layout, const std::string& id)
     : frame_(frame), id_(id), x_(layout.x), y_(layout.y) {
+  // A tick for about every 90 px across and 55 px up: room for its label, and air.
   const int x_target = std::max(2, frame.width / 90);
   const int y_target = std::max(2, frame.height / 55);
   x_ticks_ = frame.x.ticks.empty() ? roundTicks(x_, x_target) : frame.x.ticks;
@@ -117,6 +119,7 @@ void ChartPage::place(const PageLayout& layout) {
                                   [](const LegendEntry& e) { return !e.name.empty(); });
   const double x_labels = frame_.x.upright_labels ? widestLabel(x_ticks_) : 14;
   // Whole pixels, as VTK hands on clips in integers.
+  // From the edge inwards: margin, the axis' title, the widest label, its distance from the axis.
   left_ = std::ceil(kMargin + (frame_.y.label.empty() ? 0 : 16) + widestLabel(y_ticks_) + 10);
   right_ = std::floor(frame_.width - kMargin - (layout.colour_bar ? kColourBar : 6));
   bottom_ = std::ceil(kMargin + (frame_.x.label.empty() ? 0 : 18) + x_labels + 6);
@@ -153,6 +156,7 @@ void ChartPage::setUpAxis(int which, const PlotAxis& axis, const std::vector<Axi
   vtk_axis->GetPen()->SetColor(kFrame.red, kFrame.green, kFrame.blue);
   vtk_axis->GetGridPen()->SetColor(kGrid.red, kGrid.green, kGrid.blue);
   addOutside([this, horizontal, axis, ticks](vtkContext2D& painter, SvgDevice& device) {
+    // zoom.js finds the labels that it has to move by these classes.
     device.setTextClass(horizontal ? "tx" : "ty");
     for (const AxisTick& tick : ticks) {
       const double unit = horizontal ? unitX(tick.position) : unitY(tick.position);
@@ -188,6 +192,8 @@ void ChartPage::setUpAxes() {
   chart_->SetSize(vtkRectf(static_cast<float>(left_), static_cast<float>(bottom_),
                            static_cast<float>(plotWidth()), static_cast<float>(plotHeight())));
   chart_->SetShowLegend(false);
+  // Otherwise VTK leaves a border at the sides without an axis, and the plot is not where place()
+  // has put it.
   chart_->SetHiddenAxisBorder(0);
   setUpAxis(vtkAxis::BOTTOM, frame_.x, x_ticks_);
   setUpAxis(vtkAxis::LEFT, frame_.y, y_ticks_);

@@ -41,6 +41,7 @@ void fillScalars(const HeatMap& map, vtkImageData& image) {
     for (int column = 0; column < map.columns; ++column) {
       const auto i = static_cast<std::size_t>(row) * static_cast<std::size_t>(map.columns) +
                      static_cast<std::size_t>(column);
+      // A map's first row is its top, an image's its bottom.
       *static_cast<double*>(image.GetScalarPointer(column, map.rows - 1 - row, 0)) = map.values[i];
     }
   }
@@ -184,6 +185,7 @@ std::string toSvg(const VectorField& plot, const std::string& id) {
     for (const FieldArrow& arrow : plot.arrows) {
       if (!std::isfinite(arrow.dx) || !std::isfinite(arrow.dy)) continue;
       device.setShapeTitle(arrow.note);
+      // A cut arrow keeps its direction, and its note tells the true length.
       const double length = std::hypot(arrow.dx, arrow.dy);
       const bool cut = plot.longest > 0 && length > plot.longest;
       internal::setPen(painter, cut ? kWarningColour : plot.colour, 1.2);

@@ -57,6 +57,8 @@ HeatMap density(const ScatterPlot& plot, const Range& x, const Range& y) {
       map.values[row * static_cast<std::size_t>(plot.bins) + column] += 1;
     }
   }
+  // By the logarithm, so that single points are seen beside a core of thousands; empty cells stay
+  // blank.
   for (double& value : map.values) value = value > 0 ? std::log10(1 + value) : std::nan("");
   return map;
 }

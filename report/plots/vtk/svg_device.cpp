@@ -207,6 +207,7 @@ void SvgDevice::DrawEllipseWedge(float x, float y, float outer_x, float outer_y,
 
 void SvgDevice::DrawEllipticArc(float x, float y, float radius_x, float radius_y, float start_angle,
                                 float stop_angle) {
+  // Pieces of 7.5 degrees at most, whose corners nobody sees at the size of a plot's symbols.
   constexpr int kSteps = 48;
   std::vector<float> points;
   for (int i = 0; i <= kSteps; ++i) {
@@ -258,6 +259,7 @@ void SvgDevice::ComputeStringBounds(const vtkStdString& text, float bounds[4]) {
     return;
   }
   // In units of the item that asks, as VTK wants bounds.
+  // The matrix of these charts scales and shifts, and neither turns nor shears.
   const double sx = std::abs(matrix_[0]);
   const double sy = std::abs(matrix_[4]);
   bounds[0] = static_cast<float>(box[0] / (sx == 0 ? 1 : sx));
