@@ -179,6 +179,7 @@ Calibration readBasaltCalibration(const YamlMap& file) {
     camera.name = fmt::format("cam{}", i);
     camera.intrinsics = intrinsicsOf(cameras[i]);
     camera.intrinsics.resolution = resolutionOf(value, "resolution", sizes[i]);
+    // Basalt states every camera in the IMU: T_C0Ci = T_SC0^-1 T_SCi.
     if (i > 0) camera.T_C0Ci = T_SC0.inverse() * poseOf(poses[i]);
     refuseImplausible(cameras[i], implausible(camera), {});
     calibration.cameras.push_back(std::move(camera));

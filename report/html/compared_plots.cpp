@@ -27,6 +27,8 @@ double roundedDown(double value) {
 
 }  // namespace
 
+// From 0 to a quantile of all maps together: a few wild cells, as at the corners of an image, would
+// leave one colour for all others.
 void scaleAlike(const std::vector<HeatMap*>& maps) {
   std::vector<double> known;
   for (const HeatMap* map : maps) {
@@ -48,6 +50,8 @@ std::string clampText(const HeatMap& map) {
                      largest);
 }
 
+// One magnification, so that arrows of different fields compare by eye. What is longer than twice a
+// typical arrow is cut, lest it lie across its neighbours.
 void magnifyAlike(const std::vector<VectorField*>& fields, double reach) {
   std::vector<double> lengths;
   for (const VectorField* field : fields) {

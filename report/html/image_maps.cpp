@@ -46,6 +46,7 @@ bool sound(const ImageMap& map) {
   return cells > 0 && map.width > 1 && map.height > 1 && map.values.size() == cells;
 }
 
+// Axes in pixels of the image, v downwards; `margin` in steps of the grid.
 PlotFrame mapFrame(const ImageMap& map, const std::string& title, double margin) {
   PlotFrame frame;
   frame.title = title;

@@ -18,6 +18,8 @@ struct ShownUnit {
 };
 
 ShownUnit shownUnit(const Finding& f) {
+  // The evidence is a sentence in the unit that the rule's author chose; a value in another unit
+  // beside it would not be found there.
   const auto has = [&](const char* words) { return f.evidence.find(words) != std::string::npos; };
   // "-": a ratio or a share; "1": a count, also where its evidence tells of a share.
   const bool plain = f.unit == "-" || f.unit == "1";

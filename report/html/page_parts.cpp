@@ -10,6 +10,7 @@
 namespace plumbline::html_internal {
 namespace {
 
+// "97.2 % of 12 345"; nothing where nothing was offered.
 std::string share(std::size_t used, std::size_t offered) {
   if (offered == 0) return "";
   return fmt::format("{:.1f} % of {}",
@@ -175,6 +176,7 @@ std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record) {
 
 // Fields and signs as the exports write them (datasets/calibration/export).
 std::vector<OffsetRow> offsetRows(double offset, std::optional<double> std_s) {
+  // OKVIS2: t_imu = t_cam - image_delay.
   const double std = std_s.value_or(0), minus = 0.0 - offset;  // 0 has no sign
   const std::string number = fmt::format("{}", offset);        // with every digit, as the exports
   const std::string same = scaledSeconds(offset, std);

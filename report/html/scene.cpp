@@ -34,6 +34,7 @@ SceneObject targetTags(const AprilGrid& grid) {
       const Eigen::Vector2d p = grid.corner(4 * tag + k);
       object.points.emplace_back(p.x(), p.y(), 0);
     }
+    // The ids of a tag's corners run around it.
     object.polygons.push_back({base, base + 1, base + 2, base + 3});
   }
   return object;
@@ -88,6 +89,8 @@ void addAxes(Scene& scene, const std::string& layer, const Transform& T_FA, doub
 void appendFrustum(SceneObject& object, const std::vector<Eigen::Vector3d>& corners) {
   const int b = static_cast<int>(object.points.size());
   object.points.insert(object.points.end(), corners.begin(), corners.end());
+  // Apex first, then the image's corners around it (frustum()): its outline, and two lines over the
+  // apex that are the four edges.
   object.lines.push_back({b + 1, b + 2, b + 3, b + 4, b + 1});
   object.lines.push_back({b + 1, b, b + 3});
   object.lines.push_back({b + 2, b, b + 4});
@@ -171,6 +174,7 @@ void addInertial(Scene& scene, const CameraImuStageResult& stage, const AprilGri
                  double depth) {
   const double length = 0.5 * std::max(target.width(), target.height());
   if (stage.gravity_F.norm() > 0) {
+    // Left of the target, where the arrow hides no tag.
     const Eigen::Vector3d from(-0.35 * target.width(), target.height(), 0);
     scene.objects.push_back(
         arrow("gravity", from, from + length * stage.gravity_F.normalized(), {201, 94, 0, 255}));

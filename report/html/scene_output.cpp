@@ -12,7 +12,8 @@
 namespace plumbline::html_internal {
 namespace {
 
-// Metres; here and below digits to about a tenth of a millimetre, finer than any view shows.
+// Metres, with the four digits that an eye or a frustum needs; points and poses below go to a tenth
+// of a millimetre, finer than any view shows.
 std::string list(const Eigen::Vector3d& v) {
   return fmt::format("[{:.4g},{:.4g},{:.4g}]", v.x(), v.y(), v.z());
 }
@@ -64,7 +65,7 @@ std::string cameraJson(const SceneCamera& c) {
                      join(c.frustum_C0, [](const Eigen::Vector3d& p) { return list(p); }));
 }
 
-/// Seconds, place, and the rotation vector.
+/// Seconds, place, and the rotation vector, which scene_viewer.js turns back by Rodrigues' formula.
 std::string poseJson(const ScenePose& p) {
   const Eigen::Vector3d w = logSO3(p.T_FC0.R);
   return fmt::format("[{:.3f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}]", p.seconds, p.T_FC0.t.x(),
@@ -83,6 +84,7 @@ struct StillCamera {
     const Eigen::Vector3d q = axes * (p - eye);
     // What lies behind the eye would be mirrored.
     const double z = std::max(1e-3, q.z());
+    // A focal length of 900 px, 53 degrees across, about the middle of the picture.
     return {450 + 900 * q.x() / z, 260 + 900 * q.y() / z, z};
   }
   Eigen::Vector3d eye;
@@ -108,6 +110,7 @@ std::string objectSvg(const StillCamera& camera, const SceneObject& o) {
   std::string svg, d;
   for (const auto& polygon : o.polygons) d += polyline(camera, o, polygon, true);
   if (!d.empty()) svg += fmt::format("<path d=\"{}\" fill=\"{}\"/>", d, hex(o.colour));
+  // The still picture has the colours that the viewer begins with ("colour" in toJson()).
   const auto by = o.colours.find("rmse");
   std::string run;  // lines of one colour in a row become one path
   Colour current = o.colour;

@@ -15,6 +15,7 @@ std::string withPrecisionOf(double value, double std) {
     return fmt::format("{:.6g}", value);
   }
   // Of the digits of a double no more than 15 after the point mean anything.
+  // One decimal more than the place of the deviation's first digit: three for 0.080, none for 12.
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(std))), 0, 15);
   return fmt::format("{:.{}f}", value, decimals);
 }

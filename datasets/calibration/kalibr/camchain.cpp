@@ -106,6 +106,7 @@ BadInput contradictionFault(const KalibrCamchain& chain, std::size_t i,
 Transform placeInRig(const KalibrCamchain& chain, std::size_t i, const Calibration& so_far) {
   if (i == 0) return {};
   const KalibrCamera& camera = chain.cameras[i];
+  // T_C0Ci = T_C0C(i-1) T_CiC(i-1)^-1, along the chain; below T_C0Ci = T_C0S T_CiS^-1.
   if (camera.T_cn_cnm1) return so_far.cameras.back().T_C0Ci * camera.T_cn_cnm1->inverse();
   const auto& T_C0S = chain.cameras.front().T_cam_imu;
   if (T_C0S && camera.T_cam_imu) return *T_C0S * camera.T_cam_imu->inverse();

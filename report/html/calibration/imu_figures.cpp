@@ -45,6 +45,7 @@ Band noiseBand(const CameraImuStageResult& stage, TimeNs origin,
                MeanReading ImuIntervalResidual::*sensor, double factor) {
   Band band{"3\u03c3 of the samples' noise", secondsOf(allOf(stage), origin), {}, {}, kBandColour};
   for (const ImuIntervalResidual& r : stage.imu_residuals) {
+    // One band for all three axes, as wide as the noisiest needs.
     band.high.push_back(3 * factor * (r.*sensor).std.maxCoeff());
     band.low.push_back(-band.high.back());
   }

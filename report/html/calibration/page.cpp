@@ -91,6 +91,7 @@ std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise, const Verdict
 
 Section readingsSection(const CameraImuStageResult& stage, TimeNs origin) {
   FigureGroup figures = readingFigures(stage, origin);
+  // Without blocks: renderPage() leaves such sections out.
   if (figures.figures.empty()) return {};
   return {"imu-readings",
           "Measured and predicted readings",
@@ -121,6 +122,7 @@ Section uncertaintySection(const CalibrationRecord& record) {
     maps.push_back(heatMap(map, map.camera + ": " + rangeText(map.range_m), "std [px]"));
     methods.push_back(map.method);
   }
+  // One scale of colours, by which cameras compare.
   scaleAlike(addressesOf(maps));
   Block block;
   for (std::size_t i = 0; i < maps.size(); ++i) {

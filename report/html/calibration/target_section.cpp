@@ -154,6 +154,7 @@ VectorField displacementField(const AprilGrid& grid, const std::vector<Eigen::Ve
   double largest = 1e-6;
   for (int id = 0; id < grid.cornerCount(); ++id) {
     const Eigen::Vector2d p = kMm * grid.corner(id);
+    // Within the plane alone; heights are the other figure's.
     const Eigen::Vector2d d = kMm * points[static_cast<std::size_t>(id)].head<2>() - p;
     largest = std::max(largest, d.norm());
     field.arrows.push_back({p.x(), p.y(), d.x(), d.y(),

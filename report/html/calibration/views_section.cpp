@@ -71,6 +71,8 @@ Json dataOf(const StageView& stage, const std::vector<ViewErrors>& views,
     if (!kept[i]) continue;
     for (const CornerResidual* r : v.corners) {
       // -1 - u, since 0 has no sign.
+      // A corner may lie up to half a pixel left of the first centre: below 0 it would read as
+      // rejected.
       const std::int16_t u = packed(std::max(r->uv.x(), 0.0F), kQuarter);
       corners.push_back(static_cast<std::int16_t>(r->used ? u : -1 - u));
       corners.push_back(packed(r->uv.y(), kQuarter));
@@ -85,6 +87,7 @@ Json dataOf(const StageView& stage, const std::vector<ViewErrors>& views,
   }
   for (const double s : frameSeconds(stage)) seconds.push_back(std::round(1e3 * s) / 1e3);
   for (const Transform& T : T_FC0) {  // place [mm], and the angle between axis and target's normal
+    // Of R(2, 2), the cosine, by its size: the axis points against the normal of the target.
     const double tilt = std::acos(std::clamp(std::abs(T.R(2, 2)), 0.0, 1.0));
     poses.push_back({std::lround(1e3 * T.t.x()), std::lround(1e3 * T.t.y()),
                      std::lround(1e3 * T.t.z()), std::round(readable("rad").factor * tilt)});

@@ -27,6 +27,7 @@ VectorField fieldOf(const ImageMap& map, const std::string& title) {
   plot.colour = seriesColour(0);
   // Uncertainties have no vectors.
   if (map.vectors.size() != map.values.size()) return plot;
+  // Arrows are about as long as they stand apart: at every point of the grid they would be specks.
   const int stride = strideOf(map);
   for (int row = 0; row < map.rows; row += stride) {
     for (int column = 0; column < map.columns; column += stride) {

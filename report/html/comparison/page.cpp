@@ -16,6 +16,7 @@ namespace {
 using namespace html_internal;
 
 Card significanceCard(const ComparisonRecord& record) {
+  // Below any significance: none was found.
   double most = -1;
   std::string name, label;
   for (const ComparedParameter& p : record.parameters) {

@@ -76,6 +76,7 @@ double pooledRmse(const std::vector<CalibrationScore>& parts, const std::string&
     const ErrorStatistics* errors = errorsOf(s, camera);
     if (errors == nullptr) continue;
     const auto n = static_cast<double>(errors->count);
+    // The sum of squares that the RMSE is the root of the mean of: so errors pool over corners.
     squares += n * errors->rmse_px * errors->rmse_px;
     count += n;
   }

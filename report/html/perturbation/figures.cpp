@@ -47,6 +47,7 @@ BasinScale scaleOf(const PerturbationRecord& record, const CaseGroup& shifts) {
   scale.high = std::max(scale.low + 2, std::ceil(std::log10(most) + 0.2));
   // Above all errors, on a line of their own.
   scale.failed = scale.high + 0.6;
+  // With a floor for a study of one shift, whose axis would have no length.
   const double margin = std::max(1e-6, 0.04 * (to - from));
   scale.x = {from - margin, to + margin};
   return scale;

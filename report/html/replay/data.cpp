@@ -84,6 +84,8 @@ Json tableJson(const ByFrame& decisions) {
   for (const DecisionColumn& column : kColumns) {
     std::transform(decisions.begin(), decisions.end(), values.begin(),
                    [&](const Decision* d) { return d != nullptr ? column.value(*d) : kNone; });
+    // Raw bytes, which the page takes as a typed array: exact, and without a parser. Both sides are
+    // little-endian.
     table[column.name] = base64(values);
   }
   return table;
@@ -113,6 +115,7 @@ Json cornersJson(const ReplayRecord& record, std::size_t camera) {
     const std::vector<Corner>& corners = record.frames[f].corners[camera];
     for (const Corner& c : corners) {
       const auto id = static_cast<std::size_t>(c.id);
+      // The lowest bit is the lowest id, as the page's script reads them.
       masks[f * bytes + id / 8] |= static_cast<std::uint8_t>(1U << (id % 8));
     }
     // The page gives them to the ids in ascending order, in which a view has its corners.
@@ -290,6 +293,8 @@ ReplayData replayData(const ReplayRecord& record, std::size_t image_bytes, std::
   ReplayData data;
   // Everything but the images, which get what is left.
   const std::size_t rest = json.dump().size();
+  // Sizes are unsigned: the inner minimum keeps their difference from wrapping where the rest alone
+  // is too large.
   json["images"] = addImages(data, record, std::min(image_bytes, bytes - std::min(bytes, rest)));
   data.json = scriptJson(json.dump());
   return data;

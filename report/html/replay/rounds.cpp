@@ -88,6 +88,7 @@ int frameAt(const ReplayRecord& record, TimeNs t) {
 std::map<int, Band> bandsOf(const ReplayRecord& record) {
   std::map<int, Band> bands;
   for (const Decision& d : record.decisions) {
+    // The last decision that names a suggestion closes its band: it is open up to there.
     if (d.suggestion && bands.count(*d.suggestion) > 0) bands[*d.suggestion].to = d.frame;
     if (d.opened) bands[d.opened->id] = {d.frame, d.frame};
   }

@@ -41,6 +41,7 @@ std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary&
   const auto count = [&row](bool known, int n) {
     row.push_back(number(known ? countText(n) : kDash));
   };
+  // Of a stage that did not run there are no counts, rather than zeros.
   for (const int n : {s.frames_offered, s.frames_dropped, s.views_used}) count(s.ran, n);
   // Hindsight is that of the camera stage's batch over the views kept.
   const bool in_hindsight = s.stage == GuideStage::kCamera && s.kept_batch;

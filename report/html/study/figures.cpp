@@ -96,6 +96,7 @@ Figure stagesFigure(const StudyRecord& record) {
 double heightAt(const StudySurvival& s, double t_s) {
   double height = 1;
   for (const SurvivalStep& step : s.curve) {
+    // Steps ascend in time; at a step the curve has its lower height, as its points do.
     if (step.t_s <= t_s) height = step.unfinished;
   }
   return height;

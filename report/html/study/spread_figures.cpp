@@ -49,6 +49,7 @@ Figure spreadFigure(const StudyRecord& record) {
   const auto names = distinct(all, [](const StudySpread& s) { return s.parameter; });
   if (names.empty()) return {};
   LinePlot plot;
+  // The axis reaches 2 at least, so that 1 is no edge of it.
   double top = 2;
   std::size_t beyond = 0;
   double low = 0, high = std::numeric_limits<double>::infinity();

@@ -127,6 +127,7 @@ Table alarmsTable(const StudyRecord& record) {
   for (const StudyAlarm& a : record.alarms) {
     Cell figure = code(a.metric);
     figure.level = VerdictLevel::kBad;
+    // Of a drift `is` is a share where there is one, and no value was before it.
     const std::string drift = hasShare(a) ? fmt::format("{:+.3g} %", 100 * a.is) : kDash;
     table.rows.push_back({figure,
                           named(record, a.session),

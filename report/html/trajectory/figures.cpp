@@ -43,6 +43,7 @@ BoxPlot boxesBySequence(const std::vector<TrajectoryRun>& runs, double least, do
       for (const TrajectoryRun& run : runs) {
         if (run.sequence == sequence && run.calibration == plot.series[k]) collect(run, values);
       }
+      // quantile() sorts, and NaN has no place in an order.
       std::erase_if(values, [](double v) { return !std::isfinite(v); });
       if (values.empty()) continue;
       plot.boxes.push_back({sequence, quantilesOf(values, least, most), k});

@@ -39,6 +39,7 @@ Table extrinsicsTable(const std::vector<TrajectoryRun>& runs) {
     const OdometryRunRecord& o = *run.odometry;
     std::vector<Cell> row{{runName(run)}};
     for (int i = 0; i < 6; ++i) {
+      // A tangent of the pose (dt, da): metres, then radians.
       const double unit = i < 3 ? 1e3 : kDegrees;
       std::optional<double> deviation;
       if (o.T_SC0_hint_std) deviation = unit * (*o.T_SC0_hint_std)[i];

@@ -37,6 +37,7 @@ std::vector<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
   std::vector<Distance> all;
   for (const TrajectoryRun& run : runs) {
     for (const RelativeErrorRecord& r : run.rpe) {
+      // Lengths are those that were asked for, so that equal ones are equal to the last bit.
       if (std::find(all.begin(), all.end(), Distance(r.unit, r.delta)) == all.end()) {
         all.emplace_back(r.unit, r.delta);
       }

@@ -60,6 +60,8 @@ std::vector<Cell> associationRow(const TrajectoryRun& run) {
           number(fmt::format("{:.6g}", run.alignment.scale))};
 }
 
+// Deviations by component; of the rotation the angle alone, whose three components say little by
+// themselves.
 std::vector<Cell> handEyeRow(const TrajectoryRun& run) {
   const HandEyeRecord& h = *run.hand_eye;
   const Eigen::Vector3d t = 1e3 * h.T_SM.t;
