@@ -58,6 +58,7 @@ void TrajectoryBuilder::add(const StampedPose& pose, int line) {
                                "the estimator diverged or lost track here: delete these rows"});
   }
   const double norm = pose.q.norm();
+  // Before the length, as its cause is another: a source without an orientation here.
   if (norm == 0) {
     throw source_.fault(line,
                         {InputFault::kNotRigid, "the quaternion is all zeros", "a unit quaternion",

@@ -70,6 +70,7 @@ data subjectChips(const std::vector<Finding>& findings) {
   // What is about the result as a whole is the badge's.
   for (const FindingSubject subject : {FindingSubject::kCameras, FindingSubject::kExtrinsics,
                                        FindingSubject::kImuNoise, FindingSubject::kRecording}) {
+    // A subject without a finding was not judged, which is not good.
     std::optional<VerdictLevel> worst;
     for (const Finding& f : findings) {
       if (f.subject == subject) worst = std::max(worst.value_or(f.level), f.level);

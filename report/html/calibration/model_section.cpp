@@ -77,6 +77,7 @@ Table halvesTable(const HalvesCheck& check) {
     const auto [shown, factor] = readable(b.unit);
     const std::string unit = b.unit == "-" ? "" : " " + shown;
     Cell name{b.name};
+    // A sound recording is beyond the bound once in a hundred times: a caution, no more.
     name.level = b.agree() ? VerdictLevel::kGood : VerdictLevel::kCaution;
     table.rows.push_back({name, number(fmt::format("{:.1f}", b.chi2)),
                           number(fmt::format("{}", b.parameters)),

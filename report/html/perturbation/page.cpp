@@ -78,6 +78,7 @@ Table casesTable(const PerturbationRecord& record, const CaseGroup& group) {
   table.columns.push_back({"Frames", kNumber});
   table.columns.push_back({"Iterations", kNumber});
   table.columns.push_back({"Largest other change"});
+  // First of all what every case is compared with.
   table.rows.push_back(solvedRow(record, record.base, true));
   for (const PerturbationCase* c : group.cases) {
     table.rows.push_back(c->problem.empty() ? solvedRow(record, *c, false) : failedRow(record, *c));
@@ -111,6 +112,7 @@ Section changeSection(const PerturbationRecord& record, const std::vector<CaseGr
                   {}};
   if (record.parameters.empty()) return section;
   for (const CaseGroup& group : groups) {
+    // A map of blank rows would show nothing.
     const bool any = std::any_of(group.cases.begin(), group.cases.end(),
                                  [](const PerturbationCase* c) { return c->problem.empty(); });
     if (!any) continue;

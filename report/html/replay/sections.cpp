@@ -117,6 +117,7 @@ std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome
   return {number(std::to_string(o.suggestion.id)),
           tight(titleOf(o.suggestion.stage)),
           {o.suggestion.candidate},
+          // A gain of 0 is one that could not be predicted yet (Suggestion::mi_nats).
           number(o.suggestion.mi_nats != 0 ? bitsAndNats(o.suggestion.mi_nats) : kDash),
           number(secondsText(record, o.suggestion.t)),
           number(ended ? fmt::format("{:.1f}", secondsBetween(o.suggestion.t, o.ended)) : kDash),

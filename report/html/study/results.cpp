@@ -204,6 +204,7 @@ Section perturbationSection(const StudyRecord& record) {
   for (const auto& [key, group] : groups) {
     const SampleStatistics all = sampleStatistics(group.ms, 1);
     double worst = 0;
+    // `recovered_ms` is net of the offset found without a shift: it should equal what was injected.
     for (const double ms : group.ms) worst = std::max(worst, std::abs(ms - key.first));
     const bool any = !group.ms.empty();
     table.rows.push_back(

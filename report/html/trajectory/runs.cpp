@@ -28,6 +28,7 @@ Cell statusCell(const TrajectoryRun& run) {
 
 Cell nameCell(const std::string& name) { return tight(name.empty() ? kDash : name); }
 
+// Without the coverage of a run that failed: it would be that of whatever the run wrote before.
 std::vector<Cell> runRow(const TrajectoryRun& run) {
   const SampleStatistics& ate = run.ate_translation_m;
   const SampleStatistics& turn = run.ate_rotation_deg;

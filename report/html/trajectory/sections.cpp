@@ -13,6 +13,7 @@ namespace {
 
 /// Differences in metres; the reading is the record's, `better` of the interval.
 std::vector<Cell> pairedRow(const PairedDifference& d) {
+  // The record's difference is b - a, so that below 0 b is the better one.
   const auto n = std::to_string(d.pairs);
   if (d.pairs == 0) {
     return {{d.b + " \u2212 " + d.a},
@@ -90,6 +91,8 @@ std::vector<Cell> neesRow(const TrajectoryRun& run, const NeesRecord& n) {
           number(fmt::format("{:.3f} to {:.3f}", n.lower, n.upper)),
           number(fmt::format("{:g}", 100 * n.confidence)),
           {toString(n.reading) + why, Cell::Kind::kText,
+           // Covariances that are too large are a caution as well: either way they mislead whoever
+           // weighs by them.
            consistent ? VerdictLevel::kGood : VerdictLevel::kCaution}};
 }
 
