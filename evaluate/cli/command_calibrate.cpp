@@ -53,6 +53,7 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   app.add_option(
          "--resample", o.resamples,
          "Recalibrate on N bootstrap resamples of time segments and report the bootstrap std")
+      // One draw has no scatter to take a deviation from.
       ->check(CLI::IsMember({0}) | numberFrom(2));
   app.add_flag("--no-halves", o.no_halves, "Do not compare the halves of the recording");
   app.add_option("--seed", o.seed, "Seed of resampling and view selection")
@@ -88,6 +89,8 @@ CalibrateRequest calibrateRequest(const CalibrateOptions& o, const CLI::App& app
   CalibrateRequest request;
   request.load = o.session.request();
   request.load.read.read_imu = !o.estimation.no_imu;
+  // What sensor.yaml states is of no matter where models come from an option or a file: without
+  // either, one that cannot be calibrated is refused as it is read.
   request.load.read.supported_models_only = !o.estimation.models && !o.estimation.cameras;
   request.camera = cameraOptions(o, request.load);
   request.camera_imu = cameraImuOptions(o, request.camera);

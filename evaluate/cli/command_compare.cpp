@@ -135,6 +135,7 @@ CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
     request.score.camera.frames.tolerance = request.load->read.sync_tolerance;
     request.score.camera.threads = threadCount(request.load->threads);
   }
+  // Also without a recording: the record states what is assumed.
   request.score.camera.model() = o.measurements.chosen();
   request.score.camera_imu.model() = request.score.camera.model();
   request.score.camera_imu.frames = request.score.camera.frames;
@@ -161,6 +162,8 @@ std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
   RunsRequest request = o.runs;
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
   setLimits(o.metrics, request);
+  // The field {calibration} of the pattern is a calibration's label; a run of none of them is
+  // refused.
   request.calibrations = comparedLabels(o.calibrations, o.labels);
   return evaluateRuns(request);
 }
@@ -181,9 +184,11 @@ int compare(const CompareOptions& o, const CLI::App& app) {
   ProgressBar bar;
   const CompareRequest request = compareRequest(o, app);
   ResultWriter out(o.output, comparisonOutput(o));
+  // Ahead of the scores, which take far longer: a pattern or a truth that is wrong is told at once.
   std::optional<TrajectoryStudy> trajectories = trajectoriesOf(o);
   ComparisonRecord record = compareCalibrations(request, bar.sink());
   record.trajectories = std::move(trajectories);
+  // The recording's hash, where there is one, with that of all the other files.
   record.provenance.input_hash =
       inputFilesHash(record.provenance.input_hash, filesBesideSession(o));
   bar.clear();

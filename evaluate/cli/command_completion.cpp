@@ -49,6 +49,7 @@ std::vector<const CLI::Option*> shownOptions(const CLI::App& app, bool positiona
   return shown;
 }
 
+// A flag expects no value.
 bool takesValue(const CLI::Option& option) { return option.get_expected_max() != 0; }
 
 std::string firstLongName(const CLI::Option& option) {
@@ -135,6 +136,8 @@ if [[ ${{funcstack[1]}} == _plumbline ]]; then _plumbline "$@"; else compdef _pl
                      paths, cases);
 }
 
+// Within apostrophes, where fish takes a backslash before an apostrophe or a backslash (other
+// shells end the quotes).
 std::string fishQuoted(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -217,6 +220,7 @@ std::string manPage(const CLI::App& app) {
       }
     }
     if (!node.app->get_footer().empty()) {
+      // Lines of an example stay lines.
       text += ".PP\n.nf\n" + roff(node.app->get_footer()) + "\n.fi\n";
     }
   }

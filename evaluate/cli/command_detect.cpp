@@ -53,7 +53,10 @@ int detect(const DetectOptions& o) {
       o.json.reserve(o.output, output.inputs, o.output.out, kDocumentMark);
   const LoadedSession loaded = loadSession(request, bar.sink());
   bar.clear();
+  // The layout first: images that contradict the stated spacing may have no corner left, and this
+  // names the line that is wrong. Distortion is not known here, hence the wider tolerance.
   checkTargetLayout(loaded, {});
+  // A session without a corner would be refused by every command that reads it.
   if (const auto nothing = noTagSeen(loaded)) {
     return tellFailure(locate(*nothing, loaded, request.session));
   }

@@ -76,6 +76,7 @@ EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationO
   request.score.use_imu = !o.estimation.no_imu;
   request.score.folds = o.folds;
   auto given = givenOptions(app);
+  // The record names the file itself, beside its scores.
   std::erase_if(given, [](const auto& option) { return option.first == "calibration"; });
   request.provenance = makeProvenance("evaluate calibration", std::move(given));
   return request;

@@ -77,6 +77,7 @@ TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) 
   return request;
 }
 
+/// What is read: no output may replace it, and it is hashed (no hash where - is among them).
 std::vector<std::string> trajectoryInputs(const EvaluateTrajectoryOptions& o) {
   std::vector<std::string> inputs{o.estimate, o.truth};
   for (const std::string& times : {o.estimate_times, o.truth_times}) {
@@ -87,6 +88,8 @@ std::vector<std::string> trajectoryInputs(const EvaluateTrajectoryOptions& o) {
 
 Provenance provenanceOf(const EvaluateTrajectoryOptions& o, const CLI::App& app) {
   auto given = givenOptions(app);
+  // They are the input, which is named by file names alone: results do not depend on where files
+  // lie.
   std::erase_if(given, [](const auto& option) {
     return option.first == "estimate" || option.first == "truth";
   });
@@ -98,6 +101,7 @@ Provenance provenanceOf(const EvaluateTrajectoryOptions& o, const CLI::App& app)
   return provenance;
 }
 
+/// As a study of one run, so that limits, verdict, store and page are those of many.
 TrajectoryRecord judged(const TrajectoryEvaluation& evaluation, const EvaluateTrajectoryOptions& o,
                         const CLI::App& app) {
   RunsRequest limits;
@@ -125,6 +129,8 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
                  {{"trajectory.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
                  page);
   }
+  // --json has the figures of the run at its top; trajectory.json of the folder is the document of
+  // a study, whatever its number of runs.
   const SingleTrajectory single{record.runs[0], record.verdict, record.provenance};
   if (json) json->write(documentOf(single));
   if (o.json.piped()) {
@@ -132,6 +138,7 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
     return o.fail_on.exitCode(level);
   }
   say("{}", trajectorySummary(*result));
+  // Without a finding the verdict would repeat the figures.
   if (level != VerdictLevel::kGood) say("\n{}", verdictText(record.verdict, kCompleteWord));
   if (json) say("\nFigures: {}\n", *o.json.file);
   if (out && !o.no_report) say("\nReport: {}/report.html\n", o.output.out);
@@ -175,6 +182,7 @@ RunsRequest evaluateTrajectoriesRequest(const EvaluateTrajectoriesOptions& o) {
 
 int evaluateTrajectoryRuns(const EvaluateTrajectoriesOptions& o, const CLI::App& app) {
   const RunsRequest request = evaluateTrajectoriesRequest(o);
+  // As the patterns match now: results must not be written over what matches.
   std::vector<std::string> inputs = filesOf(request.runs);
   for (std::string& file : filesOf(request.truth)) inputs.push_back(std::move(file));
   ResultWriter out(o.output, o.output.request("errors of trajectories", inputs));

@@ -78,6 +78,7 @@ ExportRequest exportRequest(const ExportFilesOptions& o) {
 }
 
 nlohmann::ordered_json jsonOf(const ModelConversion& c) {
+  // Regions that one of the two models does not see have no error: null, and not 0.
   nlohmann::ordered_json regions = nlohmann::ordered_json::array();
   for (const auto& px : c.region_px) {
     regions.push_back(px ? nlohmann::ordered_json(*px) : nlohmann::ordered_json());
@@ -97,6 +98,7 @@ int exportFiles(const ExportFilesOptions& o) {
   std::vector<std::string> paths;
   for (const ExportFile& file : exported.files) {
     out.write(file.name, file.text);
+    // Where a file is found in the end: out.path() is another place until commit().
     paths.push_back((std::filesystem::path(o.output.out) / file.name).string());
   }
   out.commit();

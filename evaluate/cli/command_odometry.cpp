@@ -84,6 +84,7 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   declareTrajectoryMetrics(app, o.metrics);
 }
 
+/// Names that are known come first, then files; what is left is a command to run.
 std::optional<Runner> runnerFrom(const std::string& with) {
   if (with == "builtin") return std::nullopt;
   if (auto known = knownRunner(with)) return known;
@@ -128,6 +129,7 @@ int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
   TrajectoryRecord record = runOdometry(request, out.path(), bar.sink());
   bar.clear();
   record.verdict = trajectoryVerdict(record);
+  // What is compared has no name of its own as a recording has: the folder's stands for it.
   record.name = std::filesystem::path(o.output.out).filename().string();
   record.provenance = makeProvenance("odometry", givenOptions(app));
   record.provenance.input_hash = inputFilesHash(inputs);

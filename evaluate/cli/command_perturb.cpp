@@ -52,6 +52,7 @@ struct PerturbOptions {
   SessionOptions session;
   EstimationOptions estimation;
   ResultOptions output;
+  // As words: they are read once those of the study's file have joined them.
   std::vector<std::string> amounts = std::vector<std::string>(std::size(kKinds));
   int repeats = 1;
   std::uint64_t seed = 1;
@@ -112,6 +113,7 @@ PerturbRequest perturbRequest(PerturbOptions o, const CLI::App& app) {
   readStudy(o);
   PerturbRequest request;
   request.load = o.session.request();
+  // Its lists decide the result, so its content belongs to the input hash.
   if (!o.study.empty()) request.load.others.push_back(o.study);
   request.load.read.read_imu = !o.estimation.no_imu;
   request.load.read.supported_models_only = !o.estimation.models && !o.estimation.cameras;

@@ -34,6 +34,7 @@ namespace {
 /// The guide's options on the command line.
 struct GuideOptionSet {
   GuideOptions guide;
+  // In the units of the options; options() brings them into those of `guide`.
   double threshold_bits = 0.2;
   double max_rate_deg_s = 180;
   double max_acceleration_g = 1;
@@ -74,6 +75,7 @@ void readLatency(const std::string& text, GuideLatency& latency) {
     const std::string number = text.substr(equals + 1);
     char* end = nullptr;
     const double ms = std::strtod(number.c_str(), &end);
+    // A known step with a wrong number is refused in the same words as an unknown one.
     if (number.empty() || *end != '\0' || !std::isfinite(ms) || ms < 0 || ms > kLongest_ms) break;
     latency.*known.seconds = ms / 1e3;
     return;
@@ -190,6 +192,7 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
   o.views.later_use = laterUseFrom(later_use);
   o.trajectories.first = firstTrajectoryFrom(first_trajectory);
   o.views.stop_excess = stop_excess_percent / 100;
+  // One option for the suggestions of both stages.
   o.trajectories.expires_s = o.views.expires_s;
   o.trajectories.max_rate_rad_s = max_rate_deg_s * kDegree;
   o.trajectories.max_acceleration_m_s2 = max_acceleration_g * kStandardGravity;

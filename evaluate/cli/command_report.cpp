@@ -32,6 +32,8 @@ struct ReportOptions {
   std::optional<std::int64_t> run;
 };
 
+/// Of a folder its records file; any other path is taken for one, and the store says what is wrong
+/// with it.
 std::filesystem::path storeOf(const std::string& input) {
   const std::filesystem::path path(input);
   if (std::filesystem::is_directory(path)) {

@@ -71,6 +71,7 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
 }
 
 int simulate(SimulateOptions o) {
+  // Ahead of all checks, since `list` stands for a question and needs no --out.
   for (const std::string& spec : o.faults) {
     if (spec == "list") {
       say("{}", faultList());
@@ -86,6 +87,7 @@ int simulate(SimulateOptions o) {
   if (o.images && o.simulation.outlier_fraction > 0) {
     throw InputError("--outliers are of corners, which --images does not write; omit one");
   }
+  // The last term is tag_edge: where a detector puts corners, not where they are printed.
   if (o.images && o.simulation.target.shape.terms[kTargetTerms - 1] != 0) {
     throw InputError(
         "--target-shape tag-edge is an error of a detector, which --images cannot show; omit one");

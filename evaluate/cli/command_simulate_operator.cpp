@@ -96,6 +96,7 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   app.add_flag("--judge", s.judge, "Also find when the recording was sufficient");
 }
 
+/// The words are places on the scale of clumsiness.
 OperatorSkill skillFrom(const std::string& word) {
   if (word == "expert") return personSkill(0);
   if (word == "practised") return personSkill(0.5);
@@ -111,6 +112,7 @@ OperatorSkill skillFrom(const std::string& word) {
 
 OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
   OperatorSimulationOptions s = o.simulation;
+  // Never empty: CLI11 has let through known words only.
   s.method = *enumFrom<OperatorMethod>(o.method);
   s.guide_board = *enumFrom<GuideBoard>(o.guide_board);
   s.guide.views.criterion = s.guide.trajectories.criterion = viewCriterionFrom(o.criterion);
@@ -162,6 +164,7 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o) {
   }
   if (made.convergence) {
     const OperatedConvergence& c = *made.convergence;
+    // In brackets the bars of ConvergenceOptions, which no option changes.
     say("{}", convergenceText("Cameras (0.1 px)", made.camera_s, c.cameras));
     say("{}", convergenceText("T_SC0 (1 mm, 0.05 deg)", made.camera_imu_s, c.camera_imu));
     say("{}{}", stopText("Camera stage", made.stops.cameras),

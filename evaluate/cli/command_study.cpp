@@ -67,6 +67,7 @@ void refuseReserved(const std::string& option) {
 void checkCalibrateOption(const std::string& option, const std::string& words) {
   refuseReserved(option);
   CLI::App app;
+  // By its own declarations: what it would refuse in the night is refused before it begins.
   (void)calibrateCommand().configure(app);
   // No --help among a study's options.
   app.set_help_flag();
@@ -155,6 +156,7 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
   request.redo_failed = o.redo_failed;
   request.recheck = o.recheck;
   auto given = givenOptions(app);
+  // The definition is the input, which is stated by itself.
   std::erase_if(given, [](const auto& option) { return option.first == "study"; });
   request.provenance = makeProvenance("study", std::move(given));
   return request;
@@ -233,6 +235,8 @@ std::function<int()> configureRunStep(CLI::App& app) {
     int exit_code = kDone;
     for (const std::string& name : o->names) {
       try {
+        // A step that failed is a result of the night like any other: only what cannot be done at
+        // all counts for the exit code.
         const StepResult result = runStep(o->night, name, o->threads);
         if (!result.message.empty()) complain(fmt::format("{}: {}", name, result.message));
       } catch (const InputError& error) {  // the others may do
@@ -319,6 +323,7 @@ void declareStudy(CLI::App& app, StudyOptions& o) {
 void addPart(CLI::App& app, const char* name, const char* summary, const char* group,
              std::function<int()> (*configure)(CLI::App&),
              std::vector<std::pair<CLI::App*, std::function<int()>>>& parts) {
+  // Without a group help does not show it: parts that only engines call.
   CLI::App* part = app.add_subcommand(name, summary)->group(group);
   parts.emplace_back(part, configure(*part));
 }

@@ -35,6 +35,7 @@ double lengthFrom(const std::string& option, const std::string& word) {
   double value = 0;
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   const auto unit = kUnits.find(stop);
+  // A bare number is refused: metres and millimetres are both usual for tags.
   if (error == std::errc() && unit != kUnits.end() && value > 0 && value * unit->second < 1e3) {
     return value * unit->second;
   }
@@ -74,6 +75,7 @@ int printTarget(const PrintOptions& o) {
   sheet.paper = *paper;
   sheet.check();
   const std::string yaml_path = yamlBeside(o.output.out);
+  // Both places are reserved before either file is written.
   OutputFile pdf(o.output.file(o.output.out, {}), kSheetMark);
   OutputFile yaml(o.output.file(yaml_path, {}), kSheetMark);
   pdf.write(targetSheetPdf(sheet));
@@ -139,6 +141,7 @@ TargetFitRequest fitRequest(const FitOptions& o) {
 int fitTarget(const FitOptions& o) {
   std::vector<std::string> inputs = o.sessions;
   if (o.target) inputs.push_back(*o.target);
+  // In every target_shape.yaml, so that --force replaces no other file.
   OutputFile out(o.output.file(o.output.out, inputs), "terms_mm");
   ProgressBar bar;
   const auto fit = fitTargetOverSessions(fitRequest(o), bar.sink());

@@ -28,6 +28,8 @@ namespace {
 
 std::atomic<bool> ending{false};
 
+/// Waits for one of the signals. Ends by _exit(), as other threads go on and may hold any lock:
+/// neither destructors nor exit handlers could run beside them.
 [[noreturn]] void endOn(sigset_t awaited) {
   int signal = 0;
   while (sigwait(&awaited, &signal) != 0) {

@@ -58,8 +58,10 @@ std::string nearestWord(const std::string& word, const std::vector<std::string>&
 
 std::string didYouMean(const CLI::App& app) {
   const CLI::App* chosen = &app;
+  // The innermost command that was recognised, whose words could have been meant.
   while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
   for (const std::string& argument : app.remaining(true)) {
+    // "--ouT=x" is looked up without its value.
     const std::string word = argument.substr(0, argument.find('='));
     const std::string nearest = nearestWord(word, wordsOf(*chosen));
     if (!nearest.empty()) return "; did you mean " + nearest + "?";

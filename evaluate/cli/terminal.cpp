@@ -26,6 +26,8 @@ int output_error = 0;  // errno of the first write that failed
 void occupyStandardStreams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) != -1) continue;
+    // Read-only also in place of standard output, so that writing to it fails and closeOutput() can
+    // say so; whoever closed standard error wants no messages.
     (void)open("/dev/null",
                stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);  // the lowest free number
   }
@@ -45,6 +47,8 @@ void writeDocument(std::string_view document) {
 namespace {
 
 bool isColoured() {
+  // By the output's own end, not standard error's: a summary in a file has no colours. An empty
+  // NO_COLOR counts as unset (https://no-color.org).
   const char* none = std::getenv("NO_COLOR");
   return isatty(STDOUT_FILENO) != 0 && (none == nullptr || *none == '\0');
 }
@@ -65,6 +69,7 @@ const char* colourOf(std::string_view line) {
 }  // namespace
 
 void saySummary(std::string_view summary) {
+  // Figures that are rounded to zero keep their sign, which says nothing to a person.
   const std::string shown = withoutNegativeZeros(shownText(summary));
   if (!isColoured()) return writeOut(shown);
   std::istringstream lines(shown);
@@ -85,6 +90,7 @@ void complain(std::string_view message) {
 
 bool closeOutput() {
   const bool faulty = std::ferror(stdout) != 0;
+  // What is still in the buffer is written here: a full disk may show now for the first time.
   if (std::fclose(stdout) != 0 && output_error == 0) output_error = errno;
   if (!faulty && output_error == 0) return true;
   complain(fmt::format(
@@ -115,6 +121,7 @@ std::string ProgressBar::timeLeft(double fraction) const {
 }
 
 void ProgressBar::update(const std::string& step, double fraction) {
+  // Fractions are of the step, so the time that they are held against is, too.
   if (step != step_) begun_ = Clock::now();
   step_ = step;
   if (!terminal_) {

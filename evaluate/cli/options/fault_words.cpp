@@ -226,6 +226,8 @@ Fault faultFrom(const std::string& spec) {
   for (const std::string_view word : words.list) {
     const auto axis = axisFrom(word);
     const auto camera = cameraFrom(word);
+    // In any order among the numbers. A second axis or camera, and one where the fault has none,
+    // falls through to the refusal.
     if (takesAxis(d.key) && axis && !fault.axis) {
       fault.axis = axis;
     } else if (takesCamera(d.key) && camera && !fault.camera) {

@@ -103,6 +103,7 @@ const ThresholdMembers& thresholdMembers() {
 constexpr std::size_t kMostAmounts = 10'000;
 
 double numberOf(const std::string& option, const std::string& word) {
+  // A plus is written where others of the list have a minus; from_chars takes none.
   if (const auto value = number(word.rfind('+', 0) == 0 ? word.substr(1) : word)) return *value;
   throw InputError(fmt::format(
       "{}: '{}' is not a number; expected numbers and ranges FROM:STEP:TO separated by commas",
@@ -168,6 +169,7 @@ std::pair<CornerFilter, double> outliersFrom(const std::string& word) {
 }
 
 ViewSelectionOptions viewSelectionFrom(const std::string& word) {
+  // The number between a prefix and a unit; empty where the word is of another form.
   const auto number = [&](const char* prefix, const std::string& suffix) {
     if (word.size() <= suffix.size() || !word.ends_with(suffix)) return std::optional<double>();
     return positiveAfter(word.substr(0, word.size() - suffix.size()), prefix);
@@ -269,6 +271,7 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) 
 
 TimeNs nanosecondsFromMilliseconds(const std::string& option, double milliseconds) {
   constexpr double kDay_ms = 86'400'000;
+  // Negated, so that NaN is refused as well.
   if (!(std::abs(milliseconds) <= kDay_ms)) {
     refuse(option, fmt::format("{}", milliseconds), "milliseconds, at most one day (86400000)");
   }
@@ -310,6 +313,7 @@ std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words) {
   if (words == "none") return deltas;
   std::istringstream list(words);
   for (std::string word; std::getline(list, word, ',');) deltas.push_back(relativeDeltaFrom(word));
+  // Nothing comes out of an empty word, which is refused here.
   if (deltas.empty()) deltas.push_back(relativeDeltaFrom(words));
   return deltas;
 }

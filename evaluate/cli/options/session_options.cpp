@@ -38,6 +38,7 @@ CLI::Validator numberThat(const std::string& is, const std::function<bool(double
   return CLI::Validator(
       [is, holds](const std::string& word) {
         double value = 0;
+        // CLI11 takes inf for a number, which is above every least one.
         const bool number = CLI::detail::lexical_cast(word, value) && std::isfinite(value);
         return number && holds(value) ? "" : fmt::format("{}: expected {}", word, is);
       },
@@ -87,6 +88,7 @@ void SessionOptions::declareEstimating(CLI::App& app) {
 void SessionOptions::declareOptional(CLI::App& app) {
   auto* recording = app.add_option("--session", session, "Folder of a recording (EuRoC layout)");
   declareDetails(app);
+  // Each would be without effect.
   for (const char* of_recording :
        {"--target", "--target-shape", "--imu", "--resolution", "--only", "--from", "--to",
         "--stride", "--sync-tolerance-ms", "--border-bits"}) {
@@ -261,6 +263,7 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
                                                          "session",   "--fail-on", "--no-report",
                                                          "--threads", "--cache",   "--no-cache"};
     if (option->count() == 0 || kWithoutEffect.contains(name)) continue;
+    // A flag has no value.
     given.emplace_back(name, option->get_expected_max() == 0
                                  ? "yes"
                                  : fmt::format("{}", fmt::join(option->results(), ",")));
@@ -304,6 +307,7 @@ OutputRequest OutputOptions::request(const std::string& kind, const SessionOptio
 }
 
 OutputRequest OutputOptions::file(const std::string& path, std::vector<std::string> inputs) const {
+  // No kind: a single file has no manifest.
   return {path, "", kVersion, force, std::move(inputs), {}};
 }
 

@@ -38,10 +38,12 @@ const std::array<Word, 7>& allWords() {
   static const std::array<Word, 7> words = {{
       {"bow", true, "1mm",
        [](const Place& c, double v) {
+         // 1 at the centre, 0 at the grid's corners.
          return Eigen::Vector3d(0, 0, v * (1 - c.p.squaredNorm() / c.half.squaredNorm()));
        }},
       {"twist", true, "0.5mm",
        [](const Place& c, double v) {
+         // 1 and -1 at neighbouring corners of the grid.
          return Eigen::Vector3d(0, 0, v * c.p.prod() / c.half.prod());
        }},
       {"stretch", false, "0.3%",
@@ -56,6 +58,7 @@ const std::array<Word, 7>& allWords() {
        }},
       {"keystone", false, "0.2%",
        [](const Place& c, double v) {
+         // Half to either edge: the upper one is wider by v / 2, the lower one narrower.
          return Eigen::Vector3d(0.5 * v * c.p.x() * c.p.y() / c.half.y(), 0, 0);
        }},
       {"s-bend", true, "0.2mm",
@@ -65,6 +68,7 @@ const std::array<Word, 7>& allWords() {
          return Eigen::Vector3d(0, 0, 1.5 * std::sqrt(3.) * v * (x - x * x * x));
        }},
       {"tag-edge", true, "0.1mm",
+       // Half to either side of a tag, which is larger by v in all.
        [](const Place& c, double v) { return Eigen::Vector3d(v * c.edge.x(), v * c.edge.y(), 0); }},
   }};
   return words;
@@ -125,6 +129,7 @@ TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid
     const Word& word = wordNamed(words, part.substr(0, equals));
     const double value = valueOf(words, word, part.substr(equals + 1));
     for (int id = 0; id < grid.cornerCount(); ++id) {
+      // Bottom-left, bottom-right, top-right, top-left.
       const int k = id % 4;
       const Eigen::Vector2d edge(k == 1 || k == 2 ? 0.5 : -0.5, k == 2 || k == 3 ? 0.5 : -0.5);
       moved[static_cast<std::size_t>(id)] +=

@@ -74,6 +74,7 @@ void declareErrors(CLI::App& app, TrajectoryMetricWords& o) {
 
 // --clock-offset in seconds; "none" is 0.
 double knownOffset(const std::string& word) {
+  // What auto finds comes on top of --time-offset, around which it searches.
   if (word == "none" || word == "auto") return 0;
   double value = 0;
   const char* const end = word.data() + word.size();
