@@ -183,6 +183,7 @@ struct FreeText {
 };
 
 FreeText whyFree(const Failure& f) {
+  // Where a rig is tilted less, or sees less of the image, that is named as the cause.
   constexpr double kTilted = 25;  // degrees
   constexpr double kReach = 0.6;  // half diagonals
   const double tilt_deg = f.number("tilt_deg"), reach = f.number("reach");

@@ -23,6 +23,7 @@ std::string imuWords(const CalibrationRecord& record) {
   const std::vector<ParameterEstimate> estimates = parameterEstimates(record, Stage::kCameraImu);
   if (estimates.empty()) return "";
   const auto largest = [&](const std::vector<std::string>& parts, const std::string& of) {
+    // Of formal, cluster-robust and bootstrap deviations the largest that is known.
     return largestStd(estimates, parts, of, false).value;
   };
   return fmt::format(
@@ -43,6 +44,7 @@ std::string worstFinding(const Verdict& verdict) {
 std::string headlineOf(const Verdict& verdict, const std::string& good) {
   const auto& findings = verdict.findings;
   if (verdict.level == VerdictLevel::kGood) return sentence(good);
+  // Besides the one that is told.
   const auto others =
       std::count_if(findings.begin(), findings.end(),
                     [](const Finding& f) { return f.level != VerdictLevel::kGood; }) -

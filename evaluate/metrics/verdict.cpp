@@ -68,6 +68,8 @@ void append(std::vector<Finding>& to, std::vector<Finding> more,
 Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t,
               const std::vector<ImuSample>& samples) {
   Findings findings;
+  // Cameras first: what is wrong with them shows again in the camera-IMU stage, and of findings
+  // equally bad the first one is told.
   if (record.camera) append(findings, cameraFindings(record, t));
   if (record.camera_imu) append(findings, cameraImuFindings(record, t));
   // Samples are not stored with a record: a verdict made from a record alone is without their rule.

@@ -52,6 +52,7 @@ void addImuStage(const CameraImuStageResult& stage, Scored& out) {
 void addEntropy(const Session& session, const ScoreOptions& options, Scored& out) {
   CameraInformationOptions weights;
   weights.model() = options.camera.model();
+  // Without a loss all corners weigh alike, under whatever calibration: then entropies compare.
   if (!options.entropy_under_loss) weights.cauchy_px = 0;
   weights.threads = options.camera.threads;
   StageSummary& summary = out.camera_stage->summary;
@@ -165,6 +166,7 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
   addCameraStage(*cameras, out.in_sample);
   out.in_sample.score.entropy_nats = cameras->summary.entropy_nats;
   out.in_sample.score.entropy_parameters = cameras->summary.covariance.names;
+  // No IMU until the fold has one: the calibration's own was estimated with the frames held out.
   Calibration recalibrated{cameras->cameras, {}};
   if (options.use_imu && calibration.imu && fold.training.imu) {
     const auto imu = calibrateCameraImu(fold.training, recalibrated.cameras, options.camera_imu);

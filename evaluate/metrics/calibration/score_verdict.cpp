@@ -174,10 +174,15 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
   const ImuCalibration& seen = estimated->imu;
   Eigen::Matrix<double, 7, 1> std;
   std << *seen.T_SC0_std, *seen.time_offset_std_s;
+  // By formal deviations alone, what the recording's own unmodelled errors do to T_SC0 would be
+  // called a contradiction.
   if (estimated->faults) std = std.cwiseMax(estimated->faults->robust_std);
   const double lever_m = (held.T_SC0.t - seen.T_SC0.t).norm();
   const double angle_deg = rotationAngle(held.T_SC0.R.transpose() * seen.T_SC0.R) / kDegree;
   const double offset_ms = 1e3 * std::abs(held.timeOffset() - seen.timeOffset());
+  // Beyond what chance explains, and then by size: a difference may be certain and too small to
+  // matter. A vector's deviation is the root of its components' summed variances, the RMS of its
+  // length.
   const auto level = [](double off, double deviation, const Bound& bound) {
     return off > 3 * deviation ? levelAbove(off, bound) : VerdictLevel::kGood;
   };
@@ -185,6 +190,7 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
       std::max(level(lever_m, std.head<3>().norm(), t.lever_arm_std_m),
                level(angle_deg, std.segment<3>(3).norm() / kDegree, t.rotation_std_deg));
   const VerdictLevel of_offset = level(offset_ms, 1e3 * std(6), t.offset_std_ms);
+  // A file cannot contradict the recording in an offset that it does not state.
   f.level = std::max(of_transform, offset == HeldOffset::kStated
                                        ? of_offset
                                        : std::min(of_offset, VerdictLevel::kCaution));
@@ -196,6 +202,7 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
   if (offset == HeldOffset::kAssumed) {
     f.evidence += "; the file states no time offset, and 0 was taken";
   }
+  // Only the 0 that was taken can be off: then there is no mistake of convention to look for.
   if (of_transform == VerdictLevel::kGood && offset == HeldOffset::kAssumed) {
     if (of_offset != VerdictLevel::kGood) {
       f.advice = fmt::format(

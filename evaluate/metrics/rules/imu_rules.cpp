@@ -26,6 +26,8 @@ std::string adviceOnDensity(const CalibrationRecord& record) {
     return "Mend the given cameras first: they do not suit this recording, and such errors can "
            "look like noise of the IMU.";
   }
+  // Cameras that were calibrated with this recording suit it. Given ones are tested with the
+  // faults, which takes a recording that is long enough.
   const bool untested = !record.camera && !faults;
   return fmt::format(
       "The density in imu.yaml is too small for this recording: raise it by that factor, or "

@@ -42,6 +42,7 @@ double emptyStrip(double low, double high, double centre, int side) {
 /// How far the board is from target.yaml's grid, and what held-out frames say of it.
 std::string deviationOf(const TargetFit& fit, double rms_mm) {
   // Each term is the RMS over the board's corners of what it moves them by [m].
+  // Terms 8 to 10 are z_xx, z_xy and z_yy; of the higher ones the last third are heights.
   const double height_mm =
       1e3 * std::hypot(fit.shape.terms.segment<3>(8).norm(),
                        fit.shape.higher ? fit.shape.higher->tail<kHigherFunctions>().norm() : 0);

@@ -92,6 +92,7 @@ PairedDifference compare(const std::vector<TrajectoryRun>& runs, const std::stri
   result.a = a;
   result.b = b;
   const auto first = errorsOf(runs, a), second = errorsOf(runs, b);
+  // Of either: what one of the two lacks is left out, and counted as left out.
   std::set<Place> places;
   for (const auto* errors : {&first, &second}) {
     for (const auto& [place, error] : *errors) places.insert(place);
