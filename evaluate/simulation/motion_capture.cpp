@@ -34,6 +34,7 @@ MotionCapture simulateMotionCapture(const SimulatedSession& session,
                                     const MotionCaptureOptions& o) {
   o.check();
   const double span_s = secondsBetween(session.frame_stamps.front(), session.frame_stamps.back());
+  // Streams of their own: with more gaps the noise of the poses that stay is the same.
   RandomStream places(o.seed, RandomPurpose::kMotionCapture, {0});
   RandomStream noise(o.seed, RandomPurpose::kMotionCapture, {1});
   MotionCapture capture;

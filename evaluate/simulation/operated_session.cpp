@@ -150,6 +150,7 @@ OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& opt
     recording.take(frame);
     // For the frames after this one: the poses up to here are made already.
     if (t_s >= turn_s) recording.person().hurry();
+    // In periods of frames, so that the stages add up to the recording.
     (t_s < turn_s ? recording.result().camera_s : recording.result().camera_imu_s) +=
         1 / rig.camera_rate_hz;
     if (!recording.person().givesUp(t_s)) continue;

@@ -31,6 +31,7 @@ OperatedOptions operatedOptions(const OperatorSimulationOptions& o) {
   operated.skill = o.skill;
   if (o.method == OperatorMethod::kDance) operated.skill.own_views = OwnViewsKind::kDance;
   operated.guide = o.guide;
+  // Else flat, as a guide takes a board that nobody has measured.
   if (o.guide_board == GuideBoard::kMeasured) {
     operated.guide_shape = operated.simulation.target.shape;
   }
@@ -39,6 +40,7 @@ OperatedOptions operatedOptions(const OperatorSimulationOptions& o) {
   return operated;
 }
 
+/// Of camera 0 in F at the exposure of each frame, under the stamp of its view.
 std::string posesCsv(const OperatedSession& made) {
   std::string text = "#t_ns,tx [m],ty [m],tz [m],qx,qy,qz,qw\n";
   const auto& views = made.session.cameras.front().views;
@@ -78,6 +80,7 @@ Json outcomesOf(const OperatedSession& made) {
   return all;
 }
 
+/// The skill in figures: whatever word it was given by, single ones may have been set apart.
 Json optionsOf(const OperatorSimulationOptions& o, const OperatedOptions& operated) {
   return {{"method", toString(o.method)},
           {"criterion", toString(o.guide.views.criterion)},

@@ -38,6 +38,7 @@ std::string landmarksCsv(const std::vector<Eigen::Vector3d>& landmarks) {
   return text;
 }
 
+/// The landmark of each track: one that is followed again has a new track.
 std::string tracksCsv(const std::vector<int>& landmark_of) {
   std::string text = "#track_id,landmark_id\n";
   for (std::size_t i = 0; i < landmark_of.size(); ++i) {
@@ -96,6 +97,7 @@ void renderRoom(const SequenceOptions& o, const SimulatedSession& recording, con
   RenderOptions look;
   look.seed = o.simulation.seed;
   look.noise_sigma = o.images.noise_sigma;
+  // One for all cameras, since they see one room.
   const auto texture = std::make_shared<RoomTexture>(o.flight.room_m, o.simulation.seed);
   std::vector<RoomRenderer> renderers;
   for (const CameraCalibration& camera : recording.truth.cameras) {

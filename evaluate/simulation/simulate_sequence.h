@@ -75,13 +75,12 @@ struct SequenceOptions {
 int restsInFlight(const FlightOptions& options, const SimulatedFlight& flight);
 
 /// Writes a sequence that `plumbline odometry` reads, with its truth beside it:
-///   FOLDER/mav0/camN/{data.csv,sensor.yaml,tracks.csv}  tracks.csv or data/<stamp>.png
+///   FOLDER/mav0/camN/{data.csv,sensor.yaml}     and tracks.csv or data/<stamp>.png
 ///   FOLDER/mav0/{imu0,mocap0}/data.csv, FOLDER/imu.yaml
-///   FOLDER/truth/camchain-imucam.yaml                   Kalibr's format
-///   FOLDER/truth/trajectory.csv                         see trajectoryCsv(): F of the room, IMU
-///   clock FOLDER/truth/landmarks.csv, truth/tracks.csv        points in F; the point of each track
-///   FOLDER/truth/truth.json                             options, calibration, rests, motion
-///   capture
+///   FOLDER/truth/camchain-imucam.yaml           Kalibr's format
+///   FOLDER/truth/trajectory.csv                 trajectoryCsv(): F of the room, the IMU's clock
+///   FOLDER/truth/{landmarks,tracks}.csv         points in F; the point of each track
+///   FOLDER/truth/truth.json                     options, calibration, rests, motion capture
 /// FOLDER is there, one of its own (output.h). Returns what was flown.
 SimulatedFlight simulateSequence(const SequenceOptions& options,
                                  const std::filesystem::path& folder, const ProgressSink& progress);

@@ -68,6 +68,7 @@ OperatedSession operated(const SimulatedRig& rig, const StudySimulationOptions& 
   options.trajectories = o.trajectories();
   // As in the paper's study, whose program this is nearest to.
   options.guide.trajectories = TrajectoryGuideOptions::patient();
+  // Else flat: nobody has measured the board for the guide.
   if (o.guide_board == GuideBoard::kMeasured) options.guide_shape = bentBoard(o.board_bend_mm);
   return visit.method == "guided" ? recordGuided(rig, options) : recordFreely(rig, options);
 }
@@ -287,6 +288,8 @@ StudySimulationSummary simulateStudy(const StudySimulationOptions& o, const fs::
   const std::size_t all = visits.size() + held_out + sequences;
   std::mutex mutex;
   std::size_t done = 0;
+  // Every part has its seed and its place, so that the order in which threads take them leaves no
+  // trace.
   parallelFor(all, o.threads, [&](int /*worker*/, std::size_t i) {
     const std::size_t k = i - std::min(i, visits.size());
     // Not of the participants' random numbers: the same recordings whoever takes part.

@@ -87,6 +87,7 @@ Session recordedAgain(const OperatedSession& operated, const OperatedOptions& ma
 CameraImuOptions imuStageOptions(const OperatedOptions& made) {
   CameraImuOptions stage;
   stage.model() = made.guide.trajectories.model();
+  // Findings about the recording, of which nothing is used here.
   stage.noise_check = stage.diagnose_faults = false;
   return stage;
 }
@@ -181,6 +182,7 @@ std::optional<double> expectedProjectionPx(const OperatedSession& operated,
       calibrateCameras(seenAgain(operated, made, rig, frames, exact), startingAt(truth));
   if (!found) return std::nullopt;
   const double sigma = made.simulation.corner_sigma_px / CameraStageOptions().pixel_sigma;
+  // Of the worst camera, as the guide's prediction is.
   double worst = 0;
   for (std::size_t c = 0; c < truth.size(); ++c) {
     const auto unit = unitMeanSquare(*found, c);

@@ -26,8 +26,7 @@ std::string faultList();
 ///   shear=SHARE      its right angles are lost by this [rad]
 ///   keystone=SHARE   its upper edge is wider than its lower one
 ///   s-bend=LENGTH    height of degree 3 along x: 0 at its middle and its left and right edges,
-///   this
-///                    much at 1/sqrt(3) of the way to the right edge
+///                    the length at 1/sqrt(3) of the way to the right edge
 ///   tag-edge=LENGTH  its tags are larger at unchanged pitch
 /// What of these is a similarity is left out. Throws InputError for words that it does not know,
 /// lengths without a unit (mm, m) or above 20 mm, and shares above 5 %.
