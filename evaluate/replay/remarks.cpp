@@ -20,6 +20,7 @@ struct Comparison {
   Quartiles random;
   int seeds = 0;
 
+  // Below zero greedy MI is the better one.
   double relative() const { return greedy / random.median - 1; }
   std::string px() const {
     if (seeds == 1) return fmt::format("{:.4g} px against {:.4g} px", greedy, random.median);

@@ -362,6 +362,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
     if (file) request.load.others.push_back(*file);
   }
   std::optional<std::vector<Suggestion>> suggestions;
+  // Before the recording, whose images take long: a file that is wrong is told at once.
   if (const auto file = suggestionsFile(request)) suggestions = readSuggestions(*file);
   const LoadedSession loaded = loadSession(request.load, progress);
   const Session& session = loaded.session;

@@ -92,6 +92,7 @@ std::map<TimeNs, FrameUse> frameUses(const ReplayRun& run) {
 }
 
 void addHindsight(const ReplayRun& run, const CameraStageResult& kept, ReplayStageSummary& s) {
+  // All at the cameras of the frames kept, so that only the choice of frames is judged.
   const auto shares = frameShares(run.sessionFrom(), kept.cameras, run.camera);
   if (!shares) return;
   const std::map<TimeNs, FrameUse> use_at = frameUses(run);
@@ -150,6 +151,8 @@ ViewHindsight viewHindsight(const std::vector<Eigen::MatrixXd>& shares,
   if (shares.empty()) return out;
   const Eigen::MatrixXd kept = sumOf(shares, uses, FrameUse::kKept);
   const Eigen::MatrixXd after = sumOf(shares, uses, FrameUse::kAfterFinish);
+  // Nothing can be gained on frames that leave the cameras undetermined. Where those after the stop
+  // determine them, they hold infinitely much more.
   if (!logDeterminant(kept)) {
     if (logDeterminant(kept + after)) {
       out.after_finish_nats = std::numeric_limits<double>::infinity();

@@ -130,6 +130,7 @@ std::vector<SuggestionOutcome> suggestionOutcomes(const ReplayRun& run,
   for (const Decision& d : run.decisions) {
     if (!outcomes.empty() && d.suggestion == outcomes.back().suggestion.id) {
       track.add(d.distance_px, d.T_FC0, outcomes.back().suggestion.T_FC0);
+      // With every decision, as the last suggestion may stay open.
       track.write(outcomes.back());
       if (d.event != SuggestionEvent::kNone && d.event != SuggestionEvent::kOpened) {
         outcomes.back().end = d.event;
@@ -143,6 +144,7 @@ std::vector<SuggestionOutcome> suggestionOutcomes(const ReplayRun& run,
     track = {};
     SuggestionOutcome& outcome = outcomes.emplace_back();
     outcome.suggestion = *d.opened;
+    // Unless a later decision ends it.
     outcome.ended = run.frames.back().t;
     outcome.overlay = cornersAt(d.opened->T_FC0, cameras, run.session.target);
   }

@@ -13,7 +13,9 @@
 namespace plumbline {
 
 std::string decisionLine(const Decision& decision) {
+  // Every line has every key, null where there is nothing.
   JsonWriter writer(EmptyFields::kNull);
+  // Lists of fields are for readers too, and take no constant.
   Decision copy = decision;
   fields(writer, copy);
   return writer.take().dump() + "\n";
@@ -29,6 +31,7 @@ namespace {
 
 void addStage(Text& text, const ReplayRecord& record, const ReplayStageSummary& s) {
   add(text, "{} stage: {} of {} frames used", toString(s.stage), s.views_used, s.frames_offered);
+  // Hindsight is of the camera stage alone.
   if (s.stage == GuideStage::kCamera && s.kept_batch) {
     add(text, " ({} redundant, {} missed)", s.views_redundant, s.views_missed);
   }

@@ -28,6 +28,7 @@ struct Bound {
 
 /// log |I + S|, with parameters in units of the prior's standard deviations.
 double logDeterminantOfScaled(const Eigen::MatrixXd& information) {
+  // Positive definite whatever the views, by the identity in it.
   const Eigen::LLT<Eigen::MatrixXd> llt(information);
   return 2 * llt.matrixLLT().diagonal().array().log().sum();
 }
