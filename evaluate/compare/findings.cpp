@@ -306,6 +306,7 @@ MapExtremes extremesOf(const ImageMap& map) {
     extremes.worst = v;
     extremes.at = i;
   }
+  // The middle point of the grid; of an even number the one behind its middle.
   extremes.centre =
       map.values[static_cast<std::size_t>((map.rows / 2) * map.columns + map.columns / 2)];
   extremes.undefined = static_cast<double>(undefined) / static_cast<double>(map.values.size());

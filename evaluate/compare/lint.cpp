@@ -13,6 +13,7 @@ std::vector<Finding> lintCalibrations(std::span<const LintedCalibration> calibra
   std::vector<bool> suspects;
   for (const LintedCalibration& linted : calibrations) {
     std::vector<Finding> own = lint::alone(linted, options);
+    // A file with a fault of its own contradicts all others by it: it is not held against them.
     suspects.push_back(!own.empty());
     append(found, std::move(own));
   }

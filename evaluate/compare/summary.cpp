@@ -36,6 +36,7 @@ std::string valueText(const ComparedParameter& p, std::size_t i) {
 
 std::string differenceText(const ComparedParameter& p, std::size_t i) {
   if (!p.difference[i]) return "-";
+  // Norms of a difference have no sign.
   const bool norm = p.name.ends_with(".angle") || p.name.ends_with(".lever");
   const double difference = shownUnit(p.unit).factor * *p.difference[i];
   std::string text = norm ? fmt::format("{:.4g}", difference) : fmt::format("{:+.4g}", difference);
@@ -98,6 +99,8 @@ void addScores(Text& text, const ComparisonRecord& record) {
     if (!s.problem.empty()) add(text, "; {}", s.problem);
     add(text, "\n");
   }
+  // Once for all files, whose entropies are of one list of parameters and one noise; otherwise they
+  // would not compare.
   const auto scored = std::find_if(record.scores.begin(), record.scores.end(),
                                    [](const CalibrationScore& s) { return s.entropy_nats; });
   if (scored == record.scores.end()) return;

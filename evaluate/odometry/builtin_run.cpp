@@ -74,6 +74,7 @@ BuiltinRun runOnTracks(const OdometrySequence& sequence, const RigModel& rig,
   Odometry odometry(rig, sequence.samples, odometry_options);
   BuiltinRun run;
   for (FrameTracks frame : sequence.tracks) {
+    // A sequence may have more cameras than the calibration, or than were asked for.
     std::erase_if(frame.points, [&](const TrackPoint& point) {
       return static_cast<std::size_t>(point.camera) >= rig.cameras.size();
     });
@@ -149,6 +150,7 @@ std::string tumText(const std::vector<StampedPose>& poses) {
   Text text;
   add(text, "# t [s] x y z [m] qx qy qz qw: IMU in the odometry's world, camera clock\n");
   for (const StampedPose& pose : poses) {
+    // In whole numbers: at today's epoch a double of seconds is a multiple of 0.24 us.
     add(text, "{}.{:09} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n", pose.t / 1'000'000'000,
         pose.t % 1'000'000'000, pose.p.x(), pose.p.y(), pose.p.z(), pose.q.x(), pose.q.y(),
         pose.q.z(), pose.q.w());

@@ -19,6 +19,7 @@ constexpr int kMostTracks = 10'000'000;
 
 std::vector<ImageView> viewsOf(const fs::path& camera, const char* file, CornerLimits limits) {
   const std::string sensor = (camera / "sensor.yaml").string();
+  // Whatever lens model it states: the calibration's counts.
   const auto resolution = readCameraDescription(sensor, false).resolution;
   if (!resolution) throw InputError(sensor, 0, "states no resolution, which is needed for corners");
   limits.resolution = *resolution;

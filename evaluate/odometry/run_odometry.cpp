@@ -69,6 +69,7 @@ std::vector<NamedCalibration> readCalibrations(const OdometryRequest& request) {
       throw InputError(file, 0,
                        "is named '" + c.name + "' as another calibration is; rename one of them");
     }
+    // The same noise for all: their runs then differ by the calibrations alone.
     if (request.imu) c.calibration.imu->noise = readImuDescription(*request.imu).noise;
     if (request.imu) c.noise_known = true;
     list.push_back(std::move(c));
@@ -192,6 +193,7 @@ Outcome runBuiltinPlan(const Plan& plan, const OdometryRequest& request, const f
 
 ExternalRun runExternalOnce(const Plan& plan, const OdometryRequest& request, bool refine,
                             const fs::path& out) {
+  // One for each run, so that none finds what another has left.
   const fs::path folder =
       out / "work" / plan.calibration->name /
       fmt::format("{}_{}{}", plan.sequence->name, plan.run, refine ? "_refined" : "");
@@ -239,6 +241,7 @@ void addRefined(const Plan& plan, const OdometryRequest& request, const fs::path
   if (run.T_SC0.empty() || request.hint != HintKind::kExtrinsics) return;
   Eigen::MatrixXd changes(6, static_cast<Eigen::Index>(run.T_SC0.size()));
   for (Eigen::Index i = 0; i < changes.cols(); ++i) {
+    // In the left tangent at what was calibrated, as the built-in odometry's hint.
     changes.col(i) = boxminus(run.T_SC0[static_cast<std::size_t>(i)], used.T_SC0);
   }
   r.T_SC0_hint = Vector6d(changes.rightCols<1>());
@@ -250,6 +253,7 @@ Outcome runExternalPlan(const Plan& plan, const OdometryRequest& request, const 
   Outcome outcome;
   outcome.record.system = request.runner->name;
   outcome.record.seconds = run.seconds;
+  // Those that were offered: what a system has used of them it does not say.
   outcome.record.frames = plan.sequence->images[0].size();
   outcome.record.log = run.log;
   outcome.problem = run.problem;

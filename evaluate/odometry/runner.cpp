@@ -107,6 +107,7 @@ Runner runnerFrom(const YamlMap& file) {
 Runner readRunner(const std::string& path) { return runnerFrom(YamlMap::load(path, kWhat)); }
 
 std::optional<Runner> knownRunner(const std::string& name) {
+  // Compiled in, so that they are found wherever the program is installed.
   const auto shipped = [&](const std::string& text) {
     return runnerFrom(YamlMap::parse(text, name + ".yaml", kWhat));
   };

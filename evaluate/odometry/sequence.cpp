@@ -16,7 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The best truth of EuRoC's sensors first: the fused state is of the IMU's body, vicon0 of a
-/// marker body, leica0 has positions alone.
+/// marker body, leica0 has positions alone. Then that of a simulated flight, which stands beside
+/// mav0 where `root` is that.
 std::optional<fs::path> truthIn(const fs::path& root) {
   const fs::path places[] = {root / "state_groundtruth_estimate0/data.csv",
                              root / "vicon0/data.csv",

@@ -116,6 +116,7 @@ double unlikeness(const Calibration& a, std::size_t i, const Calibration& b, std
 }
 
 bool haveInverseBaselines(const Calibration& a, const Calibration& b, const LintOptions& options) {
+  // Three cameras and more are told apart by their places: permutedCameras().
   if (a.cameras.size() != 2 || b.cameras.size() != 2) return false;
   return isInverse(a.cameras[1].T_C0Ci, b.cameras[1].T_C0Ci, options);
 }
@@ -161,6 +162,7 @@ std::vector<std::size_t> otherOrder(const Calibration& a, const Calibration& b,
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0);
   const auto fits = [&] {
+    // b's poses are in its own camera 0; in another order they are in the one that comes first.
     const Transform T_newC0 = b.cameras[order[0]].T_C0Ci.inverse();
     for (std::size_t i = 1; i < n; ++i) {
       const Distance d = distanceBetween(T_newC0 * b.cameras[order[i]].T_C0Ci, a.cameras[i].T_C0Ci);
@@ -183,6 +185,7 @@ std::vector<Finding> permutedCameras(Calibrations all, const std::vector<bool>& 
     return !otherOrder(a.calibration, b.calibration, options).empty();
   };
   for (const auto& group : accused(all, suspects, rule)) {
+    // Of two that contradict each other the second is described, and both are named.
     const LintedCalibration& odd = all[group.back()];
     for (std::size_t j = 0; j < all.size(); ++j) {
       if (suspects[j]) continue;
