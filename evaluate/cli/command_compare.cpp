@@ -29,6 +29,8 @@ namespace plumbline {
 namespace {
 
 struct CompareOptions {
+  // Both ranges, since at infinity only a rotation can make up for other intrinsics, near by a
+  // translation as well.
   std::vector<std::string> calibrations, labels, ranges{"inf", "1"};
   SessionOptions session;
   ResultOptions output;

@@ -242,6 +242,7 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
 ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {
   ReplayRequest request;
   request.load = o.session.request();
+  // Without an IMU the camera stage is replayed alone.
   request.load.read.read_imu = !o.estimation.no_imu;
   request.load.read.supported_models_only = !o.estimation.models && !o.estimation.cameras;
   request.camera = o.estimation.cameraStage(request.load);
@@ -273,6 +274,7 @@ int replay(const ReplayOptions& o, const CLI::App& app) {
                                           {"decisions.jsonl", decisionLog(record.decisions)}};
   bar.clear();
   return out.finish(
+      // Not the function itself, which has options besides.
       record, documents, [](const ReplayRecord& r) { return renderReplayPage(r); },
       replaySummary(record));
 }

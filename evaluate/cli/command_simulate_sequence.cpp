@@ -79,6 +79,7 @@ int simulateSequenceFolder(SimulateSequenceOptions o) {
       o.output.out);
   const FlightOptions& asked = o.sequence.flight;
   const int rests = restsInFlight(asked, flight);
+  // What does not fit is left out of the flight, and its truth states what was made.
   if (rests < asked.rests || flight.turns < asked.turns) {
     say("Only {} of {} rests and {} of {} turns fit into the flight; --duration makes it longer\n",
         rests, asked.rests, flight.turns, asked.turns);

@@ -100,6 +100,7 @@ void checkTrajectoryOption(const std::string& option, const std::string& words) 
   } catch (const CLI::ParseError& error) {
     throw InputError(fmt::format("plumbline evaluate trajectory: {}", error.what()));
   }
+  // Numbers were checked as they were parsed; words are where they are read.
   (void)trajectoryMetricsFrom(metrics);
 }
 
@@ -289,6 +290,8 @@ std::function<int()> configureAccept(CLI::App& app) {
 }
 
 void declareStudy(CLI::App& app, StudyOptions& o) {
+  // Not required() for CLI11, as the subcommands do without: nightRequest() asks for it and for
+  // --out.
   app.add_option("study", o.study, "The study's definition: STUDY.yaml");
   app.add_option("--out", o.out, "Folder of the results, the same every night");
   app.add_option("--jobs", o.jobs, "Parallel steps on this machine (0: all cores)")

@@ -426,6 +426,7 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
   }
   // Settings, links and logs of other systems; what of a log counts is in the record.
   fs::remove_all(out / "work");
+  // Name, verdict and provenance are the caller's.
   return {std::move(study), "", {}, {}};
 }
 

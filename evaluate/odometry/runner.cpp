@@ -18,6 +18,7 @@ namespace plumbline {
 namespace {
 
 using Keys = std::span<const std::string_view>;
+// `notes` is known and not read: it is for people.
 constexpr std::array<std::string_view, 13> kKeys{
     "name",  "executable", "arguments",  "settings",   "files",  "environment", "trajectory",
     "clock", "body",       "imu_stamps", "least_runs", "online", "notes"};

@@ -37,6 +37,7 @@ void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
       if (view < 0 || loaded.images[c].empty()) continue;
       frame.jpeg[c] = smallCopy(loaded.images[c][static_cast<std::size_t>(view)]);
     }
+    // Sinks are called from one thread at a time.
     const std::lock_guard<std::mutex> lock(telling);
     progress("copying images", static_cast<double>(++done) / static_cast<double>(frames.size()));
   });

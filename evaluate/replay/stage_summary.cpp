@@ -57,6 +57,7 @@ ReplayStageSummary counted(const ReplayRun& run, GuideStage stage) {
   s.stage = stage;
   bool entered = false;
   for (const Decision& d : run.decisions) {
+    // Frames after the finish were offered to nobody.
     if (d.stage != stage || d.reason == GuideReason::kFinished) continue;
     entered = true;
     ++s.frames_offered;

@@ -36,6 +36,7 @@ std::optional<double> number(const std::string& text) {
   throw InputError(fmt::format("{} {}: expected {}", option, word, expected));
 }
 
+/// Empty parts are kept, so that they are refused like any other word that is none.
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
   for (char c : text) {

@@ -233,6 +233,7 @@ CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const
   options.model() = measurements.chosen();
   const auto [filter, sigmas] = outliersFrom(outliers);
   options.filter = filter;
+  // Of the other filters none has a K.
   if (filter == CornerFilter::kSigma) options.filter_sigmas = sigmas;
   options.target = load.target;
   options.target_degree = load.target_degree;

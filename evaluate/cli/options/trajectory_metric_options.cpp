@@ -136,6 +136,7 @@ void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
 
 void setLimits(const TrajectoryMetricWords& words, RunsRequest& request) {
   request.min_coverage = words.min_coverage;
+  // Otherwise each run has a limit of its own, from its truth and alignment.
   if (words.max_ate_m > 0) request.max_ate_m = words.max_ate_m;
 }
 

@@ -56,6 +56,8 @@ Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThreshol
   const Screening& s = stage.screening;
   Findings findings;
   findings.push_back(
+      // What was left out does no harm any more: the bounds make the first one a caution, and
+      // hardly any number bad.
       above({"Spikes of the IMU", "-", t.imu_spikes,
              "These samples were excluded. Single readings far from their neighbours come from "
              "errors of the bus or the driver: find the cause, because an estimator that runs on "
