@@ -22,8 +22,8 @@ void computeBaseline(const gram::Input& in, const fields::FieldInput& f, FieldGr
 
 #if defined(__x86_64__)
 template <class Model, bool kRobust>
-[[gnu::target("avx2,fma")]] void computeAvx2(const gram::Input& in, const fields::FieldInput& f,
-                                             FieldGram& out) {
+PLUMBLINE_AVX2 void computeAvx2(const gram::Input& in, const fields::FieldInput& f,
+                                FieldGram& out) {
   fields::compute<4, Model, kRobust>(in, f, out);
 }
 #endif

@@ -2,7 +2,7 @@
 #pragma once
 
 // Internal to field_gram.cpp: the sums of gram_kernel.h with a misfit field's columns beside.
-// Everything is always_inline, as there.
+// Everything is always_inline, as there, but products of columns.
 
 #include <algorithm>
 #include <cmath>
@@ -81,8 +81,8 @@ template <int W, int kEnd, int kRow = 0>
 [[gnu::always_inline]] inline void addAgainst(const double* left, const double* functions, int n,
                                               Lanes<W>* sums) {
   constexpr int kRows = kEnd - kRow < 4 ? kEnd - kRow : 4;
-  gram::addStrip<W, kRows, kFieldFunctions>(left + kRow * gram::kStride, functions, n,
-                                            sums + kRow * kFieldFunctions, kFieldFunctions);
+  gram::Products<W>::template strip<kRows, kFieldFunctions>(
+      left + kRow * gram::kStride, functions, n, sums + kRow * kFieldFunctions, kFieldFunctions);
   if constexpr (kRow + kRows < kEnd) {
     addAgainst<W, kEnd, kRow + kRows>(left, functions, n, sums);
   }
@@ -132,9 +132,9 @@ template <int W, class Model, bool kRobust>
     }
     for (int row = 0; row < 2; ++row) {
       const double* half = left + row * kChunk;
-      gram::addUpper<W, S>(half, half, n, &sums.view.shared[0][0]);
-      gram::addStrip<W, 2, S + 3>(half + (S + gram::kPlane) * kStride, half, n,
-                                  &sums.view.own[row][0][0], S + 3);
+      gram::Products<W>::template upper<S>(half, half, n, &sums.view.shared[0][0]);
+      gram::Products<W>::template strip<2, S + 3>(half + (S + gram::kPlane) * kStride, half, n,
+                                                  &sums.view.own[row][0][0], S + 3);
       Lanes<W>* fields = &sums.fields[row][0][0];
       addAgainst<W, S>(half, functions, n, fields);
       addAgainst<W, S + 3, S + gram::kPlane>(half, functions, n, fields);
@@ -155,10 +155,12 @@ struct RowSums {
   alignas(64) double of[kFieldFunctions][kSize];
 
   [[gnu::always_inline]] RowSums(const FieldSums<W, S>& sums, int row) {
+    double totals[S + 3][kFieldFunctions];
+    gram::Products<W>::total(&sums.fields[row][0][0], (S + 3) * kFieldFunctions, &totals[0][0]);
     for (int f = 0; f < kFieldFunctions; ++f) {
-      for (int i = 0; i < S; ++i) of[f][i] = gram::sumOf<W>(sums.fields[row][i][f]);
-      of[f][S] = gram::sumOf<W>(sums.fields[row][S + gram::kPlane][f]);
-      of[f][S + 1] = gram::sumOf<W>(sums.fields[row][S + gram::kOne][f]);
+      for (int i = 0; i < S; ++i) of[f][i] = totals[i][f];
+      of[f][S] = totals[S + gram::kPlane][f];
+      of[f][S + 1] = totals[S + gram::kOne][f];
       for (int i = S + 2; i < kSize; ++i) of[f][i] = 0;
     }
   }
@@ -224,15 +226,12 @@ template <int W, int kShape>
 
 template <int W, int S>
 [[gnu::always_inline]] inline void writeSquares(const FieldSums<W, S>& sums, FieldGram& out) {
-  for (int f = 0; f < kFieldColumns; ++f) {
-    const auto& row = sums.fields[f / kFieldFunctions];
-    out.b_f[f] = gram::sumOf<W>(row[S + gram::kError][f % kFieldFunctions]);
+  for (int row = 0; row < 2; ++row) {
+    gram::Products<W>::total(sums.fields[row][S + gram::kError], kFieldFunctions,
+                             out.b_f.data() + row * kFieldFunctions);
   }
-  for (int i = 0; i < kFieldFunctions; ++i) {
-    for (int j = 0; j < kFieldFunctions; ++j) {
-      out.H_f(i, j) = gram::sumOf<W>(sums.squares[i][j]);
-    }
-  }
+  // Symmetric: rows or columns first is the same.
+  gram::Products<W>::total(&sums.squares[0][0], kFieldFunctions * kFieldFunctions, out.H_f.data());
 }
 
 template <int W, class Model, bool kRobust>
@@ -242,8 +241,9 @@ template <int W, class Model, bool kRobust>
   FieldSums<W, gram::kShared<Model, true, false>> sums;
   sumFields<W, Model, kRobust>(in, f, sums);
   // Sums of the u-v coupling stay zero: a scalar weight brings none.
-  gram::writePose<W>(sums.view, out);
-  gram::writeIntrinsics<W, Model::kShape>(sums.view, out);
+  const auto view = gram::totalsOf(sums.view);
+  gram::writePose(view, out);
+  gram::writeIntrinsics<Model::kShape>(view, out);
   writeFields<W, Model::kShape>(sums, f.combinations, out);
   if (f.squares) {
     writeSquares<W>(sums, out);

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Internal to the Gram kernel: products of columns, tiled so that sums stay in registers.
+// Internal to the Gram kernels: products of columns, tiled so that sums stay in registers.
 
 #include "calibrator/camera/lanes.h"
+
+#if defined(__x86_64__)
+#define PLUMBLINE_AVX2 [[gnu::target("avx2,fma")]]
+#else
+#define PLUMBLINE_AVX2
+#endif
 
 namespace plumbline::gram {
 
@@ -71,5 +77,47 @@ template <int W, int S, int kRow = 0>
                                    sums + kRow * (S + 1) + kRow, S + 1);
   if constexpr (kRow + kRows < S) addUpper<W, S, kRow + kRows>(left, right, n, sums);
 }
+
+/// The products above as functions that are called, with W lanes: every model, loss and sum of as
+/// many columns shares them. Unrolled into each of these they took compilers half a minute longer,
+/// for no gain: a call serves a whole chunk.
+template <int W>
+struct Products;
+
+template <>
+struct Products<2> {
+  template <int S>
+  [[gnu::noinline]] static void upper(const double* left, const double* right, int n,
+                                      Lanes<2>* sums) {
+    addUpper<2, S>(left, right, n, sums);
+  }
+  template <int I, int J>
+  [[gnu::noinline]] static void strip(const double* left, const double* right, int n,
+                                      Lanes<2>* sums, int sums_stride) {
+    addStrip<2, I, J>(left, right, n, sums, sums_stride);
+  }
+  /// Adds up the lanes of each sum.
+  [[gnu::noinline]] static void total(const Lanes<2>* sums, int n, double* out) {
+    for (int i = 0; i < n; ++i) out[i] = sumOf<2>(sums[i]);
+  }
+};
+
+/// The same for AVX2: an instruction set is an attribute of a function, which no template chooses.
+template <>
+struct Products<4> {
+  template <int S>
+  PLUMBLINE_AVX2 [[gnu::noinline]] static void upper(const double* left, const double* right, int n,
+                                                     Lanes<4>* sums) {
+    addUpper<4, S>(left, right, n, sums);
+  }
+  template <int I, int J>
+  PLUMBLINE_AVX2 [[gnu::noinline]] static void strip(const double* left, const double* right, int n,
+                                                     Lanes<4>* sums, int sums_stride) {
+    addStrip<4, I, J>(left, right, n, sums, sums_stride);
+  }
+  PLUMBLINE_AVX2 [[gnu::noinline]] static void total(const Lanes<4>* sums, int n, double* out) {
+    for (int i = 0; i < n; ++i) out[i] = sumOf<4>(sums[i]);
+  }
+};
 
 }  // namespace plumbline::gram

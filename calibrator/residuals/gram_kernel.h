@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Internal to view_gram.cpp and field_gram.cpp: one view's Gram matrix with W lanes. Everything is
-// always_inline, so that the function into which it is inlined decides on the instruction set, and
-// no symbol compiled for a richer set can stand in for one that is not.
+// Internal to view_gram.cpp and field_gram.cpp: one view's Gram matrix with W lanes. What projects
+// is always_inline, so that the function into which it is inlined decides on the instruction set,
+// and no symbol compiled for a richer set can stand in for one that is not. Products of columns,
+// and what is done once a view, are functions for all models (Products, Totals).
 
 #include <cmath>
 
@@ -56,6 +57,27 @@ struct Sums {
   Lanes<W> squared = {};
   double cost = 0;
 };
+
+/// The sums, with the lanes added up.
+template <int S>
+struct Totals {
+  double shared[S][S + 1];
+  double own[2][2][S + 3];
+  double cross[2][2];
+  double squared;
+  double cost;
+};
+
+template <int W, int S>
+[[gnu::always_inline]] inline Totals<S> totalsOf(const Sums<W, S>& sums) {
+  Totals<S> out;
+  Products<W>::total(&sums.shared[0][0], S * (S + 1), &out.shared[0][0]);
+  Products<W>::total(&sums.own[0][0][0], 2 * 2 * (S + 3), &out.own[0][0][0]);
+  Products<W>::total(&sums.cross[0][0], 2 * 2, &out.cross[0][0]);
+  Products<W>::total(&sums.squared, 1, &out.squared);
+  out.cost = sums.cost;
+  return out;
+}
 
 /// The corners of one SIMD group, projected.
 template <int W, class Model>
@@ -275,10 +297,10 @@ template <int W, class Model, bool kIntrinsics, bool kRobust, bool kTarget = fal
     }
     for (int row = 0; row < 2; ++row) {
       const int half = row * kChunk;
-      addUpper<W, S>(left + half, right + half, n, &sums.shared[0][0]);
+      Products<W>::template upper<S>(left + half, right + half, n, &sums.shared[0][0]);
       if constexpr (kIntrinsics) {
-        addStrip<W, 2, S + 3>(left + (S + kPlane) * kStride + half, right + half, n,
-                              &sums.own[row][0][0], S + 3);
+        Products<W>::template strip<2, S + 3>(left + (S + kPlane) * kStride + half, right + half, n,
+                                              &sums.own[row][0][0], S + 3);
       }
     }
     if constexpr (kIntrinsics && kRobust) {
@@ -310,19 +332,19 @@ template <int W, class Model, bool kRobust>
 }
 
 /// Pose terms of the sums.
-template <int W, int S>
-[[gnu::always_inline]] inline void writePose(const Sums<W, S>& sums, PoseGram& out) {
+template <int S>
+void writePose(const Totals<S>& sums, PoseGram& out) {
   for (int i = 0; i < 6; ++i) {
-    for (int j = i; j < 6; ++j) out.H(i, j) = out.H(j, i) = sumOf<W>(sums.shared[i][j]);
-    out.b[i] = sumOf<W>(sums.shared[i][S]);
+    for (int j = i; j < 6; ++j) out.H(i, j) = out.H(j, i) = sums.shared[i][j];
+    out.b[i] = sums.shared[i][S];
   }
-  out.squared_error = sumOf<W>(sums.squared);
+  out.squared_error = sums.squared;
   out.cost = sums.cost;
 }
 
 /// Intrinsics' terms of the sums; order fu fv pu pv, shape.
-template <int W, int kShape, int S>
-[[gnu::always_inline]] inline void writeIntrinsics(const Sums<W, S>& sums, ViewGram& out) {
+template <int kShape, int S>
+void writeIntrinsics(const Totals<S>& sums, ViewGram& out) {
   out.H_pose_k.resize(6, 4 + kShape);
   out.H_k.resize(4 + kShape, 4 + kShape);
   out.b_k.resize(4 + kShape);
@@ -330,43 +352,43 @@ template <int W, int kShape, int S>
     for (int row = 0; row < 2; ++row) {  // u, then v
       const auto& sum = sums.own[row][own];
       const int k = 2 * own + row;
-      for (int i = 0; i < 6; ++i) out.H_pose_k(i, k) = sumOf<W>(sum[i]);
+      for (int i = 0; i < 6; ++i) out.H_pose_k(i, k) = sum[i];
       for (int i = 0; i < kShape; ++i) {
-        out.H_k(k, 4 + i) = out.H_k(4 + i, k) = sumOf<W>(sum[6 + i]);
+        out.H_k(k, 4 + i) = out.H_k(4 + i, k) = sum[6 + i];
       }
-      out.b_k[k] = sumOf<W>(sum[S + kError]);
-      out.H_k(k, row) = out.H_k(row, k) = sumOf<W>(sum[S + kPlane]);
-      out.H_k(k, 2 + row) = out.H_k(2 + row, k) = sumOf<W>(sum[S + kOne]);
+      out.b_k[k] = sum[S + kError];
+      out.H_k(k, row) = out.H_k(row, k) = sum[S + kPlane];
+      out.H_k(k, 2 + row) = out.H_k(2 + row, k) = sum[S + kOne];
     }
   }
   for (int a = 0; a < 2; ++a) {
     for (int b = 0; b < 2; ++b) {
-      out.H_k(2 * a, 2 * b + 1) = out.H_k(2 * b + 1, 2 * a) = sumOf<W>(sums.cross[a][b]);
+      out.H_k(2 * a, 2 * b + 1) = out.H_k(2 * b + 1, 2 * a) = sums.cross[a][b];
     }
   }
   for (int i = 0; i < kShape; ++i) {
-    for (int j = 0; j < 6; ++j) out.H_pose_k(j, 4 + i) = sumOf<W>(sums.shared[j][6 + i]);
+    for (int j = 0; j < 6; ++j) out.H_pose_k(j, 4 + i) = sums.shared[j][6 + i];
     for (int j = i; j < kShape; ++j) {
-      out.H_k(4 + i, 4 + j) = out.H_k(4 + j, 4 + i) = sumOf<W>(sums.shared[6 + i][6 + j]);
+      out.H_k(4 + i, 4 + j) = out.H_k(4 + j, 4 + i) = sums.shared[6 + i][6 + j];
     }
-    out.b_k[4 + i] = sumOf<W>(sums.shared[6 + i][S]);
+    out.b_k[4 + i] = sums.shared[6 + i][S];
   }
 }
 
 /// The board's terms of the sums, which are the last of the shared columns.
-template <int W, int kShape, int S>
-[[gnu::always_inline]] inline void writeTarget(const Sums<W, S>& sums, TargetViewGram& out) {
+template <int kShape, int S>
+void writeTarget(const Totals<S>& sums, TargetViewGram& out) {
   constexpr int kFirst = 6 + kShape;
   out.H_k_s.resize(4 + kShape, kTargetTerms);
   for (int i = 0; i < kTargetTerms; ++i) {
     const int column = kFirst + i;
-    for (int j = 0; j < 6; ++j) out.H_pose_s(j, i) = sumOf<W>(sums.shared[j][column]);
-    for (int k = 0; k < 4; ++k) out.H_k_s(k, i) = sumOf<W>(sums.own[k % 2][k / 2][column]);
-    for (int k = 0; k < kShape; ++k) out.H_k_s(4 + k, i) = sumOf<W>(sums.shared[6 + k][column]);
+    for (int j = 0; j < 6; ++j) out.H_pose_s(j, i) = sums.shared[j][column];
+    for (int k = 0; k < 4; ++k) out.H_k_s(k, i) = sums.own[k % 2][k / 2][column];
+    for (int k = 0; k < kShape; ++k) out.H_k_s(4 + k, i) = sums.shared[6 + k][column];
     for (int j = i; j < kTargetTerms; ++j) {
-      out.H_s(i, j) = out.H_s(j, i) = sumOf<W>(sums.shared[column][kFirst + j]);
+      out.H_s(i, j) = out.H_s(j, i) = sums.shared[column][kFirst + j];
     }
-    out.b_s[i] = sumOf<W>(sums.shared[column][S]);
+    out.b_s[i] = sums.shared[column][S];
   }
 }
 

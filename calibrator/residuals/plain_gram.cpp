@@ -114,35 +114,23 @@ struct Chunk {
 
 /// Rows u, then rows v, into one sum: their coupling is in M J already.
 template <int W, int N>
-[[gnu::always_inline]] inline void addChunk(const Chunk<N>& c, Sums<N>& sums) {
+void addChunk(const Chunk<N>& c, Sums<N>& sums) {
   Lanes<W> products[N][N + 1] = {};
-  gram::addUpper<W, N>(c.left, c.right, c.count, &products[0][0]);
-  gram::addUpper<W, N>(c.left + gram::kChunk, c.right + gram::kChunk, c.count, &products[0][0]);
+  for (int half : {0, gram::kChunk}) {
+    gram::Products<W>::template upper<N>(c.left + half, c.right + half, c.count, &products[0][0]);
+  }
+  double totals[N][N + 1];
+  gram::Products<W>::total(&products[0][0], N * (N + 1), &totals[0][0]);
   for (int i = 0; i < N; ++i) {
-    for (int j = i; j < N; ++j) sums.H(i, j) += gram::sumOf<W>(products[i][j]);
-    sums.b(i) += gram::sumOf<W>(products[i][N]);
+    for (int j = i; j < N; ++j) sums.H(i, j) += totals[i][j];
+    sums.b(i) += totals[i][N];
   }
 }
-
-#if defined(__x86_64__)
-template <int N>
-[[gnu::target("avx2,fma")]] void addChunkAvx2(const Chunk<N>& c, Sums<N>& sums) {
-  addChunk<4, N>(c, sums);
-}
-#endif
 
 template <int N>
 void flush(InstructionSet set, Chunk<N>& c, Sums<N>& sums) {
   c.fillUp();
-#if defined(__x86_64__)
-  if (set == InstructionSet::kAvx2) {
-    addChunkAvx2(c, sums);
-  } else {
-    addChunk<2, N>(c, sums);
-  }
-#else
-  addChunk<2, N>(c, sums);
-#endif
+  set == InstructionSet::kAvx2 ? addChunk<4, N>(c, sums) : addChunk<2, N>(c, sums);
   c.count = 0;
 }
 

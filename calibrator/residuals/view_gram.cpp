@@ -9,31 +9,27 @@
 #include "calibrator/residuals/gram_kernel.h"
 #include "calibrator/residuals/instruction_set.h"
 
-#if defined(__x86_64__)
-#define PLUMBLINE_AVX2 [[gnu::target("avx2,fma")]]
-#endif
-
 namespace plumbline {
 namespace {
 
 template <int W, class Model, bool kRobust>
 [[gnu::always_inline]] inline void computePose(const gram::Input& in, PoseGram& out) {
-  gram::writePose<W>(gram::sumView<W, Model, false, kRobust>(in), out);
+  gram::writePose(gram::totalsOf(gram::sumView<W, Model, false, kRobust>(in)), out);
 }
 
 template <int W, class Model, bool kRobust>
 [[gnu::always_inline]] inline void computeView(const gram::Input& in, ViewGram& out) {
-  const auto sums = gram::sumView<W, Model, true, kRobust>(in);
-  gram::writePose<W>(sums, out);
-  gram::writeIntrinsics<W, Model::kShape>(sums, out);
+  const auto sums = gram::totalsOf(gram::sumView<W, Model, true, kRobust>(in));
+  gram::writePose(sums, out);
+  gram::writeIntrinsics<Model::kShape>(sums, out);
 }
 
 template <int W, class Model, bool kRobust>
 [[gnu::always_inline]] inline void computeTarget(const gram::Input& in, TargetViewGram& out) {
-  const auto sums = gram::sumView<W, Model, true, kRobust, true>(in);
-  gram::writePose<W>(sums, out);
-  gram::writeIntrinsics<W, Model::kShape>(sums, out);
-  gram::writeTarget<W, Model::kShape>(sums, out);
+  const auto sums = gram::totalsOf(gram::sumView<W, Model, true, kRobust, true>(in));
+  gram::writePose(sums, out);
+  gram::writeIntrinsics<Model::kShape>(sums, out);
+  gram::writeTarget<Model::kShape>(sums, out);
 }
 
 // One entry per version: only these functions carry the instruction set. Lanes are the doubles of
