@@ -6,3 +6,5 @@
 export CC=${CC:-clang} CXX=${CXX:-clang++}
 # Two clones share what ccache keeps. What it does not know yet is not preprocessed first (an eighth of the time).
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1 CCACHE_SLOPPINESS=pch_defines,time_macros
+# build FOLDER [arguments of cmake --build]. Compilers fill gigabytes: in large pages a twentieth less time.
+build() { GLIBC_TUNABLES=glibc.malloc.hugetlb=1 cmake --build "$@"; }

@@ -17,7 +17,7 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/include/generated/fuzz/parser_list.i
 if(NOT PLUMBLINE_SANITIZE)  # only seeds and regressions: compiling takes longer
   set(plain PLAIN)
 endif()
-plumbline_tests(fuzz ${plain} LIBRARIES calibrator datasets store)
+plumbline_tests(fuzz ${plain} LIBRARY LIBRARIES calibrator datasets store)
 target_sources(plumbline_fuzz_test_helpers PRIVATE
                report/synthetic_record.cpp report/synthetic_replay.cpp
                report/synthetic_replay_judgements.cpp report/synthetic_replay_rig.cpp)
