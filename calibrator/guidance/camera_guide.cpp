@@ -249,6 +249,7 @@ void CameraGuide::State::finish(Decision& d) {
 
 /// Takes the frame into the window; false where the window does not solve with it.
 bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
+  CameraWindow before = *window;
   window->add(corners, *d.T_FC0);
   if (!window->solve()) {
     window->remove(window->frameCount() - 1);
@@ -258,10 +259,9 @@ bool CameraGuide::State::accept(const FrameCorners& corners, Decision& d) {
     return false;
   }
   if (!judge.fits(window->estimate(), corners)) {
-    window->remove(window->frameCount() - 1);
-    d.reason = GuideReason::kBadFit;
     // The cameras have moved with it: back to where the others want them.
-    if (!window->solve()) note(d, "the window without it did not converge");
+    *window = std::move(before);
+    d.reason = GuideReason::kBadFit;
     return false;
   }
   d.reason = GuideReason::kInformative;

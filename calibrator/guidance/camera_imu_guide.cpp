@@ -51,6 +51,7 @@ struct CameraImuGuide::State {
   void takeSamples(const GuideFrame& frame);
   void look(const GuideFrame& frame, Decision& d);
   bool showsTarget(const GuideFrame& frame) const;
+  TimeNs samplesReach() const;
   bool isUsable(const GuideFrame& frame, Decision& d);
   void useFrame(PosedFrame frame, Decision& d);
   void gather(PosedFrame frame, Decision& d);
@@ -109,20 +110,24 @@ bool CameraImuGuide::State::showsTarget(const GuideFrame& frame) const {
   });
 }
 
+/// Until when the IMU is known to have run, in the camera's clock: by the samples' stamps or, as
+/// long as nothing is known of the clocks' offset, by the frame that brought them.
+TimeNs CameraImuGuide::State::samplesReach() const {
+  const TimeNs last = recording.samples().back().t;
+  if (!tracker) return std::max(last, samples_came);
+  const TimeNs in_cameras_clock = last - toNanoseconds(tracker->window().estimate().timeOffset());
+  // Samples that come late by some of a positive offset, as those of a recording that is played by
+  // its stamps, have not stopped. Frames wait for them.
+  return std::max(in_cameras_clock, std::min(last, samples_came));
+}
+
 /// Whether the frame's corners and samples allow its use; says why not.
 bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
   if (!gate.hasTarget(showsTarget(frame), d)) return false;
   // A frame later than the samples by more than a pause of theirs: the IMU has stopped, and only
-  // the biases' walk would join the frame to the others. By their stamps or, as long as nothing is
-  // known of the clocks' offset, by the frame that brought them.
+  // the biases' walk would join the frame to the others.
   const bool none = recording.samples().empty();
-  double since_s = 0;
-  if (!none) {
-    const TimeNs last = recording.samples().back().t;
-    const TimeNs in_cameras_clock =
-        tracker ? last - toNanoseconds(tracker->window().estimate().timeOffset()) : samples_came;
-    since_s = secondsBetween(std::max(last, in_cameras_clock), frame.t);
-  }
+  const double since_s = none ? 0 : secondsBetween(samplesReach(), frame.t);
   if (!none && since_s <= recording.longestInterval()) return true;
   d.reason = GuideReason::kNoImu;
   note(d, none ? "no IMU sample has arrived"
@@ -381,7 +386,7 @@ void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
 
 CameraImuGuide::CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
                                const GuideOptions& options, const Begin& begin)
-    : state_(std::make_unique<State>(rig, std::move(cameras), options, begin)) {}
+    : state_((options.check(), std::make_unique<State>(rig, std::move(cameras), options, begin))) {}
 CameraImuGuide::CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
                                const GuideOptions& options)
     : CameraImuGuide(rig, std::move(cameras), options, Begin()) {}

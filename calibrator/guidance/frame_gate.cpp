@@ -13,8 +13,10 @@ bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& 
   pause_s_ = secondsBetween(before, frame.t);
   if (frame.t <= before) {
     d.reason = GuideReason::kTimeJump;
-    note(d,
-         fmt::format("its stamp is {:.6f} s before that of the frame before: not used", -pause_s_));
+    note(d, frame.t == before
+                ? "its stamp is not after that of the frame before: not used"
+                : fmt::format("its stamp is {:.6f} s before that of the frame before: not used",
+                              -pause_s_));
     return false;
   }
   // Before the answer: frames that come while the guide is busy are no pause of the camera.
@@ -30,14 +32,18 @@ bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& 
 }
 
 bool FrameGate::hasTarget(bool shows, Decision& d) {
-  // A target that was never seen counts as lost from the first frame on.
-  if (!last_target_) last_target_ = d.t;
-  const double lost_s = secondsBetween(*last_target_, d.t);
+  // From the frame before the first without it, also where that was dropped: of the time of work,
+  // or of a pause, nobody knows. A target that was never seen counts as lost from the first frame
+  // on.
+  if (!shows && !lost_since_) {
+    lost_since_ = isAfterPause() ? d.t : d.t - toNanoseconds(pause_s_);
+  }
+  const double lost_s = lost_since_ ? secondsBetween(*lost_since_, d.t) : 0;
   if (shows) {
     if (std::exchange(lost_said_, false)) {
       note(d, fmt::format("the target is back after {:.3f} s out of view", lost_s));
     }
-    last_target_ = d.t;
+    lost_since_.reset();
     return true;
   }
   d.reason = GuideReason::kNoTarget;

@@ -80,8 +80,8 @@ class FrameGate {
  private:
   double lost_target_s_, max_gap_s_;
   TimeNs busy_until_;
-  std::optional<TimeNs> last_;         // frame, whatever it showed
-  std::optional<TimeNs> last_target_;  // before it was seen: the first frame looked at
+  std::optional<TimeNs> last_;        // frame, whatever it showed
+  std::optional<TimeNs> lost_since_;  // empty: the last frame looked at showed the target
   double pause_s_ = 0;
   bool lost_said_ = false;
 };

@@ -90,6 +90,7 @@ struct Guide::State {
   std::optional<CameraImuGuide> camera_imu;               // while and after it runs
   std::optional<TimeNs> camera_since;                     // its first frame
   bool camera_ended = false;                              // by options.camera_stage_s
+  bool never_shown = false;                               // what its last frame opened
 
   bool cameraOver() const { return camera_ended || camera->finished(); }
   Decision stepCamera(const GuideFrame& frame);
@@ -145,8 +146,10 @@ void Guide::State::endCameraStage(Decision& last) {
       busy_until = std::max(busy_until, last.t) + toNanoseconds(options.latency.camera_batch_s);
     }
     // The batch's cameras, not the window's: they are what the operator is given.
-    camera_imu.emplace(rig, camera_batch->value().cameras, options,
-                       CameraImuGuide::Begin{camera->nextSuggestion(), busy_until});
+    // Ids have no hole: that of a suggestion that was never shown is given again.
+    camera_imu.emplace(
+        rig, camera_batch->value().cameras, options,
+        CameraImuGuide::Begin{camera->nextSuggestion() - (never_shown ? 1 : 0), busy_until});
   }
 }
 
@@ -155,6 +158,7 @@ void Guide::State::endByTime(Decision& last) {
   camera_ended = true;
   last.mode = GuideMode::kFinished;
   if (last.event == SuggestionEvent::kOpened) {
+    never_shown = true;
     last.event = SuggestionEvent::kNone;
     last.suggestion.reset();
     last.opened.reset();

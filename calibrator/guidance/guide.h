@@ -95,7 +95,7 @@ class CameraImuGuide {
     /// Frames before it are dropped (their IMU samples are not).
     TimeNs busy_until = std::numeric_limits<TimeNs>::min();
   };
-  /// Needs rig.imu.
+  /// Needs rig.imu. Throws InputError for options out of range.
   CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
                  const GuideOptions& options, const Begin& begin);
   CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,

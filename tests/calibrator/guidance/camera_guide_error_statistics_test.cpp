@@ -109,6 +109,36 @@ TEST(CameraGuideByError, AFrameOfSeveralPixelsDoesNotEnter) {
   EXPECT_GT(test::countOf(decisions, GuideReason::kBadFit), 0);
 }
 
+// To the last bit, whatever its solution did to the cameras.
+TEST(CameraGuideByError, AFrameThatDoesNotFitLeavesNothingBehind) {
+  const LiveRig rig("euroc", 7, kSigma);
+  GuideOptions options = byError();
+  options.views.stop_excess = 1e-6;
+  options.views.min_views = 1000;
+  options.views.least_lowering = 1e-3;  // nearly every view is worth keeping
+  const auto played = [&](bool seen) {
+    CameraGuide guide(rig.guideRig(), options);
+    return test::playWandering(guide, rig, 80, 10, [&](GuideFrame& frame) {
+      if (frame.index < 60 || frame.index % 5 != 0) return;
+      for (auto& camera : frame.corners) {
+        if (!seen) camera.clear();
+        for (std::size_t i = 0; i < camera.size(); ++i) {
+          camera[i].uv += Eigen::Vector2d(i % 2 == 0 ? 3 : -3, i % 3 == 0 ? 3 : -1.5);
+        }
+      }
+    });
+  };
+  const auto with = played(true), without = played(false);
+  // The first view that was kept after a frame that did not fit.
+  std::size_t k = 0;
+  while (k < with.size() && with[k].reason != GuideReason::kBadFit) ++k;
+  while (k < with.size() && !with[k].accepted) ++k;
+  ASSERT_LT(k, with.size());
+  EXPECT_TRUE(without[k].accepted);
+  EXPECT_EQ(with[k].entropy_nats, without[k].entropy_nats);
+  EXPECT_EQ(with[k].rmse_px, without[k].rmse_px);
+}
+
 TEST(CameraGuideByError, ViewsWithoutNoiseFit) {
   const LiveRig rig("euroc", 7, 0);
   GuideOptions options = byError();

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/guidance/guide.h"
 #include "tests/calibrator/guidance/imu_guide_replay.h"
 
@@ -226,6 +227,41 @@ TEST(CameraImuGuideInput, ClocksThatDisagree) {
   EXPECT_EQ(count(r.decisions, GuideReason::kNoImu), 0);
   EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 1);
   expectItWentOn(r, 60);
+}
+
+// Samples stamped 0.3 s ahead of the camera's clock: that the IMU stops is noticed all the same,
+// with the second frame that it does not reach.
+TEST(CameraImuGuideInput, AnImuThatStopsUnderAClockAhead) {
+  auto ahead = frames();
+  for (GuideFrame& frame : ahead) {
+    if (frame.index > 100) frame.imu.clear();
+    for (ImuSample& s : frame.imu) s.t += 300'000'000;
+  }
+  const Replay r = replayed(ahead);
+  EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 1);
+  EXPECT_EQ(r.decisions[100].reason, GuideReason::kUsed);
+  for (std::size_t i = 102; i < 106; ++i) {
+    EXPECT_EQ(r.decisions[i].reason, GuideReason::kNoImu) << i;
+  }
+}
+
+// As a recording is played by its stamps: each frame comes 0.15 s before its samples.
+TEST(CameraImuGuideInput, SamplesThatComeLateByTheOffset) {
+  Session session = inputRecording().session;
+  for (ImuSample& s : session.imu->samples) s.t += 200'000'000;
+  const Replay r = replayed(test::framesOf(session));
+  EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 1);
+  for (std::size_t i = 10; i < r.decisions.size(); ++i) {
+    EXPECT_NE(r.decisions[i].reason, GuideReason::kNoImu) << i;
+  }
+}
+
+TEST(CameraImuGuideInput, OptionsOutOfRangeAreRefused) {
+  GuideOptions options;
+  options.trajectories.window = 1;
+  EXPECT_THROW(
+      CameraImuGuide(test::rigOf(inputRecording()), inputRecording().truth.cameras, options),
+      InputError);
 }
 
 // Some come with every frame, but ever older ones.

@@ -34,6 +34,7 @@ TEST_F(FrameGateTest, HoldsBackStampsThatAreNotAfterAllBefore) {
   EXPECT_THAT(d.detail, HasSubstr("0.500000 s before"));
   EXPECT_FALSE(arrives(9.9)) << "still before the last that arrived";
   EXPECT_FALSE(arrives(10));
+  EXPECT_THAT(d.detail, HasSubstr("is not after that of the frame before"));
   EXPECT_TRUE(arrives(10.1));
 }
 
@@ -72,7 +73,9 @@ TEST_F(FrameGateTest, SaysOnceThatTheTargetIsLongOutOfViewAndThatItIsBack) {
     EXPECT_FALSE(shows(10 + 0.1 * k, false));
     EXPECT_EQ(d.reason, GuideReason::kNoTarget);
     said += d.detail.empty() ? 0 : 1;
-    if (!d.detail.empty()) EXPECT_THAT(d.detail, HasSubstr("out of view for 2.100 s"));
+    if (!d.detail.empty()) {
+      EXPECT_THAT(d.detail, HasSubstr("out of view for 2.100 s"));
+    }
   }
   EXPECT_EQ(said, 1);
   EXPECT_TRUE(shows(13.1, true));
@@ -80,6 +83,18 @@ TEST_F(FrameGateTest, SaysOnceThatTheTargetIsLongOutOfViewAndThatItIsBack) {
   EXPECT_FALSE(shows(13.2, false));
   EXPECT_TRUE(shows(13.3, true));
   EXPECT_TRUE(d.detail.empty()) << "a short loss is not worth a word";
+}
+
+// Where the target was meanwhile nobody saw.
+TEST_F(FrameGateTest, SaysNothingOfTheTargetDuringWork) {
+  EXPECT_TRUE(shows(10, true));
+  gate.work(d.t, 5);
+  for (int k = 1; k < 50; ++k) EXPECT_FALSE(arrives(10 + 0.1 * k));
+  EXPECT_FALSE(shows(15, false));
+  EXPECT_EQ(d.reason, GuideReason::kNoTarget);
+  EXPECT_TRUE(d.detail.empty()) << d.detail;
+  EXPECT_TRUE(shows(15.1, true));
+  EXPECT_TRUE(d.detail.empty()) << d.detail;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "calibrator/guidance/guide.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -66,6 +67,30 @@ TEST(Guide, ASuggestionOfTheLastFrameIsNeverShown) {
   EXPECT_EQ(ended[opened].mode, GuideMode::kFinished);
   EXPECT_EQ(ended[opened].event, SuggestionEvent::kNone);
   EXPECT_FALSE(ended[opened].opened || ended[opened].suggestion);
+}
+
+TEST(Guide, TheIdOfASuggestionThatWasNeverShownIsGivenAgain) {
+  const auto opened = static_cast<int>(openedAt(endedAfter(0, 60)));
+  const test::LiveRig rig("euroc", 1, 0.2);
+  GuideRig sensors = rig.guideRig();
+  sensors.imu = ImuNoise();
+  GuideOptions options;
+  options.camera_stage_s = opened / kRate;
+  Guide guide(sensors, options);
+  std::optional<Suggestion> asked;
+  for (int i = 0; i < opened + 5 && !asked; ++i) {
+    const double t = i / kRate;
+    GuideFrame frame = rig.frame(i, t, rig.wandering(std::min(t, 2.0)));
+    for (int k = 0; k < 20; ++k) {
+      ImuSample& sample = frame.imu.emplace_back();
+      sample.t = frame.t + (k - 19) * 5'000'000LL;
+      sample.accel = {0, 0, 9.81};
+    }
+    asked = guide.step(frame).opened;
+  }
+  ASSERT_TRUE(asked);
+  EXPECT_EQ(asked->stage, GuideStage::kCameraImu);
+  EXPECT_EQ(asked->id, 0);
 }
 
 }  // namespace
