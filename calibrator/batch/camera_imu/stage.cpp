@@ -137,17 +137,17 @@ SolvedCameraImu solvedBatch(const Session& session, const CameraImuStageResult& 
   SolvedCameraImu solved{makeProblem(session, options), calibrationEstimate(result)};
   CameraImuProblem& problem = solved.problem;
   problem.corners = usedCorners(session, result.frames, result.residuals);
-  std::vector<TimeNs> stamps;
-  for (const Frame& frame : result.frames) stamps.push_back(frame.t);
-  // Results do not keep their links: they are found again, by the same rule.
-  const auto selection =
-      selectFrames(stamps, problem.samples, imuGaps(problem.samples, options.max_gap_intervals),
-                   selectionOptions(options, solved.estimate.timeOffset()));
-  for (const int i : selection.chosen) {
-    problem.frames.push_back(result.frames[static_cast<std::size_t>(i)]);
-    solved.estimate.states.push_back(result.states[static_cast<std::size_t>(i)]);
+  problem.frames = result.frames;
+  solved.estimate.states = result.states;
+  // Of the links results keep the residuals of the inertial ones. To select again, under the offset
+  // found, could leave frames out.
+  auto inertial = result.imu_residuals.begin();
+  for (std::size_t k = 0; k + 1 < problem.frames.size(); ++k) {
+    const bool joined =
+        inertial != result.imu_residuals.end() && inertial->t == problem.frames[k].t;
+    problem.links.push_back(joined ? FrameLink::kInertial : FrameLink::kBiasWalk);
+    if (joined) ++inertial;
   }
-  problem.links = selection.links;
   problem.weights.assign(problem.frames.size(), 1);
   return solved;
 }

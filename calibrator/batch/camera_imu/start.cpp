@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <set>
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
@@ -175,7 +176,10 @@ class FramePoses {
       const PackedView view = corners_[c].view(index);
       const Intrinsics& lens = cameras_[c].intrinsics;
       const Transform T_CF = cameras_[c].T_C0Ci.inverse() * T_C0F;
-      const auto rejectAt = [&](int k) { out.rejected.push_back({c, index, k}); };
+      std::set<int> told;  // positions: no corner is counted twice
+      const auto rejectAt = [&](int k) {
+        if (told.insert(k).second) out.rejected.push_back({c, index, k});
+      };
       if (endsAtRightAngle(lens)) {
         for (const int k : beyondAngle(view, T_CF, kGrazing)) {
           rejectAt(k);
@@ -185,18 +189,14 @@ class FramePoses {
       const std::vector<int> wrong = falseCorners(lens, view, T_CF);
       // The tags are looked through only where something is wrong.
       if (wrong.empty()) continue;
-      std::size_t of_tags = 0;
       for (MisplacedTag tag : findMisplacedTags(session_.target, lens, view, T_CF)) {
-        for (const int k : cornersOfTag(view, tag.tag)) {
-          rejectAt(k);
-          ++of_tags;
-        }
+        for (const int k : cornersOfTag(view, tag.tag)) rejectAt(k);
         tag.camera = static_cast<int>(c);
         tag.t = session_.cameras[c].views[static_cast<std::size_t>(index)].t;
         out.screening.misplaced_tags.push_back(tag);
       }
-      // A corner of a misplaced tag is not counted twice.
-      out.screening.false_corners += wrong.size() - std::min(wrong.size(), of_tags);
+      out.screening.false_corners += static_cast<std::size_t>(
+          std::count_if(wrong.begin(), wrong.end(), [&](int k) { return told.count(k) == 0; }));
       // Squared error is asked for where every corner shall count.
       if (options_.cauchy_px > 0) std::for_each(wrong.begin(), wrong.end(), rejectAt);
     }

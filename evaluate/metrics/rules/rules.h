@@ -70,7 +70,7 @@ struct StageErrors {
 Findings judgeConvergence(const StageSummary& summary, const std::string& stage);
 Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
                         const VerdictThresholds& t);
-/// Of every camera: the part of its error that neighbouring corners share (batch/bias_ratio.h).
+/// Of every camera: the part of its error that neighbouring corners share (batch/halves.h).
 Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t);
 /// The block of parameters in which the recording's halves differ most (halves_rules.cpp).
 Findings judgeHalves(const StageSummary& summary, const std::string& stage,

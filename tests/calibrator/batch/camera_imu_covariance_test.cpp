@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The covariance of a batch whose measurements have other noise than their weights assume.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -115,6 +116,26 @@ TEST(SolvedBatch, LeavesOutTheCornersThatTheResultLeftOut) {
   }
   EXPECT_EQ(used, static_cast<double>(result->summary.corners_used));
   EXPECT_LT(used, 0.95 * all);
+}
+
+// Whatever the margin would leave out under the offset found; and across a pause of the IMU.
+TEST(SolvedBatch, HoldsEveryFrameAndLinkOfTheResult) {
+  SimulatedSession s = test::simulate(test::noisyRecording(3));
+  auto& samples = s.session.imu->samples;
+  const TimeNs pause = samples[samples.size() / 2].t;
+  std::erase_if(samples,
+                [&](const ImuSample& a) { return a.t > pause && a.t < pause + 300'000'000; });
+  CameraImuOptions options = test::matchedOptions(s, 0.2);
+  options.diagnose_faults = options.noise_check = false;
+  const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
+  ASSERT_TRUE(result);
+  options.margin_s = 1;
+  const SolvedCameraImu solved = solvedBatch(s.session, *result, options);
+  const auto& links = solved.problem.links;
+  EXPECT_EQ(solved.problem.frames.size(), result->frames.size());
+  EXPECT_EQ(solved.estimate.states.size(), result->frames.size());
+  EXPECT_EQ(links.size() + 1, result->frames.size());
+  EXPECT_EQ(std::count(links.begin(), links.end(), FrameLink::kBiasWalk), 1);
 }
 
 }  // namespace

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which frames take part, and how the IMU joins them.
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera_imu/start.h"
+#include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
 namespace {
@@ -93,6 +97,33 @@ TEST(SelectFrames, FramesFarApartAreJoinedByTheBiasWalkOnly) {
 TEST(SelectFrames, WithoutSamplesThereAreNone) {
   const std::vector<TimeNs> stamps = {0, kMs};
   EXPECT_TRUE(selectFrames(stamps, {}, {}, {}).chosen.empty());
+}
+
+// Corners of a misplaced tag that have no weight are no false ones, and take none away from them.
+TEST(PoseFrames, FalseCornersAreCountedBesideMisplacedTags) {
+  SimulationOptions simulation;
+  simulation.duration_s = 0.2;
+  SimulatedSession s = simulateSession(simulatedRig("euroc"), simulation);
+  s.session.cameras.resize(1);
+  s.truth.cameras.resize(1);
+  s.session.cameras[0].views.resize(1);
+  std::vector<Corner>& corners = s.session.cameras[0].views[0].corners;
+  // Positions of the first corners of whole tags.
+  std::vector<std::size_t> tags;
+  for (std::size_t k = 0; k + 3 < corners.size(); ++k) {
+    if (corners[k].id % 4 == 0 && corners[k + 3].id == corners[k].id + 3) tags.push_back(k);
+  }
+  ASSERT_GT(tags.size(), 10u);
+  for (std::size_t i = 0; i < 4; ++i) std::swap(corners[tags[1] + i].uv, corners[tags[6] + i].uv);
+  for (const std::size_t tag : {tags[3], tags[8]}) corners[tag].uv.x() += 60;
+  std::vector<PackedCorners> packed = packCorners(s.session);
+  for (const std::size_t tag : {tags[1], tags[6]}) {
+    for (std::size_t i = 0; i < 4; ++i) packed[0].setWeight(0, static_cast<int>(tag + i), 0);
+  }
+  const PosedFrames posed = poseFrames(s.session, packed, s.truth.cameras, {});
+  ASSERT_EQ(posed.frames.size(), 1u);
+  EXPECT_EQ(posed.screening.misplaced_tags.size(), 2u);
+  EXPECT_EQ(posed.screening.false_corners, 2u);
 }
 
 }  // namespace
