@@ -166,7 +166,8 @@ class Judge {
     // Findings about the recording, of which nothing is used here.
     stage.noise_check = stage.diagnose_faults = false;
     const auto found = calibrateCameraImu(recordingOf(at.frames), cameras_, stage);
-    if (!found) return point;
+    // Where it ran out of steps is no calibration.
+    if (!found || !found->summary.converged) return point;
     const Transform& T_SC0 = truth_.imu->T_SC0;
     point.translation_m = (found->imu.T_SC0.t - T_SC0.t).norm();
     point.rotation_rad = rotationAngle(found->imu.T_SC0.R.transpose() * T_SC0.R);

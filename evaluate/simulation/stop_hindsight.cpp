@@ -231,7 +231,7 @@ std::optional<double> expectedReprojectionPx(const OperatedSession& operated,
   const CameraImuOptions stage = imuStageOptions(made);
   const Session session = recordedAgain(operated, made, rig, frames, exact);
   const auto found = calibrateCameraImu(session, truth.cameras, stage);
-  if (!found) return std::nullopt;
+  if (!found || !found->summary.converged) return std::nullopt;
   const double sigma = made.simulation.corner_sigma_px / stage.pixel_sigma;
   const auto covariance = covarianceUnder(solvedBatch(session, *found, stage), {.corner = sigma});
   if (!covariance) return std::nullopt;
@@ -247,16 +247,21 @@ std::optional<double> drawnReprojectionPx(const OperatedSession& operated,
   const Calibration& truth = rig.calibration;
   const ImuReprojection use(truth.cameras);
   double squares = 0;
+  int converged = 0;
   for (int draw = 0; draw < draws; ++draw) {
     SimulationOptions again = made.simulation;
     again.seed += kDrawSeeds * static_cast<std::uint64_t>(draw + 1);
     const auto found = calibrateCameraImu(recordedAgain(operated, made, rig, frames, again),
                                           truth.cameras, imuStageOptions(made));
     if (!found) return std::nullopt;
+    // Where it ran out of steps it says nothing of the noise.
+    if (!found->summary.converged) continue;
     const double px = use.differencePx(found->imu, *truth.imu);
-    squares += px * px / draws;
+    squares += px * px;
+    ++converged;
   }
-  return std::sqrt(squares);
+  if (converged == 0) return std::nullopt;
+  return std::sqrt(squares / converged);
 }
 
 std::optional<StopHindsight> stopHindsight(const OperatedSession& operated,

@@ -79,8 +79,9 @@ std::optional<double> expectedReprojectionPx(const OperatedSession& operated,
                                              const OperatedOptions& made, const SimulatedRig& rig,
                                              const std::vector<int>& frames);
 
-/// The same as an RMS over draws of the noise of corners and IMU. Of n draws it is known to some
-/// 0.4 / sqrt(n) or worse. Empty where a draw gives no calibration.
+/// The same as an RMS over draws of the noise of corners and IMU, without those that do not
+/// converge. Of n draws it is known to some 0.4 / sqrt(n) or worse. Empty where a draw gives no
+/// calibration.
 std::optional<double> drawnReprojectionPx(const OperatedSession& operated,
                                           const OperatedOptions& made, const SimulatedRig& rig,
                                           const std::vector<int>& frames, int draws);
