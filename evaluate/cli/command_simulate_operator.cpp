@@ -127,7 +127,8 @@ OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
 }
 
 /// Of a stage that was recorded for `recorded_s`.
-std::string convergenceText(const char* what, double recorded_s, const StageConvergence& stage) {
+std::string convergenceText(const std::string& what, double recorded_s,
+                            const StageConvergence& stage) {
   if (stage.points.empty()) {
     return fmt::format("{}: {}\n", what, recorded_s > 0 ? "not calibrated" : "not recorded");
   }
@@ -164,9 +165,12 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o) {
   }
   if (made.convergence) {
     const OperatedConvergence& c = *made.convergence;
-    // In brackets the bars of ConvergenceOptions, which no option changes.
-    say("{}", convergenceText("Cameras (0.1 px)", made.camera_s, c.cameras));
-    say("{}", convergenceText("T_SC0 (1 mm, 0.05 deg)", made.camera_imu_s, c.camera_imu));
+    const ConvergenceOptions bars;  // which no option changes
+    say("{}", convergenceText(fmt::format("Cameras ({:g} px)", bars.projection_px), made.camera_s,
+                              c.cameras));
+    say("{}", convergenceText(fmt::format("T_SC0 ({:g} mm, {:g} deg)", 1e3 * bars.translation_m,
+                                          bars.rotation_rad / kDegree),
+                              made.camera_imu_s, c.camera_imu));
     say("{}{}", stopText("Camera stage", made.stops.cameras),
         stopText("Camera-IMU stage", made.stops.camera_imu));
   }
