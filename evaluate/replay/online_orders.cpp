@@ -7,28 +7,19 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/guidance/views/view_error.h"
 #include "evaluate/replay/view_orders.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kWorstView = 3;  // times the candidates' median RMSE
-
-/// As the guide's ViewErrorTracker::isDue() has it.
-int viewsUntilNextEstimate(int views) {
-  if (views < 8) return 1;
-  if (views < 12) return 2;
-  if (views < 20) return 4;
-  return views < 32 ? 6 : 10;
-}
-
 /// Candidates at the estimate of the time.
 class Candidates {
  public:
-  Candidates(const ViewPool& pool, const CameraEstimate& cameras, const std::vector<int>& frames,
-             LaterUseKind kind)
+  Candidates(const ViewPool& pool, const CameraEstimate& cameras, const std::vector<int>& frames)
       : posed_(pool.posed(cameras, frames)),
-        model_(errorModel(posed_.views, cameras, pool.cauchyPx(), kind)) {
+        // Later use is what the frames to choose from have seen.
+        model_(errorModel(posed_.views, cameras, pool.cauchyPx(), LaterUseKind::kSeen)) {
     // Not a number is bad, too.
     const double most = kWorstView * quantile(posed_.rmse_px, 0.5);
     for (const double rmse : posed_.rmse_px) bad_.push_back(!(rmse <= most));
@@ -124,11 +115,11 @@ class Online {
 
   void step(int most) {
     const int views = static_cast<int>(used_.size());
-    const int count = std::min(most, viewsUntilNextEstimate(views));
+    const int count = std::min(most, viewsUntilRefresh(views));
     const auto solution = views > 0 ? pool_.solve(framesUsed()) : std::nullopt;
     // Too few views, or too much alike: one more is taken blindly.
     if (!solution) return addNext();
-    const Candidates candidates(pool_, solution->estimate, frames_, options_.later_use);
+    const Candidates candidates(pool_, solution->estimate, frames_);
     if (!candidates.determined()) return addNext();
     const ErrorComponents components = note(candidates);
     if (options_.criterion == ViewCriterion::kPredictedError) {

@@ -40,7 +40,6 @@ std::vector<int> coverageOrder(const std::vector<std::vector<int>>& cells);
 
 struct OnlineOrderOptions {
   ViewCriterion criterion = ViewCriterion::kPredictedError;
-  LaterUseKind later_use = LaterUseKind::kSeen;  ///< of the frames to choose from
   int most_views = 40;
 
   /// Throws InputError for values out of range.

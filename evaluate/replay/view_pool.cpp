@@ -161,42 +161,36 @@ void ViewPool::addErrors(const CameraEstimate& cameras, int frame, const Transfo
   }
 }
 
+/// A frame of the recording where its corners want it.
+RigView ViewPool::posedView(const CameraEstimate& cameras, int f) const {
+  const auto at = static_cast<std::size_t>(f);
+  std::vector<FrameView> views;
+  RigView rig;
+  for (std::size_t c = 0; c < frames_[at].view.size(); ++c) {
+    const int view = frames_[at].view[c];
+    rig.views.push_back(view >= 0 ? corners_[c].view(view) : PackedView{});
+    if (view < 0) continue;
+    views.push_back({&cameras.intrinsics[c], rig.views.back(), cameras.T_C0Ci[c].inverse()});
+  }
+  // Under the batches' loss, from the pose of the calibration of all frames, whatever the cameras.
+  const GramOptions gram{.cauchy_px = options_.cauchy_px};
+  rig.T_C0F = refinePose(views, T_C0F_[at], {gram, kPoseIterations, kPoseTolerance}).T_C0F;
+  return rig;
+}
+
 HeldOutError ViewPool::heldOutError(const CameraEstimate& cameras) const {
-  // The batches' loss; the second value is GramOptions' own clamp.
-  const PoseRefinementOptions refinement{
-      {options_.cauchy_px, 0.7}, kPoseIterations, kPoseTolerance};
   std::vector<ImageError> errors;
   for (const int f : split_.held_out) {
-    const Frame& frame = frames_[static_cast<std::size_t>(f)];
-    std::vector<FrameView> views;
-    for (std::size_t c = 0; c < frame.view.size(); ++c) {
-      if (frame.view[c] < 0) continue;
-      views.push_back(
-          {&cameras.intrinsics[c], corners_[c].view(frame.view[c]), cameras.T_C0Ci[c].inverse()});
-    }
-    const Transform& start = T_C0F_[static_cast<std::size_t>(f)];
-    // From the pose of the calibration of all frames, whatever the cameras.
-    addErrors(cameras, f, refinePose(views, start, refinement).T_C0F, errors);
+    addErrors(cameras, f, posedView(cameras, f).T_C0F, errors);
   }
   return summaryOf(errors, options_.cauchy_px);
 }
 
 ViewPool::PosedFrames ViewPool::posed(const CameraEstimate& cameras,
                                       const std::vector<int>& frames) const {
-  const PoseRefinementOptions refinement{
-      {options_.cauchy_px, 0.7}, kPoseIterations, kPoseTolerance};
   PosedFrames out;
   for (const int f : frames) {
-    const Frame& frame = frames_[static_cast<std::size_t>(f)];
-    std::vector<FrameView> views;
-    RigView rig;
-    for (std::size_t c = 0; c < frame.view.size(); ++c) {
-      const bool sees = frame.view[c] >= 0;
-      rig.views.push_back(sees ? corners_[c].view(frame.view[c]) : PackedView{});
-      if (!sees) continue;
-      views.push_back({&cameras.intrinsics[c], rig.views.back(), cameras.T_C0Ci[c].inverse()});
-    }
-    rig.T_C0F = refinePose(views, T_C0F_[static_cast<std::size_t>(f)], refinement).T_C0F;
+    RigView rig = posedView(cameras, f);
     std::vector<ImageError> errors;
     addErrors(cameras, f, rig.T_C0F, errors);
     double squares = 0;

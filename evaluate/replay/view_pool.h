@@ -82,6 +82,7 @@ class ViewPool {
   ViewPool() = default;
   CameraProblem problemOf(const std::vector<int>& frames) const;
   std::vector<Transform> posesOf(const std::vector<int>& frames) const;
+  RigView posedView(const CameraEstimate& cameras, int f) const;
   void addErrors(const CameraEstimate& cameras, int frame, const Transform& T_C0F,
                  std::vector<ImageError>& out) const;
 

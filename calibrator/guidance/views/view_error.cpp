@@ -17,21 +17,19 @@
 namespace plumbline {
 namespace {
 
-constexpr double kWorstView = 3;  // times the median RMSE of the views kept
 // Poses start where another estimate had them, and serve a prediction to first order alone.
 constexpr double kPoseTolerance = 1e-3;  // standard deviations
 constexpr int kPoseIterations = 10;
 constexpr int kSeenUntilRefresh = 25;
 
-/// A refresh costs the more the more views there are, and one view changes the estimate the less.
+}  // namespace
+
 int viewsUntilRefresh(int views) {
   if (views < 8) return 1;
   if (views < 12) return 2;
   if (views < 20) return 4;
   return views < 32 ? 6 : 10;
 }
-
-}  // namespace
 
 void ViewErrorOptions::check() const {
   ViewGainOptions::check();
@@ -91,10 +89,8 @@ void ViewErrorTracker::pose(Held& frame) const {
     if (view.count == 0) continue;
     views.push_back({&cameras_.intrinsics[c], view, cameras_.T_C0Ci[c].inverse()});
   }
-  frame.T_C0F =
-      // 0.7: as much of the loss' curvature as does not turn H indefinite (GramOptions).
-      refinePose(views, frame.T_C0F, {{options_.cauchy_px, 0.7}, kPoseIterations, kPoseTolerance})
-          .T_C0F;
+  const GramOptions gram{.cauchy_px = options_.cauchy_px};
+  frame.T_C0F = refinePose(views, frame.T_C0F, {gram, kPoseIterations, kPoseTolerance}).T_C0F;
 }
 
 // Without the loss: a gross error shall show.

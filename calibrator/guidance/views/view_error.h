@@ -14,6 +14,13 @@
 
 namespace plumbline {
 
+/// A view whose RMSE is more than so many times the median of the others' does not fit them.
+inline constexpr double kWorstView = 3;
+
+/// With so many views, how many more until the estimate is made anew: that costs the more the more
+/// views there are, and one view changes the estimate the less.
+int viewsUntilRefresh(int views);
+
 struct ViewErrorOptions : ViewGainOptions {
   /// What later use looks like: the frames seen so far, or evenly over the image, where candidate
   /// views put corners.
