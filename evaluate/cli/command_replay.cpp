@@ -197,6 +197,10 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
   o.trajectories.max_rate_rad_s = max_rate_deg_s * kDegree;
   o.trajectories.max_acceleration_m_s2 = max_acceleration_g * kStandardGravity;
   o.views.model() = o.trajectories.model() = camera.model();
+  // Views that the batches would ignore are none to the guide either. It needs more by itself.
+  for (int* least : {&o.views.min_corners, &o.trajectories.min_corners}) {
+    *least = std::max(*least, camera.frames.min_corners);
+  }
   o.threads = camera.threads;
   o.check();
   return o;

@@ -22,14 +22,14 @@ std::string smallCopy(const ImageFile& file) {
 }  // namespace
 
 void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
-               std::vector<ReplayFrame>& frames, const ProgressSink& progress) {
+               std::vector<ReplayFrame>& frames, int threads, const ProgressSink& progress) {
   assert(paired.size() == frames.size());
   const bool any = std::any_of(loaded.images.begin(), loaded.images.end(),
                                [](const auto& images) { return !images.empty(); });
   if (!any) return;
   std::mutex telling;
   std::size_t done = 0;
-  parallelFor(frames.size(), 0, [&](int, std::size_t i) {
+  parallelFor(frames.size(), threads, [&](int, std::size_t i) {
     ReplayFrame& frame = frames[i];
     frame.jpeg.resize(loaded.images.size());
     for (std::size_t c = 0; c < loaded.images.size(); ++c) {

@@ -93,8 +93,9 @@ class Remarks {
   void needed() {
     std::vector<std::string> parts;
     for (const CounterfactualBand& band : found_.bands) {
-      parts.push_back(band.strategy + " " +
-                      (band.views_needed ? rangeOf(*band.views_needed, band.seeds) : "never"));
+      parts.push_back(
+          band.strategy + " " +
+          (band.views_needed ? rangeOf(*band.views_needed, band.seeds) : notNeededText(band)));
     }
     out_.push_back(
         fmt::format("Views needed to come within 10 % of the held-out error of the whole pool "
@@ -211,7 +212,12 @@ class Remarks {
   void guide(int guide_frames) {
     if (guide_frames == 0) return;
     const auto guide = curvesOf(found_.curves, "guide");
-    const std::size_t used = guide.empty() ? 0 : guide.front()->order.size();
+    const int used = guide.empty() ? 0 : static_cast<int>(guide.front()->order.size());
+    if (used == guide_frames) {
+      out_.push_back(
+          fmt::format("All {} frames that the guide kept are in the pool and on its curve.", used));
+      return;
+    }
     out_.push_back(fmt::format(
         "Of {} frames that the guide kept {} are in the pool and on its curve; the others lie in "
         "or beside held-out blocks, or have no plausible pose.",

@@ -383,7 +383,9 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   record.assumptions = assumptionsOf(request.camera, request.camera_imu, session);
   record.decisions = std::move(played.decisions);
   for (const GuideFrame& frame : frames) record.frames.push_back({frame.t, frame.corners, {}});
-  if (request.images) addImages(loaded, paired, record.frames, progress);
+  if (request.images) {
+    addImages(loaded, paired, record.frames, request.load.threads, progress);
+  }
   // Frames stay as they were played: other stamps than equal ones are of different frames.
   request.camera.frames.tolerance = request.camera_imu.frames.tolerance = 0;
   const ReplayRun run{session,          frames,         record.decisions,

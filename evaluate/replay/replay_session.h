@@ -18,9 +18,9 @@ namespace plumbline {
 
 /// Fills ReplayFrame::jpeg where the recording has images: grey, made smaller by a whole factor to
 /// at most 400 pixels of width (mean over blocks), of JPEG quality 60. A frame's images are those
-/// of the views that `paired`, one for each of `frames`, puts together.
+/// of the views that `paired`, one for each of `frames`, puts together. `threads` 0: all cores.
 void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
-               std::vector<ReplayFrame>& frames, const ProgressSink& progress);
+               std::vector<ReplayFrame>& frames, int threads, const ProgressSink& progress);
 
 /// What `plumbline replay` is asked to do.
 struct ReplayRequest {

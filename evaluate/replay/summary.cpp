@@ -73,7 +73,7 @@ void addCounterfactuals(Text& text, const Counterfactuals& c) {
       c.full_pool_held_out_px);
   for (const CounterfactualBand& band : c.bands) {
     add(text, " {} {};", band.strategy,
-        band.views_needed ? fmt::format("{:.0f}", band.views_needed->median) : "not reached");
+        band.views_needed ? fmt::format("{:.0f}", band.views_needed->median) : notNeededText(band));
   }
   add(text, "\n");
 }

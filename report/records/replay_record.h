@@ -237,6 +237,14 @@ void fields(V& v, CounterfactualBand& b) {
   v("views_needed_quartiles", b.views_needed, "absent: not all seeds get there");
 }
 
+/// What is said in place of views_needed where that is empty. An order may end before the pool
+/// does.
+inline std::string notNeededText(const CounterfactualBand& band) {
+  const int most = band.views.empty() ? 0 : band.views.back();
+  return (band.seeds > 1 ? "not by every seed within " : "not within ") + std::to_string(most) +
+         " views";
+}
+
 struct Counterfactuals {
   std::vector<CounterfactualCurve> curves;
   std::vector<CounterfactualBand> bands;  ///< one per strategy, in the order of the curves

@@ -137,7 +137,7 @@ Figure bandFigure(const Bands& bands, const BandFigure& what) {
 
 /// "14 (12 to 17)": median and quartiles.
 std::string neededText(const CounterfactualBand& band) {
-  if (!band.views_needed) return band.seeds > 1 ? "not by every seed" : "never";
+  if (!band.views_needed) return notNeededText(band);
   const Quartiles& q = *band.views_needed;
   if (band.seeds < 2) return fmt::format("{:g}", q.median);
   return fmt::format("{:g} ({:g} to {:g})", q.median, q.lower, q.upper);

@@ -265,6 +265,15 @@ TEST_F(CommandReplay, SuggestionsAreNotJudgedWithoutCameras) {
   EXPECT_TRUE(document.value("compliance", json()).is_null());
 }
 
+// More corners than the target has.
+TEST_F(CommandReplay, ViewsThatTheBatchesWouldIgnoreAreNoneToTheGuide) {
+  const Outcome run = replay(session(), "--no-report --no-imu --to 1 --min-corners 145");
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  const std::vector<json> decisions = lines(out() / "decisions.jsonl");
+  EXPECT_FALSE(decisions.empty());
+  for (const json& d : decisions) EXPECT_EQ(d["reason"], "no-target");
+}
+
 TEST_F(CommandReplay, ARecordingTooShortToStartSaysAtWhichFrame) {
   const Outcome run = replay(session(), "--no-report --to 0.1");
   ASSERT_EQ(run.exit_code, 0) << run.text;

@@ -176,6 +176,13 @@ TEST(Counterfactuals, AMisfittingModelIsNamedByTheOther) {
   ASSERT_TRUE(pool);
   EXPECT_THAT(counterfactualRemarks(pool.value(), apart, 0),
               Not(::testing::Contains(HasSubstr("With pinhole-equidistant the error"))));
+  // Nothing is said of others where there are none.
+  CounterfactualCurve& guide = apart.curves.emplace_back();
+  guide.strategy = "guide";
+  guide.order = {pool->pool()[0], pool->pool()[1]};
+  EXPECT_THAT(counterfactualRemarks(pool.value(), apart, 3).back(), HasSubstr("the others"));
+  EXPECT_THAT(counterfactualRemarks(pool.value(), apart, 2).back(),
+              HasSubstr("All 2 frames that the guide kept"));
 }
 
 TEST(Counterfactuals, OneCameraWillDo) {

@@ -109,5 +109,23 @@ TEST(ReplaySummary, OfSuggestionsThatWereNotReachedHasNoTime) {
               ::testing::HasSubstr("reached 2 of 5 suggestions, median 3.0 s"));
 }
 
+// Of several seeds some may get there, and an order may end before the pool does.
+TEST(ReplaySummary, OfAnErrorThatIsNotReachedSaysByWhomAndWithinHowManyViews) {
+  ReplayRecord record;
+  record.counterfactuals.emplace();
+  CounterfactualBand random;
+  random.strategy = "random";
+  random.seeds = 5;
+  random.views = {5, 200};
+  CounterfactualBand online;
+  online.strategy = "predicted-error";
+  online.seeds = 1;
+  online.views = {5, 40};
+  record.counterfactuals->bands = {random, online};
+  EXPECT_THAT(replaySummary(record),
+              ::testing::HasSubstr(" random not by every seed within 200 views; predicted-error "
+                                   "not within 40 views;"));
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -59,7 +59,7 @@ TEST_F(ReplayImages, AreThoseOfTheFramesViewsThoughAClockIsShifted) {
   const std::vector<Frame> paired = pairedFrames(loaded.session);
   ASSERT_EQ(paired.size(), static_cast<std::size_t>(kFrames));
   std::vector<ReplayFrame> frames(paired.size());
-  addImages(loaded, paired, frames, [](const std::string&, double) {});
+  addImages(loaded, paired, frames, 1, [](const std::string&, double) {});
   for (int i = 0; i < kFrames; ++i) {
     const ReplayFrame& frame = frames[static_cast<std::size_t>(i)];
     ASSERT_EQ(frame.jpeg.size(), 2U);
