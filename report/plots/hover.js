@@ -58,7 +58,7 @@
     if (!best) return;
     const y = y0 + (best[1] - py0) * (y1 - y0) / (py1 - py0);
     const text = mark.lastChild;
-    text.textContent = `${best[2] ? best[2] + ': ' : ''}${rounded(valueX(best[0]))}, ${rounded(y)}`;
+    text.textContent = `${best[2] ? best[2] + ': ' : ''}${rounded(plot.valueOf('x', valueX(best[0])))}, ${rounded(plot.valueOf('y', y))}`;
     const right = best[0] > (px0 + px1) / 2;
     text.setAttribute('text-anchor', right ? 'end' : 'start');
     text.setAttribute('x', right ? -8 : 8);
@@ -131,6 +131,8 @@
     const plot = {svg, mark, cursor, picked, legend: legendOf(svg), axis: axisOf(svg), axes, home: axes, view: {sx: 1, tx: 0, sy: 1, ty: 0}, points: null,
       cells: svg.dataset.cells ? JSON.parse(svg.dataset.cells) : null, dragged: false};
     plot.refresh = () => { plot.points = null; mark.style.display = 'none'; cursor.style.display = 'none'; markPicked(plot); };
+    plot.isLog = (axis) => (svg.dataset.log || '').includes(axis);
+    plot.valueOf = (axis, place) => plot.isLog(axis) ? 10 ** place : place;
     plot.shapes = () => drawn(svg).map((shape) => ({shape, name: plot.legend.get(colourOf(shape))?.textContent || '', points: pointsOf(shape)}));
     svg.plumbline = plot;
     plots.push(plot);

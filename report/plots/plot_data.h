@@ -41,6 +41,7 @@ struct PlotAxis {
   std::vector<AxisTick> ticks;  ///< empty: round numbers
   bool inverted = false;        ///< values grow downwards, as image rows do (y axis only)
   bool upright_labels = false;  ///< tick labels turned by 90 degrees (x axis only)
+  bool log10 = false;  ///< positions are log10 of the values, which the page's scripts tell
 };
 
 /// What all plots share.

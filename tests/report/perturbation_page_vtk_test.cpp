@@ -3,6 +3,7 @@
 // reason.
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@ using test::AxisMapping;
 using test::drawnAt;
 using test::perturbationPage;
 using test::plot;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -33,6 +35,18 @@ TEST(PerturbationPage, PutsErrorsOfTheBasinOnTheirPixels) {
   }
   EXPECT_THAT(svg, HasSubstr(">failed<"));
   EXPECT_THAT(svg, HasSubstr("injected offset [ms]"));
+  EXPECT_THAT(test::attributes(svg, "data-log"), ElementsAre("y"));
+}
+
+TEST(PerturbationPage, GivesEverySeriesOfTheBasinItsOwnColour) {
+  const std::string svg = plot(perturbationPage(), "perturbation-basin");
+  std::set<std::string> colours;
+  std::size_t entries = 0;
+  for (const std::string& swatch : test::between(svg, "<polygon ", "/>")) {
+    ++entries;
+    EXPECT_TRUE(colours.insert(test::attributes(swatch, "fill").at(0)).second) << swatch;
+  }
+  EXPECT_EQ(entries, 5U);
 }
 
 TEST(PerturbationPage, KeepsFailedCasesWithTheirProblem) {

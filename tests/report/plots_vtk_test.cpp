@@ -80,6 +80,15 @@ TEST(Plots, AreWellFormedAndFreeOfNumbersThatAreNone) {
   }
 }
 
+TEST(Plots, NameTheirLogarithmicAxes) {
+  LinePlot plot{unitFrame(), {series({0, 1}, {0, 2})}};
+  EXPECT_THAT(attributes(toSvg(plot, "plain"), "data-log"), ElementsAre());
+  plot.frame.y.log10 = true;
+  EXPECT_THAT(attributes(toSvg(plot, "one"), "data-log"), ElementsAre("y"));
+  plot.frame.x.log10 = true;
+  EXPECT_THAT(attributes(toSvg(plot, "both"), "data-log"), ElementsAre("xy"));
+}
+
 TEST(Plots, NeverShareAnId) {
   std::set<std::string> seen;
   for (const auto& [name, svg] : onePlotOfEachKind()) {

@@ -14,6 +14,7 @@
 #include "report/html/replay/page.h"
 #include "report/html/replay/sections.h"
 #include "report/html/section.h"
+#include "tests/report/markup.h"
 #include "tests/report/synthetic_replay.h"
 
 namespace plumbline {
@@ -295,6 +296,14 @@ TEST(ReplayEvents, SayWhatTheBestCandidateOfAFinishWouldHaveDone) {
   EXPECT_THAT(events[0].text,
               HasSubstr("no candidate was worth it; the best would gain 0.721 bits (threshold "
                         "0.144) and leave an error of 0.290 px"));
+}
+
+TEST(ReplayPage, CountsViewsOnALogarithmicAxis) {
+  const std::string page = renderReplayPage(replay());
+  const std::size_t figure = page.find("id=\"replay-entropy\"");
+  ASSERT_NE(figure, std::string::npos);
+  EXPECT_THAT(test::attributes(page.substr(figure, page.find('>', figure) - figure), "data-log"),
+              ::testing::ElementsAre("x"));
 }
 
 TEST(ReplayPage, SaysThatValuesAreOffScaleWhereTheyAre) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the page of a user study shows: data on their pixels, missing values with their reason.
 #include <algorithm>
+#include <set>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -38,6 +39,21 @@ TEST(UserStudyPage, SaysWhichRatiosOfSpreadAreBeyondTheAxis) {
   EXPECT_THAT(userStudyPage(), Not(HasSubstr("Ratios above 10")));
   record.statistics.spread.front().ratio = 40;
   EXPECT_THAT(renderStudyPage(record), HasSubstr("Ratios above 10 stand there (1)"));
+}
+
+TEST(UserStudyPage, NamesTheIntervalOfTheSpreadApartFromItsMiddle) {
+  const std::string svg = plot(userStudyPage(), "study-spread");
+  EXPECT_THAT(svg, HasSubstr(">stated deviation<"));
+  EXPECT_THAT(svg, HasSubstr(">95 % interval<"));
+  // Solid is the line at 1, dashed are the ends.
+  std::set<std::string> solid, dashed;
+  for (const std::string& line : between(svg, "<polyline class=\"data\"", "/>")) {
+    const bool is_dashed = line.find("stroke-dasharray") != std::string::npos;
+    (is_dashed ? dashed : solid).insert(test::attributes(line, "stroke").at(0));
+  }
+  EXPECT_EQ(dashed.size(), 1U);
+  EXPECT_EQ(solid.size(), 1U);
+  EXPECT_NE(dashed, solid);
 }
 
 TEST(UserStudyPage, LeadsFromEveryPointToItsSession) {

@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kLeastError = 1e-12;  // [s] below, an error is drawn here
 constexpr double kShownSigma = 3;      // ends of the colours; the page says so
+// Not that of the failed cases: hover.js knows a series by its colour.
+constexpr Colour kBoundColour{110, 40, 150, 255};
 
 /// 10^exponent seconds in the unit of its three decades: "10 ns" for -8.
 std::string decadeLabel(int exponent) {
@@ -151,11 +153,15 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   plot.frame.x = {"injected offset [ms]", scale.x, {}, false, false};
   const bool any_failed = !failed.x.empty();
   const double top = any_failed ? scale.failed + 0.4 : scale.high;
-  plot.frame.y = {"error of the recovered offset", Range{scale.low, top},
-                  decades(scale, any_failed), false, false};
+  plot.frame.y = {"error of the recovered offset",
+                  Range{scale.low, top},
+                  decades(scale, any_failed),
+                  false,
+                  false,
+                  true};
   plot.series.push_back(
       level(fmt::format("bound of the basin, {:g} ms", 1e3 * record.offset_bound_s),
-            record.offset_bound_s, scale, kWarningColour));
+            record.offset_bound_s, scale, kBoundColour));
   const double std = record.base.time_offset_std_s.value_or(0);
   // A line outside of the axes would only stand in the legend.
   if (std > std::pow(10, scale.low) && std < std::pow(10, scale.high)) {
@@ -169,7 +175,7 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
       "Each point is one calibration from its own initial guess, with every IMU stamp shifted by "
       "the injected offset. Points far below the standard deviation of the base's offset mean that "
       "the result does not depend on the initial offset of the clocks; the basin ends where points "
-      "rise above the dashed red line or fail. Errors below 1 ps are drawn there.",
+      "rise above the dashed line of the bound or fail. Errors below 1 ps are drawn there.",
       true};
 }
 

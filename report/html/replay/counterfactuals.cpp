@@ -114,7 +114,7 @@ Figure bandFigure(const Bands& bands, const BandFigure& what) {
   plot.frame.width = 960;
   plot.frame.height = 380;
   const Range views = viewRange(bands);
-  plot.frame.x = {"views used", views, viewTicks(views), false, false};
+  plot.frame.x = {"views used", views, viewTicks(views), false, false, true};
   plot.frame.y.label = what.y_label;
   for (const CounterfactualBand& band : bands) {
     addBand(plot, band, what.column, placeOf(band.strategy));

@@ -72,12 +72,16 @@ Figure spreadFigure(const StudyRecord& record) {
   }
   const double right = static_cast<double>(names.size()) - 0.5;
   for (const double level : {low, 1.0, high}) {
-    plot.series.push_back({level == 1 ? "stated deviation" : "",
+    // A colour each, and one name for both ends: hover.js knows a series by its colour.
+    const bool stated = level == 1;
+    plot.series.push_back({stated         ? "stated deviation"
+                           : level == low ? "95 % interval"
+                                          : "",
                            {-0.5, right},
                            {level, level},
-                           {90, 98, 110, 255},
+                           stated ? Colour{90, 98, 110, 255} : Colour{150, 120, 80, 255},
                            1.2,
-                           level != 1,
+                           !stated,
                            false});
   }
   for (std::size_t k = 0; k < record.methods.size(); ++k) {

@@ -117,14 +117,17 @@
   };
   const drawnRows = (plot) => {
     const [x0, x1, y0, y1, px0, px1, py0, py1] = plot.home;
-    const x = (p) => digits(x0 + (p - px0) * (x1 - x0) / (px1 - px0)), y = (p) => digits(y0 + (p - py0) * (y1 - y0) / (py1 - py0));
+    const x = (p) => digits(plot.valueOf('x', x0 + (p - px0) * (x1 - x0) / (px1 - px0))), y = (p) => digits(plot.valueOf('y', y0 + (p - py0) * (y1 - y0) / (py1 - py0)));
     const rows = plot.shapes().flatMap(({shape, name, points}) => {
       const note = shape.querySelector('title')?.textContent || '';
       return (note ? points.slice(0, 1) : points).map(([a, b]) => [name, x(a), y(b), note]);
     });
     if (rows.length === 0) return '';
-    const step = (v0, v1, p0, p1) => Math.abs((v1 - v0) / (p1 - p0) / 20).toPrecision(2);
-    return `# as drawn: x to within ${step(x0, x1, px0, px1)}, y to within ${step(y0, y1, py0, py1)}\n` + line(['series', 'x', 'y', 'note']) + rows.map(line).join('');
+    const step = (axis, v0, v1, p0, p1) => {
+      const tenth = Math.abs((v1 - v0) / (p1 - p0) / 20);
+      return plot.isLog(axis) ? `${(100 * (10 ** tenth - 1)).toPrecision(2)} %` : tenth.toPrecision(2);
+    };
+    return `# as drawn: x to within ${step('x', x0, x1, px0, px1)}, y to within ${step('y', y0, y1, py0, py1)}\n` + line(['series', 'x', 'y', 'note']) + rows.map(line).join('');
   };
   document.querySelectorAll('main figure').forEach((figure, index) => {
     const svg = figure.querySelector(':scope > svg');

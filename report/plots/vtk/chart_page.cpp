@@ -405,12 +405,16 @@ std::string ChartPage::axisMapping() {
 }
 
 std::string ChartPage::root(const std::string& content) {
+  std::string logarithmic;
+  if (frame_.x.log10) logarithmic += 'x';
+  if (frame_.y.log10) logarithmic += 'y';
+  if (!logarithmic.empty()) logarithmic = " data-log=\"" + logarithmic + '"';
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" id=\"{}\" viewBox=\"0 0 {} {}\" "
-      "width=\"{}\" height=\"{}\" role=\"img\" aria-label=\"{}\" data-ax=\"{}\"{} "
+      "width=\"{}\" height=\"{}\" role=\"img\" aria-label=\"{}\" data-ax=\"{}\"{}{} "
       "font-family=\"Inter,'Helvetica Neue',Arial,'Liberation Sans',sans-serif\">{}</svg>",
       id_, frame_.width, frame_.height, frame_.width, frame_.height, escapeXml(frame_.title),
-      axisMapping(), cells_, content);
+      axisMapping(), logarithmic, cells_, content);
 }
 
 std::string ChartPage::svg() {

@@ -25,6 +25,16 @@ CanvasRenderingContext2D.prototype.fillText = function (text, ...where) {
   if (shown > 0) canvasTexts.set(String(text), parseFloat(this.font.match(/([0-9.]+)px/)[1]) * Math.hypot(m.a, m.b) * shown);
   return fillText.call(this, text, ...where);
 };
+// What the buttons would save, as texts.
+const saved = (figure, kind) => {
+  const texts = [], make = URL.createObjectURL, click = HTMLAnchorElement.prototype.click, made = Blob;
+  window.Blob = function (parts) { texts.push(parts.join('')); };
+  URL.createObjectURL = () => 'blob:none';
+  HTMLAnchorElement.prototype.click = () => {};
+  figure.closest('figure').querySelector(kind).click();
+  [window.Blob, URL.createObjectURL, HTMLAnchorElement.prototype.click] = [made, make, click];
+  return texts[0];
+};
 Element.prototype.setPointerCapture = () => {};  // made-up pointers cannot be captured
 // ?top=N moves the page up by N pixels, so that a window of moderate height sees any part of it.
 const moveUp = (by) => { document.body.style.marginTop = `-${by}px`; };
@@ -35,12 +45,22 @@ addEventListener('DOMContentLoaded', () => {
 </script>"""
 
 STUDY_PROBE = """<script>
+// Of each plot with a logarithmic axis: what pointing at the first point of each series says, and what is saved.
+const logarithmic = () => [...document.querySelectorAll('figure svg[data-log]')].map((svg) => {
+  const says = svg.plumbline.shapes().map(({points: [[x, y]]}) => {
+    const at = new DOMPoint(x, y).matrixTransform(svg.getScreenCTM());
+    svg.dispatchEvent(new PointerEvent('pointermove', {clientX: at.x, clientY: at.y, bubbles: true}));
+    return svg.plumbline.mark.lastChild.textContent;
+  });
+  svg.dispatchEvent(new PointerEvent('pointerleave'));
+  return {id: svg.id, says, csv: saved(svg, '.save-csv')};
+});
 setTimeout(() => {
   const place = (e) => { const r = e.getBoundingClientRect(); return [r.left + scrollX, r.top + scrollY, r.width, r.height]; };
   const out = document.createElement('script');
   out.type = 'application/json';
   out.id = 'probe';
-  out.textContent = JSON.stringify({errors: pageErrors,
+  out.textContent = JSON.stringify({errors: pageErrors, logarithmic: logarithmic(),
     figures: [...document.querySelectorAll('figure svg')].map((s) => [s.id, ...place(s)]),
     tables: [...document.querySelectorAll('table')].map((t) => place(t))});
   document.body.append(out);

@@ -6,9 +6,9 @@ usage: browser_test.py WRITE_PAGE PNG_REGIONS calibration|studies
 
 Proves: no script error; every figure has a size and is not blank; the 3D canvas is not blank and
 changes when it is dragged or turned by keys; a click on a frustum picks its view and marks it; hovering
-names a point; a drag and two fingers zoom all plots over time alike, and keys, button and double-click undo it; the data
-of a plot are saved as they are drawn; the worst view has its image, and zooms; without WebGL the still
-picture stands in.
+names a point, with the value of a logarithmic axis; a drag and two fingers zoom all plots over time alike, and keys,
+button and double-click undo it; the data of a plot are saved as they are drawn; the worst view has its image, and
+zooms; without WebGL the still picture stands in.
 """
 import os
 import re
@@ -143,16 +143,6 @@ const pinch = () => {
   say('single view', close(seen.width, whole / 2, 1e-3) && close(seen.x + seen.width / 2 + 1, whole / 2, 1e-2));
   view.dispatchEvent(new MouseEvent('dblclick', {bubbles: true}));
   return wrong;
-};
-// What the buttons would save, as texts.
-const saved = (figure, kind) => {
-  const texts = [], make = URL.createObjectURL, click = HTMLAnchorElement.prototype.click, made = Blob;
-  window.Blob = function (parts) { texts.push(parts.join('')); };
-  URL.createObjectURL = () => 'blob:none';
-  HTMLAnchorElement.prototype.click = () => {};
-  figure.closest('figure').querySelector(kind).click();
-  [window.Blob, URL.createObjectURL, HTMLAnchorElement.prototype.click] = [made, make, click];
-  return texts[0];
 };
 const data = () => {
   const plot = document.getElementById('camera-frames');
@@ -329,6 +319,18 @@ def check_page(name, page, tool, folder, turns):
           "a still picture stands in" % (name, len(figures), 100 * covered, hover))
 
 
+def check_basin(name, basin):
+    """Hover and CSV name the bound by its own series, and tell it in seconds, not their logarithm."""
+    says = re.match(r"bound of the basin, 2 ms: [-\d.]+, ([\d.e-]+)$", basin["says"][0])
+    if not says or abs(float(says[1]) - 2e-3) > 1e-5:
+        fail("%s: hovering over the bound of 2 ms says '%s'" % (name, basin["says"][0]))
+    rows = [line.rsplit(",", 3) for line in basin["csv"].splitlines() if "bound of the basin" in line]
+    if len(rows) != 2 or any(abs(float(row[2]) - 2e-3) > 2e-5 for row in rows):
+        fail("%s: the saved data of the bound of 2 ms are %s" % (name, rows))
+    if not re.match(r"# as drawn: x to within [\d.]+, y to within [\d.]+ %\n", basin["csv"]):
+        fail("%s: the saved data begin with '%s'" % (name, basin["csv"].splitlines()[0]))
+
+
 def check_study(name, page, tool, folder):
     result, figures = photograph("file://" + page, tool, folder)
     if result["errors"]:
@@ -336,6 +338,8 @@ def check_study(name, page, tool, folder):
     if len(result["figures"]) < 4 or not result["tables"]:
         fail("%s: only %d figures" % (name, len(result["figures"])))
     check_figures(name, result, figures, 15000)
+    if name == "perturbation":
+        check_basin(name, {plot["id"]: plot for plot in result["logarithmic"]}["perturbation-basin"])
     print("%s: %d figures, none blank" % (name, len(figures)))
 
 
