@@ -169,6 +169,22 @@ TEST(CalibrationPage, ListsTheRejectedCorners) {
   EXPECT_THAT(page, HasSubstr(">5.00<"));
 }
 
+TEST(CalibrationPage, SaysWhereErrorsAreDrawnAsADensity) {
+  CalibrationRecord record = syntheticRecord();
+  const auto caption = [&] {
+    return html_internal::reprojectionFigures(html_internal::cameraView(record))
+        .at(1)
+        .figures.front()
+        .caption;
+  };
+  EXPECT_THAT(caption(), HasSubstr("one point per used corner"));
+  CornerResidual corner = record.camera->residuals.front();
+  corner.camera = 0;
+  corner.used = true;
+  record.camera->residuals.insert(record.camera->residuals.end(), 50'000, corner);
+  EXPECT_THAT(caption(), HasSubstr("the density of all used corners"));
+}
+
 TEST(CalibrationPage, NeedsNothingFromOutside) {
   const std::string page = renderCalibrationPage(syntheticRecord());
   for (const char* loader : {"src=\"", "href=\"http", "@import", "url(http", "<link"}) {
@@ -275,8 +291,12 @@ TEST(KeyFigures, AFactorThatNothingTellsIsNotShown) {
   record.camera_imu->imu_summary.noise.gyro = {0.5, 1, 9};
   record.camera_imu->imu_summary.noise.accel = {0.5, 1.2, 11};
   for (const html_internal::Card& card : html_internal::keyFigures(record)) {
-    if (card.label == "Gyroscope residual") EXPECT_THAT(card.note, HasSubstr("not known"));
-    if (card.label == "Accelerometer residual") EXPECT_THAT(card.note, HasSubstr("1.20 \u00d7"));
+    if (card.label == "Gyroscope residual") {
+      EXPECT_THAT(card.note, HasSubstr("not known"));
+    }
+    if (card.label == "Accelerometer residual") {
+      EXPECT_THAT(card.note, HasSubstr("1.20 \u00d7"));
+    }
   }
 }
 

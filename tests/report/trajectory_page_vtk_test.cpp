@@ -62,6 +62,16 @@ TEST(TrajectoryPage, SurvivesRunsThatAllFailed) {
   EXPECT_THAT(renderTrajectoryPage({}), HasSubstr("<section id=\"provenance\""));
 }
 
+TEST(TrajectoryPage, SaysNoCoverageOfARunWithoutTruth) {
+  TrajectoryRecord record = test::syntheticTrajectories();
+  for (TrajectoryRun& run : record.runs) {
+    run.without_truth = true;
+    run.coverage = 0;  // as read from the store
+  }
+  EXPECT_THAT(trajectoryPage(), HasSubstr("Covered [%]"));
+  EXPECT_THAT(renderTrajectoryPage(record), Not(HasSubstr("Covered [%]")));
+}
+
 TEST(TrajectoryPage, CountsRunsThatAreNotCompleteInMedians) {
   TrajectoryRecord record;
   for (const double ate_m : {0.2, 0.2, 0.1, 9.0}) {

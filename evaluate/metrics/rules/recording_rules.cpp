@@ -48,7 +48,8 @@ std::string deviationOf(const TargetFit& fit, double rms_mm) {
                        fit.shape.higher ? fit.shape.higher->tail<kHigherFunctions>().norm() : 0);
   return fmt::format(
       "the board deviates from the grid of target.yaml by {:.2f} mm (RMS over its corners; {:.2f} "
-      "mm in height); RMSE of held-out frames: {:.4f} px with the estimated shape, {:.4f} px "
+      "mm in height); RMS of held-out frames, after the loss: {:.4f} px with the estimated shape, "
+      "{:.4f} px "
       "without",
       rms_mm, height_mm, fit.shapeHeldOutPx(), fit.flat_held_out_px);
 }
@@ -204,21 +205,23 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
     case TargetFinding::kBent:
       return {bentBoard(stage, rule, rms_mm)};
     case TargetFinding::kKnown:
-      return {
-          finding(rule, VerdictLevel::kGood, 0,
-                  fmt::format("known from another session; RMSE of held-out frames: {:.4f} px with "
-                              "it, no better with a shape estimated from this session ({:.4f} px)",
-                              fit.flat_held_out_px, fit.held_out_px))};
+      return {finding(
+          rule, VerdictLevel::kGood, 0,
+          fmt::format(
+              "known from another session; RMS of held-out frames, after the loss: {:.4f} px with "
+              "it, no better with a shape estimated from this session ({:.4f} px)",
+              fit.flat_held_out_px, fit.held_out_px))};
     case TargetFinding::kOther: {
       Rule other = rule;
       other.advice =
           "The file is of another board, or the board has changed since: run again with "
           "--target-shape auto, or estimate the shape from a session of the same day.";
-      return {
-          finding(other, VerdictLevel::kCaution, rms_mm,
-                  fmt::format("not that of the given file; RMSE of held-out frames: {:.4f} px with "
-                              "a shape estimated from this session, {:.4f} px with the file's",
-                              fit.held_out_px, fit.flat_held_out_px))};
+      return {finding(
+          other, VerdictLevel::kCaution, rms_mm,
+          fmt::format(
+              "not that of the given file; RMS of held-out frames, after the loss: {:.4f} px with "
+              "a shape estimated from this session, {:.4f} px with the file's",
+              fit.held_out_px, fit.flat_held_out_px))};
     }
     case TargetFinding::kAsStated:
       return {finding(rule, VerdictLevel::kGood, 0,

@@ -46,7 +46,7 @@ Table candidateTable(const ModelChoice& choice) {
   Table table{{{"Model", Cell::Kind::kCode},
                {"Parameters", kNumber},
                {"Frames", kNumber},
-               {"Held-out frames, RMS [px]", kNumber},
+               {"Held-out frames, RMS after the loss [px]", kNumber},
                {"Above the best [px\u00b2]", kNumber},
                {"Std error [px\u00b2]", kNumber}},
               {}};

@@ -108,10 +108,12 @@ Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::stri
   plot.series = {std::move(series)};
   const std::string left_out =
       outside == 0 ? "" : fmt::format(" {} corners lie outside the axes.", outside);
+  const std::string shown = errors.size() > plot.max_points ? "the density of all used corners"
+                                                            : "one point per used corner";
   return {toSvg(plot, id),
-          "Measured minus projected, one point per used corner. A round cloud centred on zero is "
-          "noise; an elongated or shifted one indicates blur, rolling shutter or a model that does "
-          "not fit." +
+          "Measured minus projected, " + shown +
+              ". A round cloud centred on zero is noise; an elongated or shifted one indicates "
+              "blur, rolling shutter or a model that does not fit." +
               left_out,
           false};
 }

@@ -32,8 +32,8 @@ std::string higherText(const TargetFit& fit) {
   }
   return fmt::format(
       " Displacements of degrees 3 and 4 are estimated besides, with a prior of estimated "
-      "variance: {:.3f} mm RMS, of which {:.3f} mm in height. RMSE of held-out frames with them: "
-      "{:.4f} px, without {:.4f} px.",
+      "variance: {:.3f} mm RMS, of which {:.3f} mm in height. RMS of held-out frames, after the "
+      "loss, with them: {:.4f} px, without {:.4f} px.",
       kMm * fit.shape.higher->norm(), kMm * fit.shape.higher->tail<kHigherFunctions>().norm(),
       held_out_px, fit.held_out_px);
 }
@@ -48,7 +48,8 @@ std::string cornersText(const TargetFit& fit) {
   }
   return fmt::format(
       " Remainders of single corners are estimated besides, with a prior of {:.3f} mm in the plane "
-      "and {:.3f} mm in height (estimated). RMSE of held-out frames with them: {:.4f} px. They "
+      "and {:.3f} mm in height (estimated). RMS of held-out frames, after the loss, with them: "
+      "{:.4f} px. They "
       "depend on recording and detector: another session of the same board has others.",
       kMm * *fit.corners_plane_std, kMm * *fit.corners_height_std, *fit.corners_held_out_px);
 }
@@ -57,7 +58,8 @@ std::string foundText(const TargetFit& fit, bool kept) {
   switch (fit.finding) {
     case TargetFinding::kBent:
       return fmt::format(
-          "The board is not as target.yaml states. RMSE of held-out frames: {:.4f} px with the "
+          "The board is not as target.yaml states. RMS of held-out frames, after the loss: {:.4f} "
+          "px with the "
           "estimated shape, {:.4f} px with the stated one. {}",
           fit.shapeHeldOutPx(), fit.flat_held_out_px,
           kept ? "The calibration uses the estimated shape."
@@ -65,12 +67,14 @@ std::string foundText(const TargetFit& fit, bool kept) {
     case TargetFinding::kKnown:
       return fmt::format(
           "The shape of the board is known from another session and was refined with the cameras "
-          "within its uncertainty. RMSE of held-out frames: {:.4f} px with it, no better with a "
+          "within its uncertainty. RMS of held-out frames, after the loss: {:.4f} px with it, no "
+          "better with a "
           "shape estimated from this session alone ({:.4f} px).",
           fit.flat_held_out_px, fit.held_out_px);
     case TargetFinding::kOther:
       return fmt::format(
-          "The board is not that of the given file. RMSE of held-out frames: {:.4f} px with a "
+          "The board is not that of the given file. RMS of held-out frames, after the loss: {:.4f} "
+          "px with a "
           "shape estimated from this session, shown here, and {:.4f} px with the file's, which the "
           "calibration uses.",
           fit.held_out_px, fit.flat_held_out_px);

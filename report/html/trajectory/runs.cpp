@@ -28,22 +28,23 @@ Cell statusCell(const TrajectoryRun& run) {
 
 Cell nameCell(const std::string& name) { return tight(name.empty() ? kDash : name); }
 
-// Without the coverage of a run that failed: it would be that of whatever the run wrote before.
+// Without the coverage of a run that failed: it would be that of whatever the run wrote before. One
+// without ground truth has none.
 std::vector<Cell> runRow(const TrajectoryRun& run) {
   const SampleStatistics& ate = run.ate_translation_m;
   const SampleStatistics& turn = run.ate_rotation_deg;
   const bool known = ate.n > 0;
-  return {
-      nameCell(run.sequence),
-      nameCell(run.calibration),
-      nameCell(run.run),
-      statusCell(run),
-      number(run.status == RunStatus::kFailed ? kDash : fmt::format("{:.1f}", 100 * run.coverage)),
-      number(known ? metres(ate.rmse) : kDash),
-      number(known ? metres(ate.median) : kDash),
-      number(known ? metres(ate.max) : kDash),
-      number(turn.n > 0 ? fmt::format("{:.3f}", turn.rmse) : kDash),
-      run.problem.empty() ? Cell{kDash} : Cell{run.problem}};
+  const bool covers = run.status != RunStatus::kFailed && !run.without_truth;
+  return {nameCell(run.sequence),
+          nameCell(run.calibration),
+          nameCell(run.run),
+          statusCell(run),
+          number(covers ? fmt::format("{:.1f}", 100 * run.coverage) : kDash),
+          number(known ? metres(ate.rmse) : kDash),
+          number(known ? metres(ate.median) : kDash),
+          number(known ? metres(ate.max) : kDash),
+          number(turn.n > 0 ? fmt::format("{:.3f}", turn.rmse) : kDash),
+          run.problem.empty() ? Cell{kDash} : Cell{run.problem}};
 }
 
 Table runsTable(const std::vector<TrajectoryRun>& runs) {
