@@ -70,8 +70,9 @@ class TrajectoryBuilder {
 /// In which unit a table's stamps are: 10^power nanoseconds.
 struct StampUnit {
   int power = 9;
-  std::string remark;    ///< where the unit is not the format's; else empty
-  bool certain = false;  ///< stated, or told by stamps since 1970; else the format's
+  std::string remark;      ///< where the unit is not the format's; else empty
+  bool certain = false;    ///< stated, or told by stamps since 1970; else the format's
+  bool has_header = true;  ///< whether a header could state it
 };
 
 /// What is known of the unit before a row is read.
@@ -118,7 +119,8 @@ std::optional<TableHeader> parseTableHeader(std::string_view line);
 TrajectoryFile readPoseTable(const TrajectorySource& source, const TrajectoryReadOptions& options);
 
 /// KITTI's poses: T_WB as 12 numbers a line (3x4, row by row), with `options.times` one stamp in
-/// seconds a line. Rotations must be orthonormal within 1e-2.
+/// seconds a line, whose intervals must be those of poses. Rotations must be orthonormal within
+/// 1e-2.
 TrajectoryFile readKitti(const TrajectorySource& source, const TrajectoryReadOptions& options);
 
 /// Motive's CSV (OptiTrack; written by version 1.23 of the format): pairs of names and values in

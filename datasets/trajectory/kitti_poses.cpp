@@ -92,6 +92,11 @@ TrajectoryFile readKitti(const TrajectorySource& source, const TrajectoryReadOpt
   if (options.times.empty()) {
     builder.remark("the poses have no stamps: frame i is taken at i seconds");
   }
+  // Seconds by the format alone, and no header can state another unit.
+  StampUnit seconds;
+  seconds.has_header = false;
+  const TrajectorySource stamps{options.times.string(), {}};
+  if (!options.times.empty()) checkPoseIntervals(stamps, builder.poses(), seconds, 1);
   return std::move(builder).finish();
 }
 

@@ -77,6 +77,16 @@ bool hasVariances(const NumberRow& row) {
                      [&](std::size_t column) { return !(row.values[column] <= 0); });
 }
 
+/// Whether the columns that the format has for it hold one, beside the position.
+bool hasQuaternion(const NumberRow& row, const Layout& layout) {
+  double squares = 0;
+  for (const std::size_t column : layout.q) {
+    if (column >= layout.p && column < layout.p + 3) return false;
+    squares += row.values[column] * row.values[column];
+  }
+  return std::abs(std::sqrt(squares) - 1) <= kQuaternionTolerance;
+}
+
 Layout layoutOf(const NumberRow& row, const std::optional<TableHeader>& header,
                 const std::optional<TrajectoryFormat>& asked) {
   Layout layout;
@@ -85,6 +95,9 @@ Layout layoutOf(const NumberRow& row, const std::optional<TableHeader>& header,
   if (layout.format == TrajectoryFormat::kEuroc) layout.q = kScalarFirst;
   if (header) takeHeader(layout, *header);
   layout.has_orientation = row.columns >= 8;
+  // A header that names a position alone may name velocities where the format has the quaternion.
+  const bool named = !header || header->quaternion;
+  if (layout.has_orientation && !named) layout.has_orientation = hasQuaternion(row, layout);
   layout.has_covariance = layout.format == TrajectoryFormat::kTum && hasVariances(row);
   return layout;
 }
@@ -212,6 +225,17 @@ class TableReader {
                          const StampUnit& unit) const {
     checkPoseIntervals(source_, builder.poses(), unit, builder.firstLine());
     if (!unit.remark.empty()) builder.remark(unit.remark);
+    const bool tum = layout.format == TrajectoryFormat::kTum;
+    if (tum && layout.columns == kOpenVinsColumns && !layout.has_covariance) {
+      builder.remark(
+          "no covariances are read: not all variances of the first row are above 0 where OpenVINS "
+          "has them");
+    }
+    if (layout.columns >= 8 && !layout.has_orientation) {
+      builder.remark(
+          "no orientations are read: the header names no quaternion (qx qy qz qw), and the first "
+          "row has none where it usually stands");
+    }
     if (layout.has_orientation && !layout.order_is_stated) {
       checkQuaternionOrder(source_, builder, layout, options_.format.has_value());
     }

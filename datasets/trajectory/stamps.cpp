@@ -37,7 +37,8 @@ std::optional<int> powerOfEpoch(double stamp) {
   return std::nullopt;
 }
 
-std::string headerCure(int power) {
+std::string headerCure(int power, bool has_header = true) {
+  if (!has_header) return "convert them to seconds";
   return fmt::format(
       "convert them, or state the unit in a first line '# timestamp [{}] tx ty tz "
       "qx qy qz qw'",
@@ -107,18 +108,18 @@ void checkPoseIntervals(const TrajectorySource& source, const std::vector<Stampe
   const bool too_short = interval < kShortestInterval;
   const int likely = too_short ? powerForShort(interval, power) : powerForLong(interval, power);
   if (likely == power) {
-    throw source.fault(
-        line, {InputFault::kWrongUnit,
-               fmt::format("read in {}, the poses are {:.3g} s apart", unitName(power),
-                           static_cast<double>(interval) * 1e-9),
-               fmt::format("0.2 ms to {} s between poses", longest / 1'000'000'000),
-               too_short || unit.certain ? "check the unit of the stamps" : headerCure(power)});
+    throw source.fault(line, {InputFault::kWrongUnit,
+                              fmt::format("read in {}, the poses are {:.3g} s apart",
+                                          unitName(power), static_cast<double>(interval) * 1e-9),
+                              fmt::format("0.2 ms to {} s between poses", longest / 1'000'000'000),
+                              too_short || unit.certain ? "check the unit of the stamps"
+                                                        : headerCure(power, unit.has_header)});
   }
   throw source.fault(
       line, {InputFault::kWrongUnit,
              fmt::format("read in {}, the poses are {:.3g} s apart, so the stamps look like {}",
                          unitName(power), static_cast<double>(interval) * 1e-9, unitName(likely)),
-             fmt::format("stamps in {}", unitName(power)), headerCure(likely)});
+             fmt::format("stamps in {}", unitName(power)), headerCure(likely, unit.has_header)});
 }
 
 }  // namespace plumbline

@@ -95,20 +95,20 @@ std::vector<Object> objectsOf(const ViconHeader& header) {
 
 struct Unit {
   std::string_view word;
-  double factor;
+  double divisor;  // 0.001 is no double itself: by a thousand the quotient is rounded once
 };
-constexpr std::array<Unit, 2> kLengths{{{"m", 1}, {"mm", 1e-3}}};
-constexpr std::array<Unit, 2> kAngles{{{"rad", 1}, {"deg", kDegree}}};
+constexpr std::array<Unit, 2> kLengths{{{"m", 1}, {"mm", 1000}}};
+constexpr std::array<Unit, 2> kAngles{{{"rad", 1}, {"deg", 180 / std::numbers::pi}}};
 
 /// Of an object's columns of one kind, which have one unit.
-double unitFactor(const TrajectorySource& source, int line, const Cells& units,
-                  std::span<const std::size_t> columns, const std::array<Unit, 2>& known) {
+double unitDivisor(const TrajectorySource& source, int line, const Cells& units,
+                   std::span<const std::size_t> columns, const std::array<Unit, 2>& known) {
   const std::string_view word = cellAt(units, columns.front());
   const auto unit =
       std::find_if(known.begin(), known.end(), [&](const Unit& u) { return u.word == word; });
   const bool alike = std::all_of(columns.begin(), columns.end(),
                                  [&](std::size_t c) { return cellAt(units, c) == word; });
-  if (unit != known.end() && alike) return unit->factor;
+  if (unit != known.end() && alike) return unit->divisor;
   throw source.fault(
       line, {InputFault::kWrongUnit,
              alike ? fmt::format("the unit '{}' is unknown", word) : "the axes' units differ",
@@ -145,10 +145,10 @@ class ViconReader {
         object_(chooseObject(source, header_, wanted)),
         builder_(source, TrajectoryFormat::kVicon, true) {
     const int line = table_.line();
-    length_ = unitFactor(source_, line, header_.units, object_.translation, kLengths);
+    length_ = unitDivisor(source_, line, header_.units, object_.translation, kLengths);
     if (!isVector()) return;
     angle_ =
-        unitFactor(source_, line, header_.units, std::span(object_.rotation).first(3), kAngles);
+        unitDivisor(source_, line, header_.units, std::span(object_.rotation).first(3), kAngles);
   }
 
   TrajectoryFile read() {
@@ -189,7 +189,7 @@ class ViconReader {
   Eigen::Quaterniond rotation(const Cells& cells) const {
     const auto at = [&](std::size_t i) { return number(cells, object_.rotation[i]); };
     if (!isVector()) return {at(3), at(0), at(1), at(2)};
-    const Eigen::Vector3d v = angle_ * Eigen::Vector3d(at(0), at(1), at(2));
+    const Eigen::Vector3d v = Eigen::Vector3d(at(0), at(1), at(2)) / angle_;
     // A helical vector is never longer. Euler angles may pass, too: hence the remark in read().
     if (v.allFinite() && v.norm() > 2 * std::numbers::pi * 1.001) {
       throw source_.fault(
@@ -221,7 +221,7 @@ class ViconReader {
     const auto& columns = object_.translation;
     const Eigen::Vector3d p(number(cells, columns[0]), number(cells, columns[1]),
                             number(cells, columns[2]));
-    builder_.add({t, length_ * p, rotation(cells)}, table_.line());
+    builder_.add({t, p / length_, rotation(cells)}, table_.line());
   }
 
   const TrajectorySource& source_;
@@ -229,7 +229,7 @@ class ViconReader {
   ViconHeader header_;
   Object object_;
   TrajectoryBuilder builder_;
-  double length_ = 1;
+  double length_ = 1;  // divisors
   double angle_ = 1;
   int occluded_ = 0;
 };

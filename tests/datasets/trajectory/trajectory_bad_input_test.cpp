@@ -177,5 +177,19 @@ TEST(RefusedFiles, KittiTimesMustFit) {
   EXPECT_EQ(faultOf([&] { readTrajectory(poses, options); }), InputFault::kBadNumber);
 }
 
+TEST(RefusedFiles, KittiTimesMustBeSeconds) {
+  const TemporaryFolder folder;
+  const std::string row = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  const std::string poses = folder.write("00.txt", row + row + row);
+  TrajectoryReadOptions options;
+  options.times = folder.write("times.txt", "0\n100\n200\n");
+  const auto refusal = refusalOf([&] { readTrajectory(poses, options); });
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->path(), options.times.string());
+  EXPECT_EQ(refusal->code(), InputFault::kWrongUnit);
+  EXPECT_THAT(refusal->what(), testing::HasSubstr("look like milliseconds"));
+  EXPECT_THAT(refusal->what(), testing::HasSubstr("convert them to seconds"));
+}
+
 }  // namespace
 }  // namespace plumbline

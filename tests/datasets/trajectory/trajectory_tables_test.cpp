@@ -14,6 +14,7 @@
 namespace plumbline {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -91,6 +92,20 @@ TEST(TumTrajectory, MayNameItsColumnsInAnotherOrder) {
   EXPECT_EQ(first.trajectory.poses[0].p, Eigen::Vector3d(10, 20, 30));
 }
 
+// Columns 4 to 7 hold velocities, or the position itself: nobody's quaternion.
+TEST(TumTrajectory, AHeaderWithoutAQuaternionMayNameOtherColumns) {
+  for (const char* text : {"# t px py pz vx vy vz speed\n1 10 20 30 0.3 0 0.4 0.5\n",
+                           "# t a b c px py pz d\n1 0.6 0.8 0 10 20 30 0\n"}) {
+    const TrajectoryFile file = read(text);
+    EXPECT_FALSE(file.trajectory.has_orientation) << text;
+    EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(10, 20, 30)) << text;
+    EXPECT_THAT(file.remarks, ElementsAre(HasSubstr("no orientations are read"))) << text;
+  }
+  const TrajectoryFile other = read("# t px py pz rx ry rz rw\n1 10 20 30 0 0.6 0 0.8\n");
+  expectQuaternion(other.trajectory.poses[0].q, {0, 0.6, 0, 0.8});
+  EXPECT_TRUE(other.trajectory.has_orientation);
+}
+
 TEST(TumTrajectory, NanosecondsSince1970AreRecognisedAndSaid) {
   const TrajectoryFile file = read(
       "1403636579763555584.000000 0 0 0 -0.0 -0.0 -0.0 1.0\n"
@@ -161,6 +176,7 @@ TEST(OpenVinsTrajectory, CovariancesAreTurnedIntoOurTangent) {
 TEST(OpenVinsTrajectory, OtherColumnsAreNoCovariances) {
   const TrajectoryFile file = read("1 2 3 4 0 0 0 1 0.1 -2 0 -0.1 0 0 0.3 0 0 -1 0 0\n");
   EXPECT_THAT(file.trajectory.covariances, IsEmpty());
+  EXPECT_THAT(file.remarks, Contains(HasSubstr("no covariances are read")));
   EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(2, 3, 4));
 }
 
@@ -169,6 +185,7 @@ TEST(OpenVinsTrajectory, HeaderOfTwentyMayStandOverRowsOfEight) {
       "# timestamp(s) tx ty tz qx qy qz qw Pr11 Pr12 Pr13 Pr22 Pr23 "
       "Pr33 Pt11 Pt12 Pt13 Pt22 Pt23 Pt33\n1 2 3 4 0 0 0 1\n");
   EXPECT_THAT(file.trajectory.covariances, IsEmpty());
+  EXPECT_THAT(file.remarks, IsEmpty());
   EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(2, 3, 4));
 }
 
