@@ -260,6 +260,7 @@ CalibrationExtras readCalibrationExtras(const std::string& path) {
     extras.tool = camera.has("T_imu_cam") ? "openvins" : "kalibr";
   } else if (isBasaltCalibration(file)) {
     extras.tool = "basalt";
+    extras.remarks = basaltRemarks(file);
   } else {
     extras.tool = "plumbline";
     extras.cameras = camerasCovariance(file);

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "calibrator/base/calibration.h"
 #include "datasets/files/yaml_map.h"
@@ -14,11 +15,14 @@ namespace plumbline {
 bool isBasaltCalibration(const YamlMap& file);
 
 /// T_imu_cam[i] (px py pz, Hamilton qx qy qz qw) = T_SCi; cam_time_offset_ns = our time offset;
-/// noise as continuous-time densities of the first axis. Camera types pinhole, pinhole-radtan8 with
-/// k3 to k6 zero, kb4 (equidistant), ds, eucm, and ucm as Kalibr's omni (xi = alpha / (1 - alpha),
-/// focal lengths times 1 + xi). Scale, misalignment and biases of the IMU are not read. InputError
-/// for other types and quaternions that are not of unit length to 1e-3.
+/// noise as continuous-time densities, the largest of the axes. Camera types pinhole,
+/// pinhole-radtan8 with k3 to k6 zero, kb4 (equidistant), ds, eucm, and ucm as Kalibr's omni (xi =
+/// alpha / (1 - alpha), focal lengths times 1 + xi). Scale, misalignment and biases of the IMU are
+/// not read. InputError for other types and quaternions that are not of unit length to 1e-3.
 Calibration readBasaltCalibration(const YamlMap& file);
+
+/// What was simplified in reading it, a sentence each: densities that differ between the axes.
+std::vector<std::string> basaltRemarks(const YamlMap& file);
 
 /// Whether the file is a result of yac (github.com/chutsu/yac): its cameras have `proj_model`.
 bool isYacResult(const YamlMap& file);
@@ -60,8 +64,9 @@ struct CalibrationExtras {
   std::string tool;  ///< who wrote it: "plumbline", "kalibr", "openvins", "yac", "basalt"
   /// Ours: of the last stage that estimated the cameras; names as in the file ("cam0.fu").
   std::optional<ParameterCovariance> cameras;
-  std::string input;       ///< ours: name of the session that it was estimated from
-  std::string input_hash;  ///< and its hash, "algorithm:hex"
+  std::string input;                 ///< ours: name of the session that it was estimated from
+  std::string input_hash;            ///< and its hash, "algorithm:hex"
+  std::vector<std::string> remarks;  ///< on what readCalibration() simplified, a sentence each
 };
 
 /// Reads them from a file that readCalibration() reads. Throws InputError, with file and line, for

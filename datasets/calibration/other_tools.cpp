@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <utility>
@@ -98,10 +99,10 @@ Intrinsics intrinsicsOf(const YamlMap& camera) {
   return k;
 }
 
-/// Basalt has a density for each axis; here one serves all.
-double firstOf(const YamlMap& map, const std::string& key) {
+/// Basalt has a density for each axis; here one serves all: the largest.
+double largestOf(const YamlMap& map, const std::string& key) {
   const auto values = map.numbers(key, "three numbers, one for each axis");
-  if (!values.empty()) return values.front();
+  if (!values.empty()) return *std::max_element(values.begin(), values.end());
   throw map.fault(key,
                   {InputFault::kEmpty, key + " is empty", "three numbers, one for each axis", ""});
 }
@@ -114,10 +115,10 @@ ImuCalibration imuOf(const YamlMap& value, const Transform& T_SC0) {
   // Basalt's names say std, its values are continuous-time densities: it multiplies them by the
   // root of the rate itself. Gravity is not stated and keeps its default.
   imu.noise.rate_hz = value.number("imu_update_rate", "Hz");
-  imu.noise.accel_density = firstOf(value, "accel_noise_std");
-  imu.noise.gyro_density = firstOf(value, "gyro_noise_std");
-  imu.noise.accel_random_walk = firstOf(value, "accel_bias_std");
-  imu.noise.gyro_random_walk = firstOf(value, "gyro_bias_std");
+  imu.noise.accel_density = largestOf(value, "accel_noise_std");
+  imu.noise.gyro_density = largestOf(value, "gyro_noise_std");
+  imu.noise.accel_random_walk = largestOf(value, "accel_bias_std");
+  imu.noise.gyro_random_walk = largestOf(value, "gyro_bias_std");
   return imu;
 }
 
@@ -159,6 +160,18 @@ ImuCalibration imuOf(const YamlMap& file) {
 bool isBasaltCalibration(const YamlMap& file) {
   return file.has("value0") && file.node("value0").IsMap() &&
          file.map("value0", "a calibration").has("T_imu_cam");
+}
+
+std::vector<std::string> basaltRemarks(const YamlMap& file) {
+  const YamlMap value = file.map("value0", "a calibration");
+  std::vector<std::string> remarks;
+  for (const char* key : {"accel_noise_std", "gyro_noise_std", "accel_bias_std", "gyro_bias_std"}) {
+    const auto values = value.numbers(key, "three numbers, one for each axis");
+    const auto unlike = [&](double density) { return density != values.front(); };
+    if (std::none_of(values.begin(), values.end(), unlike)) continue;
+    remarks.push_back(std::string(key) + " differs between the axes: the largest serves all");
+  }
+  return remarks;
 }
 
 Calibration readBasaltCalibration(const YamlMap& file) {

@@ -41,7 +41,8 @@ double tagSize(const YamlMap& file) {
   if (size > 0 && size <= kLargestTag_m) return size;
   const std::string cure =
       size > kLargestTag_m
-          ? fmt::format("it looks like millimetres: write tagSize: {:g}", size / 1000)
+          ? fmt::format("write tagSize: {:g} if it is in millimetres, {:g} if in centimetres",
+                        size / 1000, size / 100)
           : "measure the edge of a tag's black square";
   throw file.fault("tagSize", {InputFault::kOutOfRange, fmt::format("tagSize is {:g}", size),
                                "the edge of a tag in metres, above 0 and below 5", cure});

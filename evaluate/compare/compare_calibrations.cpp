@@ -99,6 +99,16 @@ void addUnknownOffset(ComparedFile& file) {
   file.remarks.push_back(std::move(f));
 }
 
+void addRemarks(const std::vector<std::string>& remarks, const std::string& rule,
+                ComparedFile& file) {
+  for (const std::string& remark : remarks) {
+    Finding f;
+    f.rule = rule;
+    f.evidence = remark;
+    file.remarks.push_back(std::move(f));
+  }
+}
+
 /// A camchain alone has no noise and no deviations: they come with the files of its run.
 void readKalibr(ComparedFile& file) {
   const KalibrRun run = readKalibrRun(file.path);
@@ -108,12 +118,7 @@ void readKalibr(ComparedFile& file) {
   file.states_offset = run.camera_imu && run.camera_imu->statesTimeOffset();
   if (const auto results = run.results()) addOwnFigures(*results, file);
   if (run.imu) addImuModel(*run.imu, file);
-  for (const std::string& remark : run.remarks) {
-    Finding f;
-    f.rule = "Files beside it";
-    f.evidence = remark;
-    file.remarks.push_back(std::move(f));
-  }
+  addRemarks(run.remarks, "Files beside it", file);
 }
 
 }  // namespace
@@ -134,6 +139,7 @@ std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
     file.extras = readCalibrationExtras(paths[i]);
     file.states_noise = statesImuNoise(paths[i]);
     file.states_offset = statesTimeOffset(paths[i]);
+    addRemarks(file.extras.remarks, "IMU noise", file);
     if (file.extras.tool == "kalibr") readKalibr(file);
     if (file.compared.calibration.imu && !file.states_offset) addUnknownOffset(file);
     file.compared.label = names[i];

@@ -32,6 +32,8 @@ constexpr std::array<Entry, 7> kTools{{{ExportTool::kKalibr, "kalibr", exportKal
                                        {ExportTool::kBasalt, "basalt", exportBasalt},
                                        {ExportTool::kCameraInfo, "camera_info", exportCameraInfo}}};
 
+constexpr double kHighestRate_hz = 1e6;  // of images: beyond any camera
+
 // The table has the order of the enumeration.
 const Entry& entryOf(ExportTool tool) { return kTools[static_cast<std::size_t>(tool)]; }
 
@@ -73,8 +75,10 @@ std::vector<ExportTool> exportTools() {
 }
 
 void ExportOptions::check() const {
-  if (!camera_rate_hz || (*camera_rate_hz > 0 && std::isfinite(*camera_rate_hz))) return;
-  throw BadInput(InputFault::kBadCameraRate, source, 0, "the rate of the images is not positive");
+  if (!camera_rate_hz || (*camera_rate_hz > 0 && *camera_rate_hz <= kHighestRate_hz)) return;
+  throw BadInput(InputFault::kBadCameraRate, source, 0,
+                 fmt::format("the rate of the images is {:g} Hz; expected above 0 and at most {:g}",
+                             *camera_rate_hz, kHighestRate_hz));
 }
 
 ExportedFiles exportCalibration(const Calibration& calibration, ExportTool tool,
@@ -106,6 +110,7 @@ ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& 
         "imu.yaml is not written: this file does not state the IMU's noise densities.");
     return out;
   }
+  checks.knownNoise();
   out.files.push_back(
       {"imu.yaml", commentHeader(options, {"Continuous-time noise densities."}) +
                        kalibrImuInputText(calibration.imu->noise, topicOf(*calibration.imu))});

@@ -74,9 +74,12 @@ ExportedFiles exportCameraInfo(const Calibration& calibration, const ExportOptio
   out.warnings = cameraInfoWarnings(calibration);
   for (const CameraCalibration& camera : calibration.cameras) {
     const std::string name = plainName(camera.name) + ".yaml";
-    for (const ExportFile& file : out.files) {
-      if (file.name == name)
-        checks.refuse(InputFault::kDuplicate, "two cameras are named " + camera.name, "rename one");
+    for (std::size_t i = 0; i < out.files.size(); ++i) {
+      if (out.files[i].name != name) continue;
+      checks.refuse(InputFault::kDuplicate,
+                    fmt::format("the files of the cameras {} and {} would both be {}",
+                                calibration.cameras[i].name, camera.name, name),
+                    "rename one");
     }
     out.files.push_back({name, commentHeader(options, out.warnings) +
                                    cameraText(camera, distortionOf(camera, checks))});

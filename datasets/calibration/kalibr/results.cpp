@@ -42,7 +42,9 @@ void readErrorLine(KalibrResults& results, const ResultsLines& lines) {
     KalibrTextCamera& camera = cameraNamed(results, lines);
     if (raw) camera.error_px = s;
   } else if (raw) {
-    (lines.startsWith("Gyro") ? results.gyro_rad_s : results.accel_m_s2) = s;
+    // Of the first IMU, as the noise.
+    auto& imu = lines.startsWith("Gyro") ? results.gyro_rad_s : results.accel_m_s2;
+    if (!imu) imu = s;
   }
 }
 

@@ -125,10 +125,12 @@ std::optional<KalibrResults> textOf(const std::vector<std::string>& paths,
   for (const std::string& path : paths) {
     auto text = readBeside(path, readKalibrResults, run);
     if (!text) continue;
-    if (!found && belongs(*text, chain)) {
-      found = std::move(text);
-    } else {
+    if (!belongs(*text, chain)) {
       run.remarks.push_back(path + " does not have the values of " + chain.path);
+    } else if (found) {
+      run.remarks.push_back(path + " is left out: " + found->path + " has the same values");
+    } else {
+      found = std::move(text);
     }
   }
   return found;

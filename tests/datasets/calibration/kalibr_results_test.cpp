@@ -49,6 +49,18 @@ TEST(KalibrResultsText, ABaselinesQuaternionIsScalarLastAndConjugate) {
   EXPECT_LT(boxminus(*text.cameras[1].T_cn_cnm1, expected).norm(), 1e-7);
 }
 
+TEST(KalibrResultsText, OfSeveralImusTheFirstCounts) {
+  std::string text = kImuText;
+  const std::string second =
+      "Gyroscope error (imu1) [rad/s]:     mean 0.3, median 0.2, std: 0.4\n"
+      "Accelerometer error (imu1) [m/s^2]: mean 0.6, median 0.5, std: 0.8\n";
+  text.insert(text.find("\nTransformation (cam0)"), second);
+  const TemporaryFolder folder;
+  const KalibrResults results = readKalibrResults(folder.write("anything", text));
+  EXPECT_DOUBLE_EQ(results.gyro_rad_s->rms(), 0.005);
+  EXPECT_DOUBLE_EQ(results.accel_m_s2->rms(), 0.1);
+}
+
 TEST(KalibrResultsText, ImuToolsErrorsTransformsAndNoise) {
   const TemporaryFolder folder;
   const KalibrResults text = readKalibrResults(folder.write("anything", kImuText));

@@ -174,6 +174,18 @@ TEST(KalibrRuns, WhatBelongsTogetherIsGathered) {
   }
 }
 
+TEST(KalibrRuns, ACopyOfATextIsSaidToBeOne) {
+  const TemporaryFolder folder;
+  folder.write("a", kCamchainImuYaml);
+  const std::string text = folder.write("b", kImuText);
+  folder.write("c", kImuText);
+  const KalibrRun run = readKalibrRun(folder.path());
+  ASSERT_TRUE(run.results());
+  EXPECT_EQ(run.results()->path, text);
+  ASSERT_EQ(run.remarks.size(), 1U);
+  EXPECT_THAT(run.remarks[0], HasSubstr("c is left out: " + text + " has the same values"));
+}
+
 TEST(KalibrRuns, SeveralRunsInAFolderMustBeNamed) {
   const TemporaryFolder folder;
   const std::string first = folder.write("run1.yaml", kCamchainImuYaml);

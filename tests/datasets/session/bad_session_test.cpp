@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
@@ -167,6 +168,16 @@ INSTANTIATE_TEST_SUITE_P(Corners, BadSession, testing::ValuesIn(kBadCorners), kC
 INSTANTIATE_TEST_SUITE_P(Imu, BadSession, testing::ValuesIn(kBadSamples), kCaseName);
 INSTANTIATE_TEST_SUITE_P(Target, BadSession, testing::ValuesIn(kBadTargets), kCaseName);
 INSTANTIATE_TEST_SUITE_P(Yaml, BadSession, testing::ValuesIn(kBadYamls), kCaseName);
+
+TEST(TargetFile, ATagTooLargeMayBeInMillimetresOrCentimetres) {
+  const TemporaryFolder folder;
+  std::string text = kTargetText;
+  text.replace(text.find("0.088"), 5, "8.8");
+  const auto refusal = refusalOf([&] { readTarget(folder.write("target.yaml", text)); });
+  ASSERT_TRUE(refusal);
+  EXPECT_THAT(refusal->what(),
+              testing::HasSubstr("tagSize: 0.0088 if it is in millimetres, 0.088 if in centi"));
+}
 
 // ---- what is missing
 

@@ -72,6 +72,20 @@ TEST(ExportBasalt, OtherProjectionsReadBack) {
   EXPECT_LT(readBack(ProjectionModel::kOmni, {0.9, 500, 501, 255, 256}), 1e-10);
 }
 
+TEST(ExportBasalt, OfUnlikeAxesTheLargestDensityIsReadAndSaid) {
+  const auto files = exportCalibration(rig("tumvi"), ExportTool::kBasalt, exportOptions());
+  Json json = Json::parse(fileText(files, "basalt_calib.json"));
+  const TemporaryFolder folder;
+  const auto remarks = [&](const std::string& name) {
+    return readCalibrationExtras(folder.write(name, json.dump())).remarks;
+  };
+  EXPECT_THAT(remarks("alike.json"), testing::IsEmpty());
+  json["value0"]["accel_noise_std"] = {0.016, 0.02, 0.018};
+  EXPECT_THAT(remarks("unlike.json"),
+              testing::ElementsAre(testing::HasSubstr("accel_noise_std differs")));
+  EXPECT_EQ(readCalibration(folder.path("unlike.json")).imu->noise.accel_density, 0.02);
+}
+
 TEST(ExportBasalt, PosesOffsetAndNoiseReadBack) {
   const Calibration truth = rig("tumvi");
   const Json json = exported(truth);

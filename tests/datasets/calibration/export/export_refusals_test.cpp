@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a tool cannot hold is refused with the tool, the camera and what to do.
+#include <cmath>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -88,7 +89,33 @@ TEST(ExportRefusals, NoiseThatIsNotKnownOrNotPositive) {
   }
   Calibration no_rate = rig("euroc");
   no_rate.imu->noise.rate_hz = 0;
-  EXPECT_EQ(refusal(no_rate, ExportTool::kVinsFusion), InputFault::kNoImuNoise);
+  for (const ExportTool tool : exportTools()) {
+    EXPECT_EQ(refusal(no_rate, tool),
+              when(tool != ExportTool::kCameraInfo, InputFault::kNoImuNoise))
+        << toString(tool);
+  }
+}
+
+TEST(ExportRefusals, RatesThatNoCameraHas) {
+  ExportOptions options = exportOptions();
+  for (const double rate : {0.0, -20.0, 1e30, std::nan("")}) {
+    options.camera_rate_hz = rate;
+    EXPECT_EQ(refusal(rig("euroc"), ExportTool::kOrbSlam3, options), InputFault::kBadCameraRate)
+        << rate;
+  }
+  options.camera_rate_hz = 240;
+  EXPECT_EQ(refusal(rig("euroc"), ExportTool::kOrbSlam3, options), std::nullopt);
+}
+
+TEST(ExportRefusals, CamerasWhoseFilesWouldHaveOneName) {
+  Calibration alike = rig("euroc");
+  alike.cameras[0].name = "cam.0";
+  alike.cameras[1].name = "cam_0";
+  const auto refused =
+      refusalOf([&] { exportCalibration(alike, ExportTool::kCameraInfo, exportOptions()); });
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code(), InputFault::kDuplicate);
+  EXPECT_THAT(refused->what(), HasSubstr("cameras cam.0 and cam_0 would both be cam_0.yaml"));
 }
 
 TEST(ExportRefusals, CamerasThatDifferWhereOneFieldServesBoth) {
