@@ -2,6 +2,7 @@
 #include "report/store/run_rows.h"
 
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -46,7 +47,10 @@ void RunWriter::array(const std::string& name, const std::string& element,
   insert.bind(1, run_);
   insert.bind(2, name);
   insert.bind(3, element);
-  // An int holds the size: SQLite's default limit of a blob is 1e9 bytes.
+  // The library's sizes are ints; SQLite's own limit of a blob is 1e9 bytes by default.
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    throw std::runtime_error("array '" + name + "' is larger than the store can hold");
+  }
   insert.bindNoCopy(4, static_cast<const void*>(bytes.data()), static_cast<int>(bytes.size()));
   insert.exec();
 }

@@ -246,6 +246,19 @@ TEST(ReplayData, TakesASuggestionThatOnlyADecisionNames) {
   EXPECT_EQ(json[1]["name"], replay().suggestions[1].suggestion.candidate);
 }
 
+TEST(ReplayData, ASuggestionWithoutAKnownEndIsOpenToTheLastFrame) {
+  ReplayRecord record = replay();
+  for (Decision& d : record.decisions) {
+    d.opened.reset();
+    d.suggestion.reset();
+  }
+  for (SuggestionOutcome& o : record.suggestions) o.ended = 0;
+  for (const auto& s : dataOf(record)["suggestions"]) {
+    EXPECT_LE(s["from"], s["to"]);
+    EXPECT_EQ(s["to"], record.frames.size() - 1);
+  }
+}
+
 TEST(ReplayEvents, SayALastingProblemOnceAndEachFinishOnce) {
   const auto events = html_internal::replayEvents(replay());
   int lost = 0, finished = 0, withdrawn = 0;

@@ -170,10 +170,14 @@ Json suggestionsJson(const ReplayRecord& record) {
   Json suggestions = Json::array();
   for (const SuggestionOutcome& o : allOutcomes(record)) {
     const auto known = bands.find(o.suggestion.id);
-    // Of a suggestion that no decision opened only the times are known.
-    const Band band = known != bands.end()
-                          ? known->second
-                          : Band{frameAt(record, o.suggestion.t), frameAt(record, o.ended)};
+    Band band;
+    if (known != bands.end()) {
+      band = known->second;
+    } else {
+      // Of a suggestion that no decision opened only the times are known; 0: no end is.
+      const int last = std::max(0, static_cast<int>(record.frames.size()) - 1);
+      band = {frameAt(record, o.suggestion.t), o.ended == 0 ? last : frameAt(record, o.ended)};
+    }
     suggestions.push_back(suggestionJson(o, band));
   }
   return suggestions;
