@@ -13,6 +13,7 @@
 #include "evaluate/compare/compare_calibrations.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
+#include "report/plots/characters.h"
 
 namespace plumbline {
 namespace {
@@ -23,7 +24,8 @@ constexpr int kColumn = 26;
 /// A label that fits a column; its end says most.
 std::string fitted(const std::string& label) {
   constexpr std::size_t most = kColumn - 2;
-  return label.size() <= most ? label : "..." + label.substr(label.size() - most + 3);
+  if (internal::characterCount(label) <= most) return label;
+  return "..." + std::string(internal::lastCharacters(label, most - 3));
 }
 
 std::string valueText(const ComparedParameter& p, std::size_t i) {

@@ -168,8 +168,9 @@ struct BarPlot {
 /// Minimum, quartiles, maximum.
 struct BoxSummary {
   std::string name;
-  std::array<double, 5> quantiles{};  ///< 0, 25, 50, 75, 100 % (or the whiskers' own)
-  std::size_t series = 0;             ///< decides the colour; place in BoxPlot::series
+  /// 0, 25, 50, 75, 100 % (or the whiskers' own); NaN: no box, only its name and place.
+  std::array<double, 5> quantiles{};
+  std::size_t series = 0;  ///< decides the colour; place in BoxPlot::series
 };
 
 struct BoxPlot {

@@ -33,6 +33,15 @@ TEST(ComparisonPage, SaysWhyAValueIsMissing) {
   EXPECT_THAT(page, HasSubstr("its camera 1 is not in the session"));
 }
 
+TEST(ComparisonPage, NamesCalibrationsThatTheBarsLeaveOut) {
+  EXPECT_THAT(comparisonPage(), Not(HasSubstr("Without a held-out score")));
+  ComparisonRecord record = test::syntheticComparison();
+  for (CalibrationScore& s : record.scores) {
+    if (s.label == "kalibr") s.held_out = false;
+  }
+  EXPECT_THAT(renderComparisonPage(record), HasSubstr("Without a held-out score: kalibr."));
+}
+
 TEST(ComparisonPage, NamesSignificanceInWordsAndColour) {
   const std::string& page = comparisonPage();
   EXPECT_THAT(page, HasSubstr("<span class=\"dot bad\"></span>10.0 \u03c3, differs"));

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "report/plots/characters.h"
 #include "report/plots/svg.h"
 #include "tests/report/markup.h"
 
@@ -87,6 +88,24 @@ TEST(Plots, NameTheirLogarithmicAxes) {
   EXPECT_THAT(attributes(toSvg(plot, "one"), "data-log"), ElementsAre("y"));
   plot.frame.x.log10 = true;
   EXPECT_THAT(attributes(toSvg(plot, "both"), "data-log"), ElementsAre("xy"));
+}
+
+// As wide as letters of one byte: what is beside the labels stays where it is.
+TEST(Plots, MeasureLettersNotBytes) {
+  const auto axes = [](const std::string& label) {
+    LinePlot plot{unitFrame(), {series({0, 1}, {0, 2})}};
+    plot.frame.y.ticks = {{1, label}};
+    return attributes(toSvg(plot, "plot"), "data-ax");
+  };
+  EXPECT_EQ(axes("10 \u00b5\u00b5\u00b5\u00b5"), axes("10 uuuu"));
+  EXPECT_NE(axes("10 uuuu"), axes("10 uuuuuuuu"));
+}
+
+TEST(Characters, AreThoseOfUtf8) {
+  EXPECT_EQ(internal::characterCount("a\u00b5\u2013"), 3U);
+  EXPECT_EQ(internal::lastCharacters("a\u00b5\u2013b", 3), "\u00b5\u2013b");
+  EXPECT_EQ(internal::lastCharacters("ab", 3), "ab");
+  EXPECT_EQ(internal::lastCharacters("ab", 0), "");
 }
 
 TEST(Plots, NeverShareAnId) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the page of trajectories shows: data on their pixels, missing values with their reason.
+#include <set>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -62,6 +63,23 @@ TEST(TrajectoryPage, SurvivesRunsThatAllFailed) {
   EXPECT_THAT(renderTrajectoryPage({}), HasSubstr("<section id=\"provenance\""));
 }
 
+// One run of two groups of three is not complete.
+TEST(TrajectoryPage, DrawsFewRunsAsPoints) {
+  const std::string svg = plot(trajectoryPage(), "ate-runs");
+  std::size_t points = 0;
+  std::set<std::string> boxes;
+  for (const std::string& title : test::between(svg, "<title>", "</title>")) {
+    if (title.find(" | ") == std::string::npos) {
+      ++points;
+    } else {
+      boxes.insert(title);
+    }
+  }
+  EXPECT_EQ(points, 4U);
+  EXPECT_EQ(boxes.size(), 2U);
+  EXPECT_THAT(trajectoryPage(), HasSubstr("Fewer than three runs are shown as points."));
+}
+
 TEST(TrajectoryPage, SaysNoCoverageOfARunWithoutTruth) {
   TrajectoryRecord record = test::syntheticTrajectories();
   for (TrajectoryRun& run : record.runs) {
@@ -103,6 +121,16 @@ TEST(TrajectoryPage, NamesParametersWhoseRunsFailedAndEffectsOfEitherSign) {
       renderTrajectoryPage(record),
       HasSubstr("Runs with a change of cam0.k1 failed. cam0.fu has the largest effect of the "
                 "others: changed by 1.0 px it lowers the ATE of 100.00 mm by 20.00 mm."));
+}
+
+TEST(TrajectoryPage, SaysASmallStepOfACoefficient) {
+  CalibrationSensitivity s;
+  s.ate_m = 0.1;
+  s.noise_m = 1e-4;
+  s.parameters = {{"cam0.k4", "-", 4e-8, -0.02, {}, -0.02, true}};
+  TrajectoryRecord record = test::syntheticTrajectories();
+  record.sensitivity = {s};
+  EXPECT_THAT(renderTrajectoryPage(record), HasSubstr("changed by 4.0e-08 it lowers"));
 }
 
 TEST(TrajectoryPage, ShowsAHintWhoseDeviationIsNotKnown) {

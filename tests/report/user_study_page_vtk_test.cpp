@@ -76,6 +76,15 @@ TEST(UserStudyPage, LeadsFromEveryPointToItsSession) {
   EXPECT_EQ(linked, record.held_out.size());
 }
 
+TEST(UserStudyPage, CountsHeldOutScoresWithoutAnError) {
+  StudyRecord record = test::syntheticUserStudy();
+  const std::size_t all = record.held_out.size();
+  ASSERT_GT(all, 1U);
+  EXPECT_THAT(userStudyPage(), Not(HasSubstr("have no RMSE")));
+  record.held_out.front().rmse_px.reset();
+  EXPECT_THAT(renderStudyPage(record), HasSubstr("1 of " + std::to_string(all) + " have no RMSE"));
+}
+
 TEST(UserStudyPage, LeadsFromMediansToTheSessionNearestToThem) {
   const auto bars = between(plot(userStudyPage(), "study-stages"), "<a ", ">");
   const StudyRecord record = test::syntheticUserStudy();

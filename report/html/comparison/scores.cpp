@@ -88,6 +88,7 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   const bool held_out = anyHeldOut(scores);
   BarPlot plot;
   std::vector<std::string> labels;
+  std::string without;
   for (const CalibrationScore& s : scores) {
     if (std::find(labels.begin(), labels.end(), s.label) == labels.end()) labels.push_back(s.label);
   }
@@ -99,7 +100,10 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
       const bool counts = s.label == label && s.held_out == held_out && !s.per_camera.empty();
       if (counts) parts.push_back(s);
     }
-    if (parts.empty()) continue;
+    if (parts.empty()) {
+      without += (without.empty() ? "" : ", ") + label;
+      continue;
+    }
     std::vector<double> values;
     for (const std::string& camera : plot.categories) values.push_back(pooledRmse(parts, camera));
     plot.names.push_back(label);
@@ -111,12 +115,14 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   plot.frame.height = 320;
   plot.frame.x.label = "camera";
   plot.frame.y.label = "RMSE [px]";
-  return {toSvg(plot, "score-bars"),
-          held_out
-              ? "Corners that none of these calibrations was estimated from; pooled over the "
-                "held-out parts."
-              : "None of these scores is known to be held out: an error in sample is optimistic.",
-          true};
+  std::string caption =
+      held_out ? "Corners that none of these calibrations was estimated from; pooled over the "
+                 "held-out parts."
+               : "None of these scores is known to be held out: an error in sample is optimistic.";
+  if (!without.empty()) {
+    caption += fmt::format(" Without {} score: {}.", held_out ? "a held-out" : "any", without);
+  }
+  return {toSvg(plot, "score-bars"), caption, true};
 }
 
 Table pairedTable(const ComparisonRecord& record) {

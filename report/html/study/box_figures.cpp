@@ -8,6 +8,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "report/html/study/sections.h"
+#include "report/plots/characters.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {
@@ -51,7 +52,7 @@ Figure boxFigure(BoxPlot plot, const std::string& title, const std::string& labe
   std::size_t longest = 0;
   double top = 0;
   for (const BoxSummary& box : plot.boxes) {
-    longest = std::max(longest, box.name.size());
+    longest = std::max(longest, internal::characterCount(box.name));
     top = std::max(top, box.quantiles[4]);
   }
   const bool wide = plot.boxes.size() > 4;
@@ -140,10 +141,15 @@ Section heldOutSection(const StudyRecord& record) {
   const BoxPlot plot = groupedBoxes(record, record.held_out, &StudyHeldOut::recording,
                                     &StudyHeldOut::rmse_px, "{:.4f} px");
   if (plot.boxes.empty()) return section;
-  return withFigure(
-      std::move(section),
-      boxFigure(plot, "Held-out RMSE by recording and method", "RMSE [px]", "study-held-out",
-                "A point is a calibration and links to it.", false));
+  const auto missing = std::count_if(record.held_out.begin(), record.held_out.end(),
+                                     [](const StudyHeldOut& h) { return !h.rmse_px; });
+  std::string caption = "A point is a calibration and links to it.";
+  if (missing > 0) {
+    caption += fmt::format(" {} of {} have no RMSE and are not included.", missing,
+                           record.held_out.size());
+  }
+  return withFigure(std::move(section), boxFigure(plot, "Held-out RMSE by recording and method",
+                                                  "RMSE [px]", "study-held-out", caption, false));
 }
 
 Section entropySection(const StudyRecord& record) {

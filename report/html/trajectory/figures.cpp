@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "report/html/section.h"
 #include "report/html/trajectory/sections.h"
+#include "report/plots/characters.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {
@@ -31,9 +31,32 @@ std::array<double, 5> quantilesOf(const std::vector<double>& values, double leas
           quantile(values, 0.75), quantile(values, most)};
 }
 
+/// How the values of a group become a box; fewer than `fewest` are points in its place.
+struct BoxRule {
+  double least = 0, most = 1;  ///< quantiles of the whiskers
+  std::size_t fewest = 1;
+};
+
+/// Boxes of few values would pretend to a spread.
+void addGroup(BoxPlot& plot, const BoxRule& rule, const std::string& name, std::size_t series,
+              const std::vector<double>& values) {
+  BoxSummary box{name, {}, series};
+  if (values.size() >= rule.fewest) {
+    box.quantiles = quantilesOf(values, rule.least, rule.most);
+  } else {
+    box.quantiles.fill(std::nan(""));
+    const auto x = static_cast<double>(plot.boxes.size());
+    for (const double value : values) {
+      plot.points.push_back(
+          {x, value, fmt::format("{}: {:.4g}", name, value), "", seriesColour(series)});
+    }
+  }
+  plot.boxes.push_back(std::move(box));
+}
+
 /// Values of each (sequence, calibration) in the order of appearance.
 template <class Collect>
-BoxPlot boxesBySequence(const std::vector<TrajectoryRun>& runs, double least, double most,
+BoxPlot boxesBySequence(const std::vector<TrajectoryRun>& runs, const BoxRule& rule,
                         const Collect& collect) {
   BoxPlot plot;
   plot.series = calibrationsOf(runs);
@@ -45,16 +68,15 @@ BoxPlot boxesBySequence(const std::vector<TrajectoryRun>& runs, double least, do
       }
       // quantile() sorts, and NaN has no place in an order.
       std::erase_if(values, [](double v) { return !std::isfinite(v); });
-      if (values.empty()) continue;
-      plot.boxes.push_back({sequence, quantilesOf(values, least, most), k});
+      if (!values.empty()) addGroup(plot, rule, sequence, k, values);
     }
   }
   return plot;
 }
 
 Figure alongFigure(const std::vector<TrajectoryRun>& runs) {
-  BoxPlot plot =
-      boxesBySequence(runs, 0.05, 0.95, [](const TrajectoryRun& run, std::vector<double>& values) {
+  BoxPlot plot = boxesBySequence(
+      runs, {0.05, 0.95}, [](const TrajectoryRun& run, std::vector<double>& values) {
         values.insert(values.end(), run.error_m.begin(), run.error_m.end());
       });
   if (plot.boxes.empty()) return {};
@@ -69,24 +91,22 @@ Figure alongFigure(const std::vector<TrajectoryRun>& runs) {
 }
 
 Figure repeatsFigure(const std::vector<TrajectoryRun>& runs) {
-  BoxPlot plot =
-      boxesBySequence(runs, 0, 1, [](const TrajectoryRun& run, std::vector<double>& values) {
-        if (run.status == RunStatus::kComplete && run.ate_translation_m.n > 0) {
-          values.push_back(run.ate_translation_m.rmse);
-        }
-      });
-  std::map<std::pair<std::string, std::string>, std::size_t> repeats;
-  std::size_t most = 0;
-  for (const TrajectoryRun& run : runs) {
-    if (run.status != RunStatus::kComplete) continue;
-    most = std::max(most, ++repeats[{run.sequence, run.calibration}]);
-  }
-  // Boxes of one or two values would pretend to a spread.
-  if (most < kLeastRepeats || plot.boxes.empty()) return {};
+  const auto collect = [](const TrajectoryRun& run, std::vector<double>& values) {
+    if (run.status == RunStatus::kComplete && run.ate_translation_m.n > 0) {
+      values.push_back(run.ate_translation_m.rmse);
+    }
+  };
+  BoxPlot plot = boxesBySequence(runs, {0, 1, kLeastRepeats}, collect);
+  const bool any_box = std::any_of(plot.boxes.begin(), plot.boxes.end(), [](const BoxSummary& box) {
+    return std::isfinite(box.quantiles[2]);
+  });
+  if (!any_box) return {};
   frameBoxes(plot, "RMSE of complete runs", "ATE RMSE [m]");
+  const std::string few = plot.points.empty() ? "" : " Fewer than three runs are shown as points.";
   return {toSvg(plot, "ate-runs"),
           "One value a run: whiskers at the best and the worst, box from 25 to 75 %, line at the "
-          "median. Partial and failed runs are not in it.",
+          "median. Partial and failed runs are not in it." +
+              few,
           true};
 }
 
@@ -275,8 +295,9 @@ void frameBoxes(BoxPlot& plot, const std::string& title, const std::string& labe
   std::size_t longest = 0;
   for (const BoxSummary& box : plot.boxes) {
     top = std::max(top, box.quantiles[4]);
-    longest = std::max(longest, box.name.size());
+    longest = std::max(longest, internal::characterCount(box.name));
   }
+  for (const NamedPoint& point : plot.points) top = std::max(top, point.y);
   // About as many letters fit side by side below 960 px.
   plot.frame.x.upright_labels = longest * plot.boxes.size() > 110;
   plot.frame.height = plot.frame.x.upright_labels ? 400 : 340;

@@ -54,8 +54,11 @@ std::string stepText(const ParameterSensitivity& p) {
   const ReadableUnit unit = readable(p.unit);
   // Towards another calibration's value a step has a sign; rounding is no step.
   const double size = std::abs(unit.factor * p.step);
-  const std::string step = size < 1e-6 ? "0" : (p.step < 0 ? "-" : "") + twoDigits(size);
-  return p.unit == "-" ? step : step + " " + unit.unit;
+  // A coefficient without a unit may be small itself.
+  const bool plain = p.unit == "-";
+  const double least = plain ? 1e-12 : 1e-6;
+  const std::string step = size < least ? "0" : (p.step < 0 ? "-" : "") + twoDigits(size);
+  return plain ? step : step + " " + unit.unit;
 }
 
 /// As many digits as chance leaves, to a micrometre.

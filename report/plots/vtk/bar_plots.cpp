@@ -99,6 +99,7 @@ Colour tint(const Colour& colour) {
 void drawBoxSummary(vtkContext2D& painter, SvgDevice& device, const ChartPage& page,
                     const BoxSummary& box, double centre) {
   const auto& q = box.quantiles;
+  if (std::isnan(q[2])) return;
   const Colour colour = seriesColour(box.series);
   device.setShapeTitle(fmt::format("{}: {:.4g} | {:.4g} | {:.4g} | {:.4g} | {:.4g}", box.name, q[0],
                                    q[1], q[2], q[3], q[4]));

@@ -17,6 +17,7 @@
 #include <vtkTable.h>
 #include <vtkTextProperty.h>
 
+#include "report/plots/characters.h"
 #include "report/plots/svg.h"
 #include "report/plots/vtk/svg_device.h"
 
@@ -37,7 +38,7 @@ constexpr Colour kFrame{150, 156, 166, 255};
 /// help.
 double widestLabel(const std::vector<AxisTick>& ticks) {
   std::size_t longest = 1;
-  for (const AxisTick& tick : ticks) longest = std::max(longest, tick.label.size());
+  for (const AxisTick& tick : ticks) longest = std::max(longest, characterCount(tick.label));
   return kCharacter * static_cast<double>(longest);
 }
 
@@ -215,7 +216,7 @@ void ChartPage::addHeading(const std::vector<LegendEntry>& legend) {
       setBrush(painter, entry.colour);
       painter.DrawRect(static_cast<float>(x), static_cast<float>(y - 2), 14, 4);
       drawText(painter, x + 20, y, entry.name, {.across = -1});
-      x += 36 + kCharacter * static_cast<double>(entry.name.size());
+      x += 36 + kCharacter * static_cast<double>(characterCount(entry.name));
     }
   });
 }

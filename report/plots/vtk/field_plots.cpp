@@ -9,6 +9,7 @@
 #include <vtkPlotHistogram2D.h>
 #include <vtkPolyData.h>
 
+#include "report/plots/characters.h"
 #include "report/plots/svg.h"
 #include "report/plots/vtk/chart_page.h"
 
@@ -73,7 +74,8 @@ vtkSmartPointer<vtkPlotHistogram2D> cells(const HeatMap& map, const Range& range
 /// What cannot be read is left out: pointing at the cell tells it.
 bool fits(const std::string& label, const ChartPage& page, const HeatMap& map) {
   constexpr double kCharacter = 6.6;  // width of a digit [px]
-  return kCharacter * static_cast<double>(label.size()) < page.plotWidth() / map.columns &&
+  return kCharacter * static_cast<double>(internal::characterCount(label)) <
+             page.plotWidth() / map.columns &&
          kCellLabel + 2 < page.plotHeight() / map.rows;
 }
 

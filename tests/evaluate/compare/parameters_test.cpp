@@ -346,6 +346,18 @@ TEST(OwnEstimateOfTheSession, AStageThatDidNotConvergeIsNoWitness) {
   EXPECT_FALSE(own.calibration.imu);
 }
 
+// In the middle of a letter the table would be no UTF-8.
+TEST(ComparisonSummary, CutsALongLabelBetweenItsLetters) {
+  ComparisonRecord record;
+  std::string letters;
+  for (int i = 0; i < 30; ++i) letters += "\u00fc";
+  for (const std::string& label : {letters, "b" + letters}) {
+    record.calibrations.emplace_back().label = label;
+  }
+  const std::string table = comparisonSummary(record);
+  EXPECT_NE(table.find("..." + letters.substr(0, 42) + " "), std::string::npos) << table;
+}
+
 TEST(ReadCompared, AMissingTimeShiftIsUnknown) {
   const TemporaryFolder folder;
   std::string text = kCamchainImuYaml;
