@@ -41,7 +41,8 @@ void checkAscending(const TextTable& table, TimeNs t, TimeNs before, const char*
   throw table.fault({InputFault::kBadOrder,
                      twice ? fmt::format("the stamp {} is given twice", t)
                            : fmt::format("the stamp {} is earlier than that of the row above", t),
-                     "stamps that ascend strictly", twice ? duplicateCure(t) : cure});
+                     twice ? "stamps that ascend strictly" : "ascending stamps",
+                     twice ? duplicateCure(t) : cure});
 }
 
 // By the intervals and not by the stamps themselves, which may count from any start.

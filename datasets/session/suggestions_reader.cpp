@@ -6,6 +6,7 @@
 
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
+#include "datasets/session/imu.h"
 #include "datasets/session/session_folder.h"
 
 namespace plumbline {
@@ -76,10 +77,9 @@ std::vector<Suggestion> readSuggestions(const std::string& path) {
   while (table.nextRow()) {
     Suggestion s;
     s.t = table.stamp();
+    // Several may have one stamp.
     if (!suggestions.empty() && s.t < suggestions.back().t) {
-      throw table.fault({InputFault::kBadOrder,
-                         fmt::format("the stamp {} is earlier than that of the row above", s.t),
-                         "ascending stamps", "sort the rows by time"});
+      checkAscending(table, s.t, suggestions.back().t, "sort the rows by time");
     }
     s.stage = stageFrom(table);
     s.id = table.integer("id");

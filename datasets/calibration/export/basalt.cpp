@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "calibrator/camera/radtan.h"
 #include "calibrator/camera/rational.h"
 #include "datasets/calibration/export/tools.h"
 
@@ -14,23 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Where the radial polynomial r (1 + k1 r^2 + k2 r^4) stops growing, so that projection beyond it
-// is not unique: the first root of 1 + 3 k1 u + 5 k2 u^2 in u = r^2; 0 (Basalt: no limit) if none.
-double monotoneRadius(double k1, double k2) {
-  const double a = 5 * k2;
-  const double b = 3 * k1;
-  if (a == 0) return b < 0 ? std::sqrt(-1 / b) : 0;
-  const double discriminant = b * b - 4 * a;
-  // No real root: the radius never stops growing.
-  if (discriminant < 0) return 0;
-  // The roots as q / a and c / q with c = 1, neither by a difference of nearly equal numbers.
-  const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
-  double first = 0;
-  for (const double u : {q / a, 1 / q}) {
-    if (u > 0 && (first == 0 || u < first)) first = u;
-  }
-  return std::sqrt(first);
-}
+/// Up to where projection is unique, by the square of that radius; 0 (Basalt: no limit) if
+/// everywhere.
+double uniqueRadius(double squared) { return std::isfinite(squared) ? std::sqrt(squared) : 0; }
 
 Json pinholeOf(const Eigen::VectorXd& p) {
   return {{"fx", p[0]}, {"fy", p[1]}, {"cx", p[2]}, {"cy", p[3]}};
@@ -45,7 +32,7 @@ Json radtanJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d) {
   Json k = pinholeOf(p);
   k.update({{"k1", d[0]}, {"k2", d[1]}, {"p1", d[2]}, {"p2", d[3]}});
   for (const char* name : {"k3", "k4", "k5", "k6"}) k[name] = 0.0;
-  k["rpmax"] = monotoneRadius(d[0], d[1]);
+  k["rpmax"] = uniqueRadius(Radtan::squaredRadiusLimit(d.data()));
   return cameraJson("pinhole-radtan8", k);
 }
 
@@ -54,8 +41,7 @@ Json rationalJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d) {
   const auto names = {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
   Eigen::Index i = 0;
   for (const char* name : names) k[name] = d[i++];
-  const double limit = std::sqrt(Rational::squaredRadiusLimit(d.data()));
-  k["rpmax"] = std::isfinite(limit) ? limit : 0.0;  // 0: no limit
+  k["rpmax"] = uniqueRadius(Rational::squaredRadiusLimit(d.data()));
   return cameraJson("pinhole-radtan8", k);
 }
 

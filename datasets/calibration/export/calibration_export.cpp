@@ -32,7 +32,7 @@ constexpr std::array<Entry, 7> kTools{{{ExportTool::kKalibr, "kalibr", exportKal
                                        {ExportTool::kBasalt, "basalt", exportBasalt},
                                        {ExportTool::kCameraInfo, "camera_info", exportCameraInfo}}};
 
-constexpr double kHighestRate_hz = 1e6;  // of images: beyond any camera
+constexpr double kHighestFrameRate_hz = 1e6;  // of images: beyond any camera
 
 // The table has the order of the enumeration.
 const Entry& entryOf(ExportTool tool) { return kTools[static_cast<std::size_t>(tool)]; }
@@ -75,10 +75,10 @@ std::vector<ExportTool> exportTools() {
 }
 
 void ExportOptions::check() const {
-  if (!camera_rate_hz || (*camera_rate_hz > 0 && *camera_rate_hz <= kHighestRate_hz)) return;
+  if (!camera_rate_hz || (*camera_rate_hz > 0 && *camera_rate_hz <= kHighestFrameRate_hz)) return;
   throw BadInput(InputFault::kBadCameraRate, source, 0,
                  fmt::format("the rate of the images is {:g} Hz; expected above 0 and at most {:g}",
-                             *camera_rate_hz, kHighestRate_hz));
+                             *camera_rate_hz, kHighestFrameRate_hz));
 }
 
 ExportedFiles exportCalibration(const Calibration& calibration, ExportTool tool,

@@ -61,6 +61,7 @@ TEST_F(Suggestions, FaultsNameFileAndLine) {
            {"1000000001000000000,camera,0,1,2,3,0,0,0,1\n", InputFault::kDuplicate},
            {"1000000001000000000,camera-imu,0,1,2,3,0,0,0,1\n", InputFault::kDuplicate},
            {"999999999000000000,camera,1,1,2,3,0,0,0,1\n", InputFault::kBadOrder},
+           {"1000000001", InputFault::kTruncated},
            {"1000000001000000000,camera,1,1,2,3,1,0,0,1\n", InputFault::kNotRigid},
            {"1000000001000000000,camera,1,1,2,3,0,0,0\n", InputFault::kBadNumber},
            {"1000000001000000000,camera,1,1,0,0,0,0,1,0,0,0,0,-1,0\n", InputFault::kNotRigid},
