@@ -107,7 +107,9 @@ std::optional<TableHeader> parseTableHeader(std::string_view line);
 
 /// Rows of stamp, position and quaternion, separated by commas or blanks: TUM, OpenVINS, EuRoC.
 ///
-/// A header line that names the columns decides their order and may state the stamps' unit.
+/// A header line that names the columns decides their order and may state the stamps' unit. One
+/// that names a position but no quaternion: orientations are read only where the first row has a
+/// unit quaternion in the usual columns.
 /// Without one: 8 columns are x y z w and seconds; where commas separate them and the stamps are
 /// nanoseconds, or the format was asked for, w x y z as in EuRoC; 20 columns are OpenVINS' (below);
 /// 11 and more are EuRoC's; 4 columns are stamp and position.
