@@ -159,13 +159,14 @@ std::string vicon(const std::string& rotation, const std::string& units, const s
 TEST(ViconExport, ReadsRotationVectorsInRadians) {
   const TrajectoryFile file = readMocap(vicon(
       "RX,RY,RZ", "rad,rad,rad,mm,mm,mm",
-      fmt::format("1,0,0,0,{:.17g},1000,2000,3000\n2,0,0,0,0,1,2,3\n", std::numbers::pi / 2)));
+      fmt::format("1,0,0,0,{:.17g},1000,2000,3000\n2,0,0,0,0,1,2,9\n", std::numbers::pi / 2)));
   EXPECT_EQ(file.format, TrajectoryFormat::kVicon);
   ASSERT_EQ(file.trajectory.poses.size(), 2U);
   EXPECT_EQ(file.trajectory.poses[0].t, 5'000'000);
   EXPECT_LT((file.trajectory.poses[0].p - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
   const double h = std::sqrt(0.5);
   EXPECT_LT((file.trajectory.poses[0].q.coeffs() - Eigen::Vector4d(0, 0, h, h)).norm(), 1e-15);
+  EXPECT_EQ(file.trajectory.poses[1].p, Eigen::Vector3d(0.001, 0.002, 0.009));
   EXPECT_EQ(file.trajectory.poses[1].q.coeffs(), Eigen::Vector4d(0, 0, 0, 1));
   EXPECT_THAT(file.remarks, Contains(HasSubstr("rotation vector")));
   EXPECT_THAT(file.remarks, Contains(HasSubstr("'rig'")));
