@@ -31,7 +31,10 @@ std::optional<std::string> StartCheck::against(
   const auto restart = calibrateFrames(rig_, frames_, options_);
   const auto given = scoreFrames(rig_, frames_, options_, cameras);
   if (!restart || !given) return std::nullopt;
-  const double restart_px = restart->summary.reprojection.rmse_px;
+  // Scored as the given ones are, for a calibration leaves out corners that a score does not.
+  const auto scored = scoreFrames(rig_, frames_, options_, restart->cameras);
+  if (!scored) return std::nullopt;
+  const double restart_px = scored->summary.reprojection.rmse_px;
   const double given_px = given->summary.reprojection.rmse_px;
   // Cameras made from these very frames fit them better than any others: only a clear excess blames
   // the start.

@@ -407,6 +407,10 @@ Result<CameraStageResult> scoreCameras(const Session& session,
   CameraEstimate estimate = std::move(start.value().estimate);
   const double initialise_s = watch.lap();
   RefinedPoses poses = refinePoses(problem, estimate);
+  // Not those beyond kGrazing: which they are depends on the lens, and a bad one would gain by it.
+  const auto misplaced = misplacedCorners(session.target, problem, estimate);
+  weigh(misplaced, 0, corners);
+  if (!misplaced.empty()) poses = refinePoses(problem, estimate);
   std::size_t rejected = 0;
   if (options.filter == CornerFilter::kKalibr) {
     rejected = rejectLikeKalibr(corners, problem, estimate);

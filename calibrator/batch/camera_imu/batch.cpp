@@ -291,13 +291,14 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   std::optional<FaultDiagnosis> faults = faultsUnder(options, problem, solution);
   seconds.checks = watch.lap();
   // Offsets that wander so far that no test at the optimum reaches them show in the rates alone.
-  // Cameras of another recording are no explanation of them.
+  // Cameras of another recording are no explanation of them. Whoever asks for no tests is not
+  // refused: the same recording may pass them.
   const bool explained =
       faults && std::any_of(faults->causes.begin(), faults->causes.end(), [](const FaultTest& t) {
         return t.fault != UnmodelledFault::kGivenCameras;
       });
   const auto wandering = wanderingStamps(start->parts);
-  if (wandering && !explained) return *wandering;
+  if (wandering && options.diagnose_faults && !explained) return *wandering;
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
   seconds.covariance = watch.lap();

@@ -51,7 +51,8 @@ struct CameraImuOptions : MeasurementModel {
   bool noise_check = true;
 
   /// Look for faults of the recording that the batch does not model (score tests): a tenth of the
-  /// batch's time.
+  /// batch's time. Stamps that wander by what parts of the recording say (wanderingStamps()) are
+  /// refused only with it, where no fault explains them or the recording is too short to be tested.
   bool diagnose_faults = true;
   /// The cameras were not calibrated on this recording: whether they suit it is tested as well.
   bool cameras_given = false;

@@ -101,6 +101,23 @@ TEST(CameraImuFailures, ImuOfAnotherRecording) {
   EXPECT_LT(f.number("correlation"), f.number("needed"));
 }
 
+// Too short to be tested for faults; without tests the offset of the whole is estimated.
+TEST(CameraImuFailures, AClockThatWasSetIsRefusedWhereFaultsAreLookedFor) {
+  Fault set;
+  set.kind = FaultKind::kClockStep;
+  set.value = 0.012;
+  set.at_s = 3;
+  SimulationOptions recording = noisyRecording(1, 6);
+  recording.faults = {set};
+  const SimulatedSession s = simulate(recording);
+  EXPECT_EQ(failureOf(s).code, FailureCode::kStampsWander);
+  CameraImuOptions untested = matchedOptions(s, 0.2);
+  untested.diagnose_faults = untested.noise_check = false;
+  const auto r = calibrateCameraImu(s.session, s.truth.cameras, untested);
+  ASSERT_TRUE(r.ok()) << r.failure();
+  EXPECT_NEAR(r->imu.timeOffset(), s.truth.imu->timeOffset() + 0.006, 0.006);
+}
+
 TEST(CameraImuFailures, FewViews) {
   SimulatedSession s = simulate(noisyRecording(6));
   for (CameraStream& camera : s.session.cameras) {

@@ -172,6 +172,28 @@ TEST(ScoreCameras, TheOptimumScoresItselfAndAnyOtherCalibrationScoresWorse) {
   EXPECT_EQ(worse->cameras[1].intrinsics.stacked(), other[1].intrinsics.stacked());
 }
 
+/// Two tags exchange their ids.
+void exchangeTags(int a, int b, std::vector<Corner>& corners) {
+  for (Corner& corner : corners) {
+    const int tag = corner.id / 4;
+    if (tag == a || tag == b) corner.id += 4 * (tag == a ? b - a : a - b);
+  }
+  std::ranges::sort(corners, {}, &Corner::id);
+}
+
+TEST(ScoreCameras, TagsInThePlaceOfOthersDoNotCount) {
+  SimulatedSession s = simulateSession(simulatedRig("euroc"), shortRecording(0.2));
+  const auto sound = scoreCameras(s.session, s.truth.cameras);
+  std::vector<ImageView>& views = s.session.cameras[0].views;
+  exchangeTags(14, 15, std::ranges::max_element(views, {}, [](const ImageView& view) {
+                         return view.corners.size();
+                       })->corners);
+  const auto exchanged = scoreCameras(s.session, s.truth.cameras);
+  ASSERT_TRUE(sound.ok() && exchanged.ok());
+  EXPECT_EQ(exchanged->summary.corners_used, sound->summary.corners_used - 8);
+  EXPECT_NEAR(exchanged->summary.reprojection.rmse_px, sound->summary.reprojection.rmse_px, 1e-3);
+}
+
 TEST(RecalibrateCameras, TheWholeRecordingGivesTheSameAndWeightsCountAsRepeats) {
   const SimulatedSession s = simulateSession(simulatedRig("euroc"), shortRecording(0.2));
   const auto all = calibrateCameras(s.session);

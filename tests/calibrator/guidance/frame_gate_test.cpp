@@ -2,8 +2,12 @@
 // One gate for both stages: stamps, pauses, work and a target out of view.
 #include "calibrator/guidance/frame_gate.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/calibrator/guidance/camera_guide_replay.h"
 
 namespace plumbline {
 namespace {
@@ -95,6 +99,27 @@ TEST_F(FrameGateTest, SaysNothingOfTheTargetDuringWork) {
   EXPECT_TRUE(d.detail.empty()) << d.detail;
   EXPECT_TRUE(shows(15.1, true));
   EXPECT_TRUE(d.detail.empty()) << d.detail;
+}
+
+// A tag in the place of another costs any cameras the same.
+TEST(StartCheck, TwoTagsThatExchangedTheirIdsDoNotSpeakAgainstTheCameras) {
+  const test::LiveRig rig("euroc", 1, test::kGuideSigma);
+  StartCheck check(rig.guideRig(), test::guideOptions());
+  bool due = false;
+  for (int i = 0; !due && i < 40; ++i) {
+    GuideFrame frame = rig.frame(i, 0.5 * i, rig.wandering(0.5 * i));
+    if (i == 3) {
+      std::vector<Corner>& corners = frame.corners[0];
+      for (Corner& corner : corners) {
+        const int tag = corner.id / 4;
+        if (tag == 14 || tag == 15) corner.id += tag == 14 ? 4 : -4;
+      }
+      std::ranges::sort(corners, {}, &Corner::id);
+    }
+    due = check.isDue(frame, usableViews(frame, rig.truth().size(), 16));
+  }
+  ASSERT_TRUE(due);
+  EXPECT_EQ(check.against(rig.truth()), std::nullopt);
 }
 
 }  // namespace
