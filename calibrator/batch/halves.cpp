@@ -28,6 +28,9 @@ namespace {
 constexpr double kMostWidening = 3;
 constexpr double kDiagnosisBlocks = 20;  // what a ratio of deviations is taken to stand on
 
+/// Of a variance over that of pixel_sigma: exact corners have none.
+double leastNoise(double pixel_sigma) { return std::pow(kLeastNoisePx / pixel_sigma, 2); }
+
 struct Half {
   CameraEstimate estimate;
   Eigen::MatrixXd formal, robust;
@@ -56,6 +59,8 @@ std::optional<Half> solveHalf(const Session& session, const CameraStageResult& w
   // reducedInformation() holds the board's higher terms; the robust covariance, which takes
   // `share`, does not.
   if (share) *formal += share->covariance;
+  // At the noise of the corners: that of a larger pixel_sigma would hide every difference.
+  *formal *= std::max(noiseRatio(problem, solution.estimate), leastNoise(options.pixel_sigma));
   return Half{solution.estimate, *formal, robust->matrix, robust->blocks};
 }
 
@@ -167,8 +172,12 @@ std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
   constexpr Eigen::Index kOwn = 7;  // T_SC0, time offset
   // A half needs two frames for a link.
   if (!whole.faults || whole.frames.size() < 4) return std::nullopt;
+  // Per axis; corners with less noise than assumed leave the formal deviations too large, by no
+  // more than this.
+  const double rms = std::sqrt(0.5) * whole.summary.reprojection.rmse_px / options.pixel_sigma;
+  const double noise = std::clamp(rms * rms, leastNoise(options.pixel_sigma), 1.0);
   const Eigen::VectorXd ratio =
-      whole.faults->robust_std.cwiseQuotient(whole.faults->formal_std).cwiseMax(1);
+      whole.faults->robust_std.cwiseQuotient(whole.faults->formal_std).cwiseMax(std::sqrt(noise));
   // A formal deviation of zero has no ratio.
   if (!ratio.allFinite()) return std::nullopt;
   // Without what is read of a whole recording alone: it costs a good part of the time.
@@ -194,9 +203,9 @@ std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
   check.split = whole.frames[static_cast<std::size_t>(segments[1].first)].t;
   const auto add = [&](const char* name, Eigen::Index at, std::vector<ParameterName> parameters) {
     const auto n = static_cast<Eigen::Index>(parameters.size());
-    check.blocks.push_back(
-        compareHalves({name, std::move(parameters), d.segment(at, n), formal.block(at, at, n, n),
-                       robust.block(at, at, n, n), kDiagnosisBlocks}));
+    check.blocks.push_back(compareHalves({name, std::move(parameters), d.segment(at, n),
+                                          noise * formal.block(at, at, n, n),
+                                          robust.block(at, at, n, n), kDiagnosisBlocks}));
   };
   add("T_SC0 translation", 0, {arm.begin(), arm.begin() + 3});
   add("T_SC0 rotation", 3, {arm.begin() + 3, arm.end()});

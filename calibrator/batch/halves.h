@@ -15,7 +15,8 @@ namespace plumbline {
 /// Whether the halves of a recording, each solved apart from the whole's solution, agree.
 ///
 /// For each block of parameters, d their difference, F the sum of both halves' formal covariances
-/// and R that of their cluster-robust ones (camera/information.h) from M blocks of time:
+/// at the noise that their corners have (noiseRatio()) and R that of their cluster-robust ones
+/// (camera/information.h) from M blocks of time:
 ///   chi2 = d^T C^-1 d,   L^-1 C L^-T = (1 - a) W + a max(1, tr W / p) 1,   W = L^-1 R L^-T,
 /// F = L L^T, p parameters, a = p / (p + M): the robust covariance, drawn towards the formal one at
 /// the size of the robust one, since M blocks do not fill p x p entries (a linear shrinkage after
@@ -30,7 +31,8 @@ std::optional<HalvesCheck> checkCameraHalves(const Session& session, const Camer
 
 /// The same for the camera-IMU stage, the cameras held at the whole's: translation and rotation of
 /// T_SC0, time offset. The robust deviations are the halves' formal ones times the ratio that the
-/// whole's diagnosis has (FaultDiagnosis), at least 1. Empty also without a diagnosis.
+/// whole's diagnosis has (FaultDiagnosis), at least 1, or the noise of the whole's corners over
+/// pixel_sigma where that is less; F is taken at that noise. Empty also without a diagnosis.
 std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
                                                 const CameraImuStageResult& whole,
                                                 const CameraImuOptions& options = {});

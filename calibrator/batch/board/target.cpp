@@ -274,7 +274,9 @@ bool describeBoard(const CameraProblem& problem, const CameraSolution& bent, Tar
   if (!bent.converged || !formal) return false;
   if (share) *formal += share->covariance;
   fit.shape.covariance = formal->bottomRightCorner<kTargetTerms, kTargetTerms>();
-  fit.std = fit.shape.covariance->diagonal().cwiseSqrt();
+  // At the noise of the corners, not the stated one, under which quiet ones would determine
+  // nothing.
+  fit.std = (noiseRatio(problem, bent.estimate) * fit.shape.covariance->diagonal()).cwiseSqrt();
   if (const auto robust = robustCovariance(problem, bent, share)) {
     fit.blocks = robust->blocks;
     // The larger of both: of few blocks the robust one may be small by chance.

@@ -35,8 +35,10 @@ CameraSolution solveAgain(const Session& session, const CameraStageResult& earli
                           const CameraStageOptions& options, CameraProblem& problem,
                           CameraEstimate estimate);
 
-/// Fills a fit's shape, with its deviations, from a solution with the board's terms. False where it
-/// has no deviations: it has not converged, or does not determine cameras and board.
+/// Fills a fit's shape, with its deviations, from a solution with the board's terms: the formal
+/// ones at the noise that the corners have, or the cluster-robust ones where those are larger
+/// (`shape.covariance` is formal under pixel_sigma). False where it has none: it has not converged,
+/// or does not determine cameras and board.
 bool describeBoard(const CameraProblem& problem, const CameraSolution& bent, TargetFit& fit);
 
 /// A solution, and what it says of the board where that was asked for.

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whether the halves of a recording agree.
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/halves.h"
 #include "calibrator/simulate/simulate_session.h"
+#include "tests/calibrator/batch/camera_imu_examples.h"
 
 namespace plumbline {
 namespace {
@@ -48,6 +51,45 @@ TEST(CameraHalves, ALensThatWasKnockedIsNamedWithItsShift) {
   EXPECT_EQ(lens.worst, "cam0.pu");
   EXPECT_NEAR(lens.difference, 2, 4 * lens.std);
   EXPECT_TRUE(check->blocks[1].agree()) << "the other lens stayed";
+}
+
+// Corners of 0.2 px: a stated 1 px used to hide a difference of some deviations.
+TEST(CameraHalves, ADifferenceCountsTheSameWhateverNoiseIsStated) {
+  const Session session = knocked(recorded(1).session, 0.5);
+  const auto checkedUnder = [&](double pixel_sigma) {
+    CameraStageOptions options;
+    options.cauchy_px = 0;
+    options.pixel_sigma = pixel_sigma;
+    const auto whole = calibrateCameras(session, options);
+    return whole ? checkCameraHalves(session, *whole, options) : std::nullopt;
+  };
+  const auto true_noise = checkedUnder(0.2), larger = checkedUnder(1);
+  ASSERT_TRUE(true_noise && larger);
+  for (std::size_t b = 0; b < larger->blocks.size(); ++b) {
+    const HalvesBlock& block = true_noise->blocks[b];
+    EXPECT_NEAR(larger->blocks[b].chi2, block.chi2, 0.01 * block.chi2) << block.name;
+  }
+}
+
+TEST(CameraImuHalves, QuietCornersLowerTheLeastDeviation) {
+  const SimulatedSession s = test::simulate(test::noisyRecording(1));
+  CameraImuOptions options = test::matchedOptions(s, 1);
+  options.diagnose_faults = options.noise_check = false;
+  const auto solved = calibrateCameraImu(s.session, s.truth.cameras, options);
+  ASSERT_TRUE(solved.ok()) << solved.failure();
+  CameraImuStageResult whole = *solved;
+  FaultDiagnosis& faults = whole.faults.emplace();
+  faults.formal_std = Eigen::VectorXd::Ones(7);
+  faults.robust_std = 0.01 * faults.formal_std;  // too small by chance
+  const auto stdUnder = [&](double noise_px) {
+    whole.summary.reprojection.rmse_px = std::sqrt(2) * noise_px;
+    const auto check = checkCameraImuHalves(s.session, whole, options);
+    return check ? check->blocks.back().std : -1;
+  };
+  const double assumed = stdUnder(1);
+  EXPECT_GT(assumed, 0);
+  EXPECT_NEAR(stdUnder(0.2), 0.2 * assumed, 1e-9 * assumed);
+  EXPECT_NEAR(stdUnder(3), assumed, 1e-9 * assumed);
 }
 
 TEST(CameraHalves, ChiSquareOfAWhiteDifferenceIsThatOfItsParameters) {

@@ -141,6 +141,19 @@ TEST(CameraTarget, TheFitIsOfTheBoardThatAFilterLeaves) {
   EXPECT_NE(filtered->target_fit->std, all->target_fit->std);
 }
 
+// Whether a recording determines the board is no matter of the noise that is stated.
+TEST(CameraTarget, TheFitsDeviationsAreAtTheNoiseOfTheCorners) {
+  SimulationOptions recording = recordingOf(bentTerms(), 0.2);
+  recording.duration_s = 3;
+  const auto s = simulateSession(simulatedRig("euroc"), recording);
+  const auto matched = calibrateCameras(s.session, estimating(TargetMode::kEstimate, 0.2));
+  const auto larger = calibrateCameras(s.session, estimating(TargetMode::kEstimate, 1));
+  ASSERT_TRUE(matched.ok() && matched->target_fit && larger.ok() && larger->target_fit);
+  const TargetTerms ratio = larger->target_fit->std.cwiseQuotient(matched->target_fit->std);
+  EXPECT_NEAR(ratio.minCoeff(), 1, 0.05);
+  EXPECT_NEAR(ratio.maxCoeff(), 1, 0.05);
+}
+
 TEST(CameraTarget, AKnownShapeGivesTheCamerasBack) {
   auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0));
   s.session.target.shape.terms = bentTerms();
