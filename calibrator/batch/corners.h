@@ -18,7 +18,9 @@ namespace plumbline {
 enum class CornerFilter {
   kNone,
   /// After a first solution: |e| above `sigmas` times the camera's standard deviation per axis,
-  /// which is taken robustly, from the median of |e|; then solved again. The same in both stages.
+  /// which is taken robustly, from the median of |e|; then solved again, in up to three rounds of
+  /// the camera stage, two of the camera-IMU stage, one of scoreCameras(): corners_used of a
+  /// calibration and of its score on the same session may differ.
   kSigma,
   /// As Kalibr does: |e| above mean + 2 std of its view, with only that view's pose free, and above
   /// 0.2 px.
@@ -71,7 +73,7 @@ struct PosedView {
   Transform T_CF;
 };
 
-/// CornerFilter::kSigma for one camera at an estimate, in both stages: gives weight 0 to every used
+/// One round of CornerFilter::kSigma for one camera at an estimate: gives weight 0 to every used
 /// corner of the views with |e| above `sigmas` times the standard deviation per axis, taken
 /// robustly from the median of |e| over the camera's used corners (median of a Rayleigh
 /// distribution: sqrt(2 ln 2) = 1.1774 sigma), so that the outliers themselves do not widen it.

@@ -117,9 +117,10 @@ void addModels(Text& text, const std::vector<ModelChoice>& models) {
             ? "the smallest of those that predict held-out frames best"
         : m.reason == ModelReason::kCommon
             ? "that of all cameras together, which costs this one less than 1 %"
-            : "others were not tested");
+            : "others were not tested, or this recording does not determine them");
     for (const ModelCandidate& c : m.candidates) {
       if (c.projection != m.projection || c.distortion != m.distortion) continue;
+      if (!std::isfinite(c.held_out_px)) continue;
       add(text, ", {:.4f} px there", c.held_out_px);
     }
     add(text, "\n");

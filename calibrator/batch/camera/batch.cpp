@@ -2,6 +2,8 @@
 #include "calibrator/batch/camera/batch.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -50,9 +52,8 @@ void checkSession(const Session& session) {
 /// Throws InputError for a model that can be scored only.
 void refuseModel(const std::string& camera, const CameraModelPair& model) {
   if (canBeCalibrated(model.projection, model.distortion)) return;
-  throw InputError(fmt::format("{}: the model {}-{} cannot be calibrated; choose {}", camera,
-                               toString(model.projection), toString(model.distortion),
-                               calibratedModelWords()));
+  throw InputError(camera + ": " +
+                   unsupportedModelText(toString(model.projection), toString(model.distortion)));
 }
 
 /// Corners that an estimate puts beyond an angle from the optical axis, of lenses that end there.
@@ -288,15 +289,18 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
   return stage;
 }
 
-/// From a start to all that is reported; `corners` by value, for their weights change.
+/// From a start to all that is reported; `corners` by value, for their weights change. `choices`
+/// become those of the lens models, also where it fails.
 Result<CameraStageResult> solveAndReport(const Session& session, std::vector<PackedCorners> corners,
                                          const CameraStart& start,
-                                         const CameraStageOptions& options, int most_parameters) {
+                                         const CameraStageOptions& options, int most_parameters,
+                                         std::vector<ModelChoice>& choices) {
   Stopwatch watch;
   CameraProblem problem = problemOf(corners, start.frames, options);
   StageSolution solved =
       solveStage(session, corners, problem, start.estimate, options, most_parameters);
   const double solve_s = watch.lap();
+  choices = std::move(solved.models);
   if (problem.frames.empty()) {
     const bool filtered = options.filter != CornerFilter::kNone || options.select_views;
     return Failure{filtered ? FailureCode::kFilterLeftNoFrame : FailureCode::kNoFramePose,
@@ -305,12 +309,64 @@ Result<CameraStageResult> solveAndReport(const Session& session, std::vector<Pac
   auto result = stageResult(session, problem, solved.solution, ResidualList::kKeep);
   if (!result) return result;
   result.value().target_fit = solved.fit;
-  result.value().models = std::move(solved.models);
+  result.value().models = choices;
   StageSeconds& seconds = result.value().summary.seconds;
   seconds.solve = solve_s - solved.choice_s;
   seconds.checks = solved.choice_s;
   seconds.covariance = watch.lap();
   return result;
+}
+
+/// Whether the recording may yet determine other lens models.
+bool isUndetermined(const Failure& failure) {
+  return failure.reason() == FailureReason::kNotObservable ||
+         failure.reason() == FailureReason::kNotConverged;
+}
+
+/// With the models that the session states, all of its cameras; `choices` say what was tried before
+/// them. Empty where it states none, or they fail.
+std::optional<CameraStageResult> solveAsStated(const Session& session,
+                                               const std::vector<PackedCorners>& corners,
+                                               const std::vector<Frame>& frames,
+                                               CameraStageOptions options,
+                                               std::vector<ModelChoice> choices) {
+  options.model_mode = ModelMode::kGiven;
+  options.models.clear();
+  for (const CameraStream& stream : session.cameras) {
+    const auto stated = statedModel(stream);
+    if (!stated || !canBeCalibrated(stated->projection, stated->distortion)) return std::nullopt;
+    options.models.push_back(*stated);
+  }
+  const auto start = startFromViews(session, corners, frames, options.models, options);
+  if (!start) return std::nullopt;
+  std::vector<ModelChoice> none;
+  auto result = solveAndReport(session, corners, *start, options, kMaxIntrinsics, none);
+  if (!result) return std::nullopt;
+  for (std::size_t c = 0; c < choices.size(); ++c) {
+    choices[c].projection = options.models[c].projection;
+    choices[c].distortion = options.models[c].distortion;
+    choices[c].reason = ModelReason::kNotTested;
+  }
+  result.value().models = std::move(choices);
+  return std::move(result).value();
+}
+
+/// ModelMode::kAuto. A short recording may not determine the models that predict it best: then
+/// those of no more than the usual parameters are tried, and at last the ones that the session
+/// states.
+Result<CameraStageResult> chooseAndReport(const Session& session,
+                                          const std::vector<PackedCorners>& corners,
+                                          const std::vector<Frame>& frames,
+                                          const CameraStart& start,
+                                          const CameraStageOptions& options) {
+  std::vector<ModelChoice> first, usual;
+  auto result = solveAndReport(session, corners, start, options, kMaxIntrinsics, first);
+  if (result.ok() || !isUndetermined(result.failure())) return result;
+  result = solveAndReport(session, corners, start, options, kUsualParameters, usual);
+  if (result.ok()) addCandidates(first, result.value().models);
+  if (result.ok() || !isUndetermined(result.failure())) return result;
+  auto stated = solveAsStated(session, corners, frames, options, std::move(first));
+  return stated ? Result<CameraStageResult>(std::move(*stated)) : result;
 }
 
 }  // namespace
@@ -372,19 +428,17 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
     refuseModel(camera.name,
                 {camera.intrinsics.projection_model, camera.intrinsics.distortion_model});
   }
+  // A start has its models: nothing is chosen, and the session's words do not count.
+  const bool choose = options.model_mode == ModelMode::kAuto && options.start.empty();
   std::vector<CameraModelPair> models;
-  if (options.model_mode == ModelMode::kGiven) models = cameraModels(session, options);
+  if (!choose && options.start.empty()) models = cameraModels(session, options);
   auto start = options.start.empty() ? startFromViews(session, corners, frames, models, options)
                                      : startFromCameras(options.start, corners, frames, options);
   if (!start) return start.failure();
   const double initialise_s = watch.lap();
-  auto result = solveAndReport(session, corners, *start, options, kMaxIntrinsics);
-  // A start has its models: nothing was chosen.
-  if (!result.ok() && options.model_mode == ModelMode::kAuto && options.start.empty()) {
-    // A short recording may not determine the coefficients of a large model, however well it
-    // predicts.
-    result = solveAndReport(session, corners, *start, options, kUsualParameters);
-  }
+  std::vector<ModelChoice> none;
+  auto result = choose ? chooseAndReport(session, corners, frames, *start, options)
+                       : solveAndReport(session, corners, *start, options, kMaxIntrinsics, none);
   if (!result) return result;
   StageSeconds& seconds = result.value().summary.seconds;
   seconds.initialise = initialise_s;

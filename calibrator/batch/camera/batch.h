@@ -59,7 +59,7 @@ enum class ModelMode {
 struct CameraStageOptions : MeasurementModel {
   ModelMode model_mode = ModelMode::kGiven;
   /// One per camera of the session. Empty: the words of the session's cameras, pinhole-radtan where
-  /// they have none.
+  /// they have none. A start has its own, and neither these nor the words count.
   std::vector<CameraModelPair> models;
   /// Start, one per camera of the session. Empty: from the views alone.
   std::vector<CameraCalibration> start;
@@ -112,6 +112,8 @@ std::vector<CameraModelPair> cameraModels(const Session& session,
 /// every T_C0Ci ("T_C0C1.tx" ... "T_C0C1.rz"); poses are marginalised.
 /// With ModelMode::kAuto the lens model of every camera is chosen by the error of unseen frames
 /// (CameraStageResult::models); the session's words only count among equals, options.models not.
+/// Where the recording does not determine what was chosen, models of no more than the usual eight
+/// parameters are tried, and then those that the session states (ModelReason::kNotTested).
 /// With options.target the board's terms are estimated besides (CameraStageResult::target); the
 /// covariance is the cameras', with the terms marginalised.
 /// views_offered counts all views of the session, whatever they saw; corners_offered their corners.

@@ -87,6 +87,8 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, BoardD
                 int most_frames, const MinimiserOptions& solver) {
   const auto blocks = blocksOf(problem.frameCount(), most_frames);
   HeldOut out;
+  // Neither half would train the other.
+  if (blocks.size() < 2) return out;
   out.cost.resize(blocks.size());
   std::vector<PackedCorners> placed;
   // Every other block, so that both halves span the recording.
@@ -129,6 +131,7 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, BoardD
 MeanGain meanGain(const std::vector<double>& from, const std::vector<double>& to) {
   const auto n = static_cast<double>(from.size());
   MeanGain gain;
+  if (n < 2) return gain;  // no scatter
   for (std::size_t b = 0; b < from.size(); ++b) gain.mean += (from[b] - to[b]) / n;
   // Paired by block: what makes a block hard is in both costs and drops out of their difference.
   double square = 0;

@@ -123,13 +123,15 @@ bool isAsGood(const Trialled& trial, const Trialled& best) {
 }
 
 /// Whether a model need not be tried on more frames: it is far behind the best, or it has more
-/// parameters than usual and gains next to nothing by them.
-bool isRuledOut(const Trialled& trial, const Trialled& best, const Trialled* usual) {
+/// parameters than usual, though nobody stated it, and gains next to nothing by them.
+bool isRuledOut(const Trialled& trial, const Trialled& best, const Trialled* usual,
+                const std::optional<CameraModelPair>& stated) {
   if (!trial.error || !best.error) return !trial.error;
   const MeanGain over = excess(trial, best);
   if (over.mean > kRuledOutSigmas * over.std && over.mean > kRuledOutShare * best.cost()) {
     return true;
   }
+  if (stated && isSame(trial.model, *stated)) return false;
   return usual && trial.parameters() > kUsualParameters &&
          trial.cost() > (1 - kAlike) * usual->cost();
 }
@@ -179,7 +181,7 @@ std::size_t chosenOf(const std::vector<Trialled>& open,
 }
 
 /// Moves those that are ruled out, the worst last, out of the open ones.
-void ruleOut(CameraTrial& trial) {
+void ruleOut(const std::optional<CameraModelPair>& stated, CameraTrial& trial) {
   rank(trial.open);
   const Trialled best = trial.open.front();
   if (!best.error) return;
@@ -190,13 +192,27 @@ void ruleOut(CameraTrial& trial) {
       found == trial.open.end() ? std::nullopt : std::optional(*found);
   std::vector<Trialled> open;
   for (Trialled& t : trial.open) {
-    if (isRuledOut(t, best, usual ? &*usual : nullptr)) {
+    if (isRuledOut(t, best, usual ? &*usual : nullptr, stated)) {
       trial.ruled_out.push_back(candidateOf(t, best));
     } else {
       open.push_back(std::move(t));
     }
   }
   trial.open = std::move(open);
+}
+
+/// Moves those without a solution out of the open ones, of which the best then stands first: models
+/// that solved on few frames may fail on more. Where none has one, nothing was compared.
+void ruleOutUnsolved(CameraTrial& trial) {
+  rank(trial.open);
+  const auto unsolved = std::find_if(trial.open.begin(), trial.open.end(),
+                                     [](const Trialled& t) { return !t.error; });
+  if (unsolved != trial.open.begin()) {
+    for (auto t = unsolved; t != trial.open.end(); ++t) {
+      trial.ruled_out.push_back(candidateOf(*t, trial.open.front()));
+    }
+  }
+  trial.open.erase(unsolved, trial.open.end());
 }
 
 /// Whether the stated model is as good as any already on few frames: what another could still gain
@@ -332,6 +348,20 @@ std::vector<CameraModelPair> candidateModels() {
   return models;
 }
 
+void addCandidates(const std::vector<ModelChoice>& earlier, std::vector<ModelChoice>& choices) {
+  for (std::size_t c = 0; c < choices.size(); ++c) {
+    std::vector<ModelCandidate>& all = choices[c].candidates;
+    for (const ModelCandidate& tried : earlier[c].candidates) {
+      const bool is_there = std::any_of(all.begin(), all.end(), [&](const ModelCandidate& m) {
+        return m.projection == tried.projection && m.distortion == tried.distortion;
+      });
+      if (!is_there) all.push_back(tried);
+    }
+    std::stable_partition(all.begin(), all.end(),
+                          [](const ModelCandidate& m) { return std::isfinite(m.held_out_px); });
+  }
+}
+
 bool ChosenModels::differ(const std::vector<Intrinsics>& from) const {
   for (std::size_t c = 0; c < lenses.size(); ++c) {
     if (!isSame(modelOf(lenses[c]), modelOf(from[c]))) return true;
@@ -352,17 +382,13 @@ ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
   std::vector<std::optional<CameraModelPair>> stated;
   for (CameraTrial& trial : trials) {
     stated.push_back(statedModel(session.cameras[stated.size()]));
-    ruleOut(trial);
+    ruleOut(stated.back(), trial);
     trial.settled = isSettled(trial, stated.back());
     // Of fewer frames the screening took every one already: heldOut()'s stride was 1.
     more = more || trial.mono.problem.frameCount() >= 2 * kScreenFrames;
   }
   if (more) scoreAll(kTestFrames, problem.threads, trials);
-  for (CameraTrial& trial : trials) {
-    // Models that solved on few frames may fail on more.
-    std::erase_if(trial.open, [](const Trialled& t) { return !t.error; });
-    rank(trial.open);
-  }
+  for (CameraTrial& trial : trials) ruleOutUnsolved(trial);
   const auto common = commonModel(trials, stated);
   ChosenModels out;
   for (std::size_t c = 0; c < trials.size(); ++c) {

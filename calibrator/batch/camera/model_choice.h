@@ -30,7 +30,8 @@ inline constexpr int kFramesOfTest = 400;
 MinimiserOptions roughSolver();
 
 /// `from` starts both solutions and has the poses; they have a board of their own to that detail
-/// (higher_terms.h). With kTwelve what the problem's board has besides stays.
+/// (higher_terms.h). With kTwelve what the problem's board has besides stays. Nothing is scored
+/// where there are not frames for two blocks.
 HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from,
                 BoardDetail detail = BoardDetail::kTwelve, int most_frames = kFramesOfTest,
                 const MinimiserOptions& solver = roughSolver());
@@ -43,7 +44,7 @@ struct CameraPart {
 CameraPart testedPart(const CameraProblem& problem, const CameraEstimate& estimate,
                       int most_frames = kFramesOfTest);
 
-/// A difference of costs over the blocks.
+/// A difference of costs over the blocks; zero of fewer than two.
 struct MeanGain {
   double mean = 0;  ///< of from - to [px^2]
   double std = 0;   ///< of that mean
@@ -64,6 +65,9 @@ struct ChosenModels {
   bool differ(const std::vector<Intrinsics>& from) const;  ///< in any camera's model
 };
 
+/// Adds the candidates that only an earlier choice had, before the models without a solution.
+void addCandidates(const std::vector<ModelChoice>& earlier, std::vector<ModelChoice>& choices);
+
 /// Chooses each camera's lens model by the error of frames that it was not fitted to (HeldOut),
 /// from a solution with any models, whose poses and lenses start the others:
 ///
@@ -72,8 +76,10 @@ struct ChosenModels {
 ///   coefficients would be preferred for bending as the board does);
 /// - first on 80 frames, of which no model is tried further that exceeds the best one's squares by
 ///   three standard deviations and 10 %, or gains less than 1 % by more than the usual eight
-///   parameters; then the others on 200;
-///   a stated model that is within one standard error and 1 % of the best is settled before;
+///   parameters, unless the session states it; then the others on 200. The excess of a model that
+///   is ruled out is over the best on the frames that it was tried on. One that has a solution on
+///   80 frames and none on 200 is ruled out too; a stated model that is within one standard error
+///   and 1 % of the best is settled before;
 /// - of the models within one standard error of the best (of the mean difference over blocks of
 ///   time), the one that the session states; otherwise the one with fewest parameters, and among
 ///   these the best (Breiman et al., "Classification and regression trees", 1984: the one-standard-

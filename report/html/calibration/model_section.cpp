@@ -37,8 +37,8 @@ std::string reasonText(const ModelChoice& choice) {
       break;
   }
   return fmt::format(
-      "{}: {}; models were not compared: the recording is too short, or no other model has a "
-      "solution.",
+      "{}: {}; models were not compared: the recording is too short, no other model has a "
+      "solution, or it does not determine those that predict held-out frames best.",
       choice.camera, nameOf(choice));
 }
 
@@ -95,7 +95,8 @@ Section modelSection(const CameraStageResult& stage) {
       "models",
       "Lens models",
       "Each model was fitted to one half of the recording's blocks of time and scored on the "
-      "other, with only poses estimated. Models with fewer frames were rejected early.",
+      "other, with only poses estimated. Models with fewer frames were rejected early, by "
+      "the best model on those frames.",
       {},
       {}};
   for (const ModelChoice& choice : stage.models) {

@@ -42,12 +42,17 @@ TEST(CameraFailures, ModelsThatCannotBeCalibratedAreNamed) {
   Session session = recording().session;
   CameraStageOptions options;
   options.models = {{}, {ProjectionModel::kOmni, DistortionModel::kFov}};
-  EXPECT_THAT(inputErrorOf(session, options), HasSubstr("cam1: the model omni-fov"));
+  EXPECT_THAT(inputErrorOf(session, options),
+              HasSubstr("cam1: calibrating the camera model omni-fov"));
   options.models.resize(1);
   EXPECT_THAT(inputErrorOf(session, options), HasSubstr("1 cameras were given"));
   session.cameras[0].camera_model = "omni";
   session.cameras[0].distortion_model = "equidistant";
-  EXPECT_THAT(inputErrorOf(session), HasSubstr("cam0: the model omni-equidistant"));
+  EXPECT_THAT(inputErrorOf(session), HasSubstr("camera model omni-equidistant"));
+  // A start has models of its own: what the session says does not matter.
+  options.models.clear();
+  options.start = recording().truth.cameras;
+  EXPECT_EQ(inputErrorOf(session, options), "no error");
   // Nor are they a start, though they could be scored.
   SimulatedSession s = recording();
   Intrinsics& k = s.truth.cameras[1].intrinsics;
@@ -57,7 +62,8 @@ TEST(CameraFailures, ModelsThatCannotBeCalibratedAreNamed) {
   k.distortion.setConstant(1, 0.1);
   CameraStageOptions from_start;
   from_start.start = s.truth.cameras;
-  EXPECT_THAT(inputErrorOf(s.session, from_start), HasSubstr("cam1: the model omni-fov"));
+  EXPECT_THAT(inputErrorOf(s.session, from_start),
+              HasSubstr("cam1: calibrating the camera model omni-fov"));
 }
 
 TEST(CameraFailures, AStartMustHoldEveryCamera) {

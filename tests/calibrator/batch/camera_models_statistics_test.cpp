@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every model that can be calibrated, on simulated cameras; and the choice among them.
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/model_choice.h"
+#include "calibrator/batch/camera/stage.h"
+#include "calibrator/batch/corners.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/camera_start.h"
 #include "calibrator/simulate/simulate_session.h"
@@ -212,6 +217,93 @@ TEST(ModelChoice, ARigOfTwoKindsOfLensKeepsThem) {
   const Eigen::Matrix3d turn =
       result->cameras[1].T_C0Ci.R.transpose() * rig.calibration.cameras[1].T_C0Ci.R;
   EXPECT_LT(rotationAngle(turn), 0.03 * std::numbers::pi / 180);
+}
+
+// Its coefficients gain nothing over radtan's, but it is what the recording says.
+TEST(ModelChoice, AStatedModelIsTriedToTheEndWhateverItsParameters) {
+  Intrinsics lens = test::radtanCamera();
+  lens.distortion << -0.1, 0.01, 0, 0;  // any model describes it
+  SimulatedSession s = recorded(lens, 0.3, 40);
+  s.session.cameras[0].camera_model = "pinhole";
+  s.session.cameras[0].distortion_model = "rational";
+  CameraCalibration stated = s.truth.cameras[0];
+  stated.intrinsics.distortion_model = DistortionModel::kRational;
+  stated.intrinsics.distortion = Eigen::VectorXd::Zero(8);
+  stated.intrinsics.distortion.head<4>() = lens.distortion;
+  const CameraStageOptions options = chosen();
+  const std::vector<PackedCorners> corners = packCorners(s.session);
+  const auto start =
+      startFromCameras({stated}, corners, pairFrames(s.session.cameras, options.frames), options);
+  ASSERT_TRUE(start.ok()) << start.failure();
+  const CameraProblem problem = problemOf(corners, start->frames, options);
+  const ChosenModels models = chooseModels(s.session, problem, start->estimate, options);
+  const auto& candidates = models.choices[0].candidates;
+  ASSERT_EQ(candidates.size(), candidateModels().size());
+  const auto rational =
+      std::ranges::find(candidates, DistortionModel::kRational, &ModelCandidate::distortion);
+  ASSERT_NE(rational, candidates.end());
+  EXPECT_EQ(rational->frames, candidates.front().frames);
+}
+
+// A board of one tag: the model that predicts its four corners best may not be determined by them.
+TEST(ModelChoice, TheStatedModelsStandInForThoseThatAreNotDetermined) {
+  SimulationOptions simulation;
+  simulation.duration_s = 20;
+  simulation.camera_rate_hz = 10;
+  Session session = simulateSession(simulatedRig("euroc"), simulation).session;
+  session.target.rows = session.target.cols = 1;
+  for (CameraStream& camera : session.cameras) {
+    camera.camera_model = "pinhole";
+    camera.distortion_model = "radtan";
+    for (ImageView& view : camera.views) {
+      std::erase_if(view.corners, [](const Corner& corner) { return corner.id / 4 != 14; });
+      for (Corner& corner : view.corners) corner.id %= 4;
+    }
+  }
+  CameraStageOptions stated;
+  ASSERT_TRUE(calibrateCameras(session, stated).ok());
+  const auto result = calibrateCameras(session, chosen());
+  ASSERT_TRUE(result.ok()) << result.failure();
+  for (const ModelChoice& choice : result->models) EXPECT_FALSE(choice.candidates.empty());
+}
+
+TEST(ModelChoice, CandidatesOfAnEarlierChoiceStandBeforeThoseWithoutASolution) {
+  ModelCandidate radtan, ds, rational;
+  radtan.held_out_px = 0.3;
+  ds.projection = ProjectionModel::kDs;
+  ds.distortion = DistortionModel::kNone;
+  ds.held_out_px = std::numeric_limits<double>::quiet_NaN();
+  rational.distortion = DistortionModel::kRational;
+  rational.held_out_px = 0.2;
+  std::vector<ModelChoice> earlier(1), choices(1);
+  earlier[0].candidates = {rational, radtan};
+  choices[0].candidates = {radtan, ds};
+  addCandidates(earlier, choices);
+  ASSERT_EQ(choices[0].candidates.size(), 3U);
+  EXPECT_EQ(choices[0].candidates[0].distortion, DistortionModel::kRadtan);
+  EXPECT_EQ(choices[0].candidates[1].distortion, DistortionModel::kRational);
+  EXPECT_EQ(choices[0].candidates[2].projection, ProjectionModel::kDs);
+}
+
+TEST(HeldOutError, NoBlockOrOneHasNoScatter) {
+  for (const std::vector<double>& costs : {std::vector<double>{}, std::vector<double>{0.1}}) {
+    const MeanGain gain = meanGain(costs, costs);
+    EXPECT_EQ(gain.mean, 0);
+    EXPECT_EQ(gain.std, 0);
+  }
+}
+
+TEST(HeldOutError, FramesOfOneBlockAreNotScored) {
+  const SimulatedSession s = recorded(test::radtanCamera(), 0.1, 0.5);
+  const CameraStageOptions options = chosen();
+  const std::vector<PackedCorners> corners = packCorners(s.session);
+  const auto start = startFromCameras(s.truth.cameras, corners,
+                                      pairFrames(s.session.cameras, options.frames), options);
+  ASSERT_TRUE(start.ok()) << start.failure();
+  ASSERT_LT(start->frames.size(), 4U);  // two in a block
+  const HeldOut error = heldOut(problemOf(corners, start->frames, options), start->estimate);
+  EXPECT_EQ(error.frames, 0);
+  EXPECT_TRUE(error.cost.empty());
 }
 
 TEST(ModelChoice, DoesNotDependOnTheNumberOfThreads) {
