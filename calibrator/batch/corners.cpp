@@ -106,6 +106,15 @@ std::vector<PackedCorners> packCorners(const Session& session) {
   return corners;
 }
 
+std::size_t cornerCount(const Frame& frame, std::span<const PackedCorners> corners) {
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    if (frame.view[c] < 0) continue;
+    count += static_cast<std::size_t>(corners[c].view(frame.view[c]).count);
+  }
+  return count;
+}
+
 std::vector<PackedCorners> usedCorners(const Session& session, const std::vector<Frame>& frames,
                                        const std::vector<CornerResidual>& residuals) {
   std::vector<PackedCorners> corners = packCorners(session);

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
@@ -34,6 +35,9 @@ std::vector<Eigen::Vector2d> viewErrors(const Intrinsics& camera, const Transfor
 
 /// All corners of a session, one block per camera; those of repeatedViews() have no weight.
 std::vector<PackedCorners> packCorners(const Session& session);
+
+/// Corners of a frame's views, rejected ones too.
+std::size_t cornerCount(const Frame& frame, std::span<const PackedCorners> corners);
 
 /// The same without those that an earlier result of the session rejected (their weight is 0): its
 /// frames, and the residuals that it lists.

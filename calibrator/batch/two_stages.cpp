@@ -5,16 +5,17 @@
 #include <cmath>
 #include <cstddef>
 
+#include "calibrator/batch/camera/problem.h"
+
 namespace plumbline {
 
 namespace {
 
 /// J for so many parameters, of the cameras or of these and the board's terms.
 std::optional<Eigen::MatrixXd> responseTo(const CameraImuStageResult& stage, Eigen::Index n) {
-  constexpr Eigen::Index kBoard = kTargetTerms - 1;  // tag_edge moves no pose
   if (!stage.faults || stage.faults->by_cameras.size() == 0) return std::nullopt;
   const Eigen::MatrixXd& J = stage.faults->by_cameras;
-  const Eigen::Index cameras = J.cols() - kBoard;
+  const Eigen::Index cameras = J.cols() - kBoardTerms;  // tag_edge moves no pose
   // Of another rig, or with parameters that J does not know.
   if (n != cameras && n != cameras + kTargetTerms) return std::nullopt;
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(J.rows(), n);

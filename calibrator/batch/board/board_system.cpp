@@ -51,13 +51,12 @@ std::optional<BoardNormals> boardNormals(const CameraProblem& problem,
 /// By how much the cluster-robust deviations are larger than the formal ones at the measured noise,
 /// per column.
 Eigen::VectorXd stretchOf(const CameraStageResult& stage, double ratio) {
-  constexpr int kBoard = kTargetTerms - 1;
   if (!stage.robust_covariance) return Eigen::VectorXd::Ones(kBoardUnknowns);
   const TargetTerms formal = ratio * stage.target_fit->shape.covariance->diagonal();
   const TargetTerms robust = stage.robust_covariance->matrix.diagonal().tail<kTargetTerms>();
   const TargetTerms squares = robust.cwiseQuotient(formal).cwiseMax(1);
   Eigen::VectorXd out(kBoardUnknowns);
-  out.setConstant(std::sqrt(squares.head<kBoard>().mean()));
+  out.setConstant(std::sqrt(squares.head<kBoardTerms>().mean()));
   out.head<kTargetTerms>() = squares.cwiseSqrt();
   return out;
 }

@@ -20,7 +20,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kBoardTerms = kTargetTerms - 1;  // all but tag_edge
 constexpr double kLeastShare = 1e-6;  // of a direction's variance, that the others have to say
 
 /// Columns of the joint system: the board's terms, then a tag_edge for every session.

@@ -217,22 +217,21 @@ std::shared_ptr<const TargetModel> targetModel(const AprilGrid& board, TargetMod
   auto model = std::make_shared<TargetModel>(board);
   if (mode != TargetMode::kKnown) return model;
   model->mean = startTerms(board, mode);
-  using Board = Eigen::Matrix<double, kTargetTerms - 1, kTargetTerms - 1>;
+  using Board = Eigen::Matrix<double, kBoardTerms, kBoardTerms>;
   // Also where the file has deviations: of terms that it calls exact the information would be
   // infinite.
   Board covariance = kExact * kExact * Board::Identity();
   if (board.shape.covariance) {
-    covariance += board.shape.covariance->topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>();
+    covariance += board.shape.covariance->topLeftCorner<kBoardTerms, kBoardTerms>();
   }
   const double noise = noiseRatio(problem, estimate);
   if (board.shape.higher && board.shape.higher_std) {
     model->higher = knownHigher(board.shape, noise);
   }
   const Board information = noise * covariance.llt().solve(Board::Identity());
-  model->information.topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>() = information;
+  model->information.topLeftCorner<kBoardTerms, kBoardTerms>() = information;
   // Of the gradient I (terms - mean), the mean being off by C: I C I.
-  model->scatter.topLeftCorner<kTargetTerms - 1, kTargetTerms - 1>() =
-      information * covariance * information;
+  model->scatter.topLeftCorner<kBoardTerms, kBoardTerms>() = information * covariance * information;
   return model;
 }
 

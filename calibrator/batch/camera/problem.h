@@ -96,6 +96,9 @@ struct CameraProblem {
   }
 };
 
+/// The board's own terms: all but tag_edge, the last, which is the recording's and its detector's.
+inline constexpr int kBoardTerms = kTargetTerms - 1;
+
 /// Where each parameter of the cameras stands: intrinsics of all cameras, then all extrinsics, then
 /// the board's terms.
 struct CameraLayout {

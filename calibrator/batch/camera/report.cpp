@@ -111,18 +111,6 @@ void describeViews(const Session& session, const CameraProblem& problem,
   failure.values.emplace("reach", quantile(std::move(radii), kMost));
 }
 
-/// Corners of all views that take part.
-std::size_t cornerCount(const CameraProblem& problem) {
-  std::size_t count = 0;
-  for (const Frame& frame : problem.frames) {
-    for (std::size_t c = 0; c < problem.corners.size(); ++c) {
-      if (frame.view[c] < 0) continue;
-      count += static_cast<std::size_t>(problem.corners[c].view(frame.view[c]).count);
-    }
-  }
-  return count;
-}
-
 /// Adds the corners of one view to the list and to the errors of used corners.
 void addView(int camera, int frame, const PackedView& view,
              const std::vector<Eigen::Vector2d>& errors, ResidualList list,
@@ -232,7 +220,11 @@ void addResiduals(const Session& session, const CameraProblem& problem,
                   const CameraEstimate& estimate, ResidualList list, CameraStageResult& result) {
   StageSummary& summary = result.summary;
   result.residuals.clear();
-  if (list == ResidualList::kKeep) result.residuals.reserve(cornerCount(problem));
+  if (list == ResidualList::kKeep) {
+    std::size_t count = 0;
+    for (const Frame& frame : problem.frames) count += cornerCount(frame, problem.corners);
+    result.residuals.reserve(count);
+  }
   CameraErrors errors;
   summary.views_used = 0;
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
@@ -256,16 +248,15 @@ namespace {
 /// deviations of the other terms exceed the formal ones (RMS).
 HigherTerms higherDeviations(const HigherShare& share, const CameraProblem& problem,
                              const CameraStageResult& result, const TargetCovariance& formal) {
-  // Without tag_edge: it errs with the detector and the sizes of the tags in the images, not with
-  // the board.
-  constexpr int kBoard = kTargetTerms - 1;
   const double rmse = result.summary.reprojection.rmse_px / problem.pixel_sigma;
   const double noise = 0.5 * rmse * rmse;  // per axis
   double stretch = 1;
   if (result.robust_covariance) {
     const TargetTerms robust = result.robust_covariance->matrix.diagonal().tail<kTargetTerms>();
     const TargetTerms ratio = robust.cwiseQuotient(noise * formal.diagonal());
-    stretch = std::sqrt(ratio.cwiseMax(1).head<kBoard>().mean());
+    // Without tag_edge: it errs with the detector and the sizes of the tags in the images, not with
+    // the board.
+    stretch = std::sqrt(ratio.cwiseMax(1).head<kBoardTerms>().mean());
   }
   return stretch * share.deviations(noise);
 }

@@ -59,7 +59,6 @@ class ViewTermsMaker {
   ViewTermsMaker(const CameraEstimate& cameras, MisfitField field, double cauchy_px);
 
   const MisfitField& field() const { return field_; }
-  const CameraLayout& layout() const { return layout_; }
 
   /// Of a frame that was seen. `cell_weights`: per camera and cell what a corner counts; empty: 1.
   ViewTerms seen(const RigView& frame, std::span<const double> cell_weights = {}) const;

@@ -44,7 +44,7 @@ class ViewRows {
              twist, out);
     const Index k = camera.intrinsics.stacked().size();
     for (Index i_k = 0; i_k < k; ++i_k) out.own.push_back(columns_.intrinsics[c] + i_k);
-    for (int term = 0; term < FaultColumns::kShape; ++term) {
+    for (int term = 0; term < kBoardTerms; ++term) {
       out.own.push_back(columns_.shape + term);
     }
     out.own.push_back(columns_.line_delay);
@@ -96,7 +96,7 @@ class ViewRows {
   void fillGram(const Intrinsics& lens, const Transform& T_CF, const PackedView& corners,
                 const Vector6d& twist, FaultViewTerms& out) const {
     const Index k = lens.stacked().size();
-    const Index n = 6 + k + FaultColumns::kShape + 1;
+    const Index n = 6 + k + kBoardTerms + 1;
     const double c2 = gram_.cauchy_px * gram_.cauchy_px;
     MatrixXd J = MatrixXd::Zero(2 * corners.count, n);
     VectorXd r = VectorXd::Zero(2 * corners.count);
@@ -113,9 +113,8 @@ class ViewRows {
       rows.leftCols<3>() = w * image->J_point;
       rows.middleCols<3>(3) = -w * image->J_point * skew(p);
       rows.middleCols(6, k) = w * image->J_intrinsics;
-      rows.middleCols<FaultColumns::kShape>(6 + k) =
-          w * image->J_point * T_CF.R *
-          basis_.columns(corners.id[i]).leftCols<FaultColumns::kShape>();
+      rows.middleCols<kBoardTerms>(6 + k) =
+          w * image->J_point * T_CF.R * basis_.columns(corners.id[i]).leftCols<kBoardTerms>();
       // The row is exposed h readout times after the middle one, and the target has moved by the
       // twist of that time.
       rows.col(n - 1) = h * rows.leftCols<6>() * twist;
@@ -251,7 +250,7 @@ FaultColumns::FaultColumns(const CameraImuEstimate& estimate, bool free_cameras)
   of_links = at;
   line_delay = take(1);
   target_size = take(1);
-  shape = take(kShape);
+  shape = take(kBoardTerms);
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     // A fault's column only where the batch does not estimate the camera's offset already.
     const bool own = border.own_offset[c] >= 0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calibrator/base/april_grid.h"
+#include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/linear/block_arrow.h"
 #include "calibrator/residuals/imu_residual.h"
@@ -19,8 +20,6 @@ namespace plumbline {
 struct FaultColumns {
   FaultColumns(const CameraImuEstimate& estimate, bool free_cameras);
 
-  static constexpr int kShape = kTargetTerms - 1;  // the tags' edges are the detector's
-
   BorderLayout border;          ///< the calibration's own columns
   int samples = 0;              ///< first of SampleFaults
   int drift = 0;                ///< of the IMU's clock: t_d grows by this a second
@@ -31,7 +30,7 @@ struct FaultColumns {
   int of_links = 0;             ///< links touch no column from here on
   int line_delay = 0;           ///< readout time of the image's height [s]
   int target_size = 0;          ///< relative; the target is larger than stated
-  int shape = 0;                ///< kShape, of TargetBasis [m]
+  int shape = 0;                ///< kBoardTerms, of TargetBasis [m]
   std::vector<int> own_offset;  ///< per camera, less camera 0's [s]; -1 for camera 0
   std::vector<int> T_C0Ci;      ///< per camera, 6; -1 for camera 0
   std::vector<int> intrinsics;  ///< per camera, first of stacked()

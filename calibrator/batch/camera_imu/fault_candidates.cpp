@@ -65,7 +65,7 @@ std::vector<Candidate> bodyFaults(const FaultColumns& columns, const CameraImuEs
            .columns = columnRange(BorderLayout::kExtrinsics, 6),
            .begins = true},
           {.fault = UnmodelledFault::kTargetShape,
-           .columns = columnRange(columns.shape, FaultColumns::kShape),
+           .columns = columnRange(columns.shape, kBoardTerms),
            // What a calibration of the cameras has adapted to the target.
            .nuisance = givenCameras(columns, estimate).columns},
           {.fault = UnmodelledFault::kTargetMoved,
@@ -126,7 +126,7 @@ Candidate givenCameras(const FaultColumns& columns, const CameraImuEstimate& est
 Terms heldCameras(const FaultColumns& columns, const CameraImuEstimate& estimate) {
   Terms out;
   for (const int column : givenCameras(columns, estimate).columns) out.push_back({column, 0});
-  for (const Term& term : termRange(columns.shape, FaultColumns::kShape)) out.push_back(term);
+  for (const Term& term : termRange(columns.shape, kBoardTerms)) out.push_back(term);
   return out;
 }
 

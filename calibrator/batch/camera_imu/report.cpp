@@ -19,14 +19,6 @@
 namespace plumbline {
 namespace {
 
-int cornerCount(const CameraImuProblem& problem, const Frame& frame) {
-  int count = 0;
-  for (std::size_t c = 0; c < problem.corners.size(); ++c) {
-    if (frame.view[c] >= 0) count += problem.corners[c].view(frame.view[c]).count;
-  }
-  return count;
-}
-
 /// Writes the residuals of one frame, camera by camera, from `out` on.
 void frameResiduals(const CameraImuProblem& problem, const CameraImuEstimate& estimate, int frame,
                     CornerResidual* out) {
@@ -159,11 +151,11 @@ void addReadings(const Preintegration& motion, const ImuState& i, const ImuState
 
 std::vector<CornerResidual> cornerResiduals(const CameraImuProblem& problem,
                                             const CameraImuEstimate& estimate) {
-  std::vector<int> first(1, 0);  // of each frame, in the list
+  std::vector<std::size_t> first(1, 0);  // of each frame, in the list
   for (const Frame& frame : problem.frames) {
-    first.push_back(first.back() + cornerCount(problem, frame));
+    first.push_back(first.back() + cornerCount(frame, problem.corners));
   }
-  std::vector<CornerResidual> out(static_cast<std::size_t>(first.back()));
+  std::vector<CornerResidual> out(first.back());
   // Every frame writes to places of its own in the list.
   forChunks(problem.frameCount(), 1, problem.threads, [&](const Chunk& chunk) {
     CornerResidual* const begin = out.data() + first[static_cast<std::size_t>(chunk.begin)];
