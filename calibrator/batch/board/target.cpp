@@ -85,6 +85,8 @@ Judgement judge(const Solved& own, const Solved& stated, const CameraStageOption
   const HeldOut& with = out.with = heldOut(own.problem, bent.estimate);
   if (with.cost.size() < 4) return out;  // two blocks a side: fewer have no scatter
   const HeldOut without = heldOut(stated.problem, stated.solution.estimate);
+  // What a solution leaves where it stopped says nothing of the board.
+  if (!with.converged || !without.converged) return out;
   fit.held_out_px = with.rms();
   fit.flat_held_out_px = without.rms();
   const MeanGain gain = meanGain(without.cost, with.cost);

@@ -63,6 +63,8 @@ struct TargetSolution {
 /// remainders of single corners, where they in turn do; only with TargetMode::kAuto and
 /// options.target_degree 4.
 ///
+/// There is no verdict (TargetFinding::kNotTested) where a half of the blocks has no solution.
+///
 /// A known board (TargetMode::kKnown) is kept whatever comes out; the same test says whether terms
 /// of its own do better.
 TargetSolution estimateTarget(AprilGrid board, CameraProblem& problem, CameraSolution flat,

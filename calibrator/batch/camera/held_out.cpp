@@ -102,6 +102,7 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, BoardD
     if (detail != BoardDetail::kTwelve) {
       trained = withHigherTerms(training.problem, std::move(trained), solver, {detail, 1});
     }
+    out.converged = out.converged && trained.converged;
     // The board that the training half has found goes with its cameras: with terms of their own the
     // test frames would not be unseen.
     std::span<const PackedCorners> corners = problem.corners;

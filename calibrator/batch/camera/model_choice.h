@@ -19,6 +19,7 @@ struct HeldOut {
   double squared = 0;        ///< sum of all, after the loss [px^2]
   double corners = 0;
   int frames = 0;
+  bool converged = true;  ///< the solutions by which the blocks were scored
 
   double rms() const;  ///< sqrt(squared / corners): after the loss, sqrt(mean rho(|e|^2)) [px]
 };

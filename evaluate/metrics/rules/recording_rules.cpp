@@ -246,7 +246,8 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
       if (fit.shape.covariance) {
         return {
             finding(rule, VerdictLevel::kGood, 0,
-                    "assumed as target.yaml states it: the recording is too short to estimate it")};
+                    "assumed as target.yaml states it: the recording is too short to estimate it, "
+                    "or half of it has no solution")};
       }
       Rule unsolved = rule;
       unsolved.advice =

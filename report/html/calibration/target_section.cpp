@@ -95,8 +95,8 @@ std::string foundText(const TargetFit& fit, bool kept) {
       break;
   }
   return fit.shape.covariance
-             ? "The recording is too short to estimate the board's shape: it is assumed as "
-               "target.yaml states."
+             ? "The recording is too short to estimate the board's shape, or half of it has no "
+               "solution: it is assumed as target.yaml states."
              : "The solution with the board's shape did not converge, or is not determined: the "
                "board is assumed as target.yaml states.";
 }

@@ -293,6 +293,22 @@ TEST(HeldOutError, NoBlockOrOneHasNoScatter) {
   }
 }
 
+TEST(HeldOutError, SaysWhetherItsSolutionsHaveConverged) {
+  const SimulatedSession s = recorded(test::radtanCamera(), 0.2, 6);
+  const CameraStageOptions options = chosen();
+  const std::vector<PackedCorners> corners = packCorners(s.session);
+  const auto start = startFromCameras(s.truth.cameras, corners,
+                                      pairFrames(s.session.cameras, options.frames), options);
+  ASSERT_TRUE(start.ok()) << start.failure();
+  const CameraProblem problem = problemOf(corners, start->frames, options);
+  EXPECT_TRUE(heldOut(problem, start->estimate).converged);
+  MinimiserOptions none = roughSolver();
+  none.max_iterations = 1;
+  none.tolerance = 1e-9;
+  EXPECT_FALSE(
+      heldOut(problem, start->estimate, BoardDetail::kTwelve, kFramesOfTest, none).converged);
+}
+
 TEST(HeldOutError, FramesOfOneBlockAreNotScored) {
   const SimulatedSession s = recorded(test::radtanCamera(), 0.1, 0.5);
   const CameraStageOptions options = chosen();
