@@ -26,6 +26,16 @@ constexpr int kNoiseRuns = 5;
 constexpr double kNoiseShare = 1e-3;  // of the steps
 constexpr double kRounding = 1e-12;   // [px, m, rad, s]: what a file's digits leave of a transform
 
+/// calibrationParameters() under the cameras' own names, by which files state their deviations and
+/// people know them: with --only they may not be those of their places.
+std::vector<CalibrationParameter> namedParameters(const Calibration& calibration) {
+  std::vector<CalibrationParameter> list = calibrationParameters(calibration);
+  // Those of the cameras stand in front, in the same order.
+  const std::vector<ParameterName> of_cameras = cameraParameters(calibration.cameras);
+  for (std::size_t i = 0; i < of_cameras.size(); ++i) list[i].name = of_cameras[i].name;
+  return list;
+}
+
 /// All moves of a sensitivity: none, all at once, then noise, then the single ones.
 class Moves {
  public:
@@ -100,7 +110,7 @@ ParameterSensitivity changeOf(const CalibrationParameter& parameter, std::size_t
 
 std::optional<SensitivitySteps> deviationSteps(const Calibration& calibration,
                                                const std::map<std::string, double>& deviations) {
-  const std::vector<CalibrationParameter> list = calibrationParameters(calibration);
+  const std::vector<CalibrationParameter> list = namedParameters(calibration);
   SensitivitySteps steps;
   steps.steps = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(list.size()),
                                           std::numeric_limits<double>::quiet_NaN());
@@ -154,7 +164,7 @@ CalibrationSensitivity sensitivityOf(const Calibration& calibration, const Sensi
   if (!ates[0]) return out;
   out.ate_m = *ates[0];
   out.noise_m = noiseOf(ates);
-  const std::vector<CalibrationParameter> list = calibrationParameters(calibration);
+  const std::vector<CalibrationParameter> list = namedParameters(calibration);
   out.sum_m = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (moves.plus(i) == 0) continue;

@@ -156,5 +156,19 @@ TEST(Sensitivity, DeviationsAreFoundByName) {
   EXPECT_TRUE(std::isnan(steps->steps[indexOf("cam0.fu")]));
 }
 
+// A calibration of other cameras than the first ones of the rig: the names are the file's, not
+// those of the places.
+TEST(Sensitivity, DeviationsAreThoseOfTheCamerasNamed) {
+  Calibration calibration = rig();
+  calibration.cameras[0].name = "cam1";
+  calibration.cameras[1].name = "cam2";
+  const auto steps = deviationSteps(calibration, {{"cam1.fu", 0.1}, {"cam2.fu", 0.2}});
+  ASSERT_TRUE(steps.has_value());
+  EXPECT_EQ(steps->steps[indexOf("cam0.fu")], 0.1);  // of the first place
+  EXPECT_EQ(steps->steps[indexOf("cam1.fu")], 0.2);
+  const auto ate = [](const Calibration&) -> std::optional<double> { return 0.01; };
+  EXPECT_EQ(rowOf(sensitivityOf(calibration, *steps, ate, 1, {}), "cam2.fu").step, 0.2);
+}
+
 }  // namespace
 }  // namespace plumbline
