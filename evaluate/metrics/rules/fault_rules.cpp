@@ -187,7 +187,7 @@ std::string figures(const std::vector<ShownComponent>& shown, const char* unit) 
 std::string sentence(const FaultTest& test, const CameraImuStageResult& stage) {
   const FaultWords& words = wordsOf(test.fault);
   std::string text = words.what;
-  if (test.camera >= 0) text += fmt::format(" of cam{}", test.camera);
+  if (test.camera >= 0) text += " of " + stage.cameras[static_cast<std::size_t>(test.camera)].name;
   if (test.since) {
     text += fmt::format(" from {:.1f} s on", secondsBetween(stage.frames.front().t, *test.since));
   }

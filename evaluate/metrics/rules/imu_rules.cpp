@@ -77,18 +77,20 @@ std::optional<Finding> judgeSynchrony(const CameraImuStageResult& stage,
                                       const VerdictThresholds& t) {
   const ImuCalibration& imu = stage.imu;
   if (!haveOwnOffsets(imu.time_offsets)) return std::nullopt;
-  double largest_ms = 0;
+  // Of any two cameras: neither need be the first.
+  double earliest_ms = 1e3 * imu.timeOffset(), latest_ms = earliest_ms;
   std::string list;
   for (std::size_t i = 0; i < imu.time_offsets.size(); ++i) {
     const double offset_ms = 1e3 * imu.timeOffset(i);
-    largest_ms = std::max(largest_ms, std::abs(offset_ms - 1e3 * imu.timeOffset()));
+    earliest_ms = std::min(earliest_ms, offset_ms);
+    latest_ms = std::max(latest_ms, offset_ms);
     list += fmt::format("{}{} {:+.4f}", i == 0 ? "" : ", ", stage.cameras[i].name, offset_ms);
   }
   return above(
       {"Cameras exposed together", "ms", t.camera_shift_ms,
        "Trigger the cameras together: the camera stage treats paired views as simultaneous, and a "
        "filter with one offset for all cameras cannot use these offsets."},
-      largest_ms, fmt::format("time offsets [ms]: {}", list));
+      latest_ms - earliest_ms, fmt::format("time offsets [ms]: {}", list));
 }
 
 }  // namespace
@@ -171,8 +173,8 @@ Findings judgeLinearFit(const CameraImuStageResult& stage, double assumed_m_s2,
   if (check.residual_ratio > t.inertial_fit.caution) return findings;
   findings.push_back(untested(
       {"Scale by the linear fit", "-", t.target_scale, ""},
-      // What two deviations do not explain of the difference.
-      std::max(0.0, std::abs(check.target_scale - 1) - 2 * check.target_scale_std),
+      // What two deviations do not explain of the difference; NaN stays NaN.
+      std::max(std::abs(check.target_scale - 1) - 2 * check.target_scale_std, 0.0),
       fmt::format(
           "{:.4f} (+- {:.4f}) metres per stated metre of the target; the cause was not tested",
           check.target_scale, check.target_scale_std)));
@@ -193,17 +195,18 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
   if (size == tests.end()) return std::nullopt;
   const double off = size->estimate(0);
   const double std = size->std(0);
-  // What three deviations leave of the estimate at least, so that an uncertain one is good.
-  const double least = size->significance > kSigmas ? std::abs(off) - kSigmas * std : 0;
+  // What three deviations leave of the estimate at least, so that an uncertain one is good; NaN
+  // stays NaN.
+  const double least =
+      size->significance <= kSigmas ? 0 : std::max(std::abs(off) - kSigmas * std, 0.0);
   const Rule rule{"Size of the target by the batch", "-", t.target_scale,
                   "Measure a tag's black square against tagSize in target.yaml. If it agrees, "
                   "record again with brisker motion: this recording is not conclusive."};
   return finding(
-      rule, std::min(VerdictLevel::kCaution, levelAbove(std::max(0.0, least), rule.bound)),
-      std::max(0.0, least),
+      rule, std::min(VerdictLevel::kCaution, levelAbove(least, rule.bound)), least,
       fmt::format("the residuals suggest {:+.2f} % (+- {:.2f}) of the stated size ({:.1f} standard "
                   "deviations)",
-                  100 * off, 100 * std, std::max(0.0, size->significance)));
+                  100 * off, 100 * std, std::max(size->significance, 0.0)));
 }
 
 }  // namespace

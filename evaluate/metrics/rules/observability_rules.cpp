@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstddef>
+#include <string>
+#include <vector>
+
 #include <fmt/core.h>
 
 #include "evaluate/metrics/rules/rules.h"
@@ -46,12 +50,17 @@ Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t
             kDegrees * rotation.value,
             fmt::format("{} of {} is {:.4f} degrees", kindOf(rotation), rotation.name,
                         kDegrees * rotation.value)));
-  // The empty suffix takes the offset itself; "time_offset.camN" are of cameras with their own.
-  const LargestStd offset = largestStd(estimates, {""}, "time_offset", false);
+  // The empty suffix takes camera 0's; "time_offset.camN" are of cameras with their own.
+  std::vector<std::string> cameras{""};
+  for (std::size_t i = 1; i < record.camera_imu->cameras.size(); ++i) {
+    cameras.push_back(fmt::format("cam{}", i));
+  }
+  const LargestStd offset = largestStd(estimates, cameras, "time_offset", false);
   findings.push_back(above(
       {"Time offset", "ms", t.offset_std_ms,
        "Record fast rotations: the offset is observable only while the rig turns."},
-      1e3 * offset.value, fmt::format("{} is {:.4f} ms", kindOf(offset), 1e3 * offset.value)));
+      1e3 * offset.value,
+      fmt::format("{} of {} is {:.4f} ms", kindOf(offset), offset.name, 1e3 * offset.value)));
   return findings;
 }
 

@@ -188,6 +188,8 @@ TEST(Verdict, LinearFitIsJudgedOnlyWhereFaultsWereNotTestedAndNamesNoCause) {
   for (const char* rule : {"Scale by the linear fit", "Gravity by the linear fit"}) {
     EXPECT_EQ(levelOf(untested, rule), VerdictLevel::kCaution);
   }
+  record.camera_imu->inertial_check.target_scale_std = std::nan("");
+  EXPECT_EQ(levelOf(judge(record), "Scale by the linear fit"), VerdictLevel::kCaution);
   for (const Finding& finding : untested.findings) {
     EXPECT_EQ(finding.advice.find("Measure the target again"), std::string::npos);
   }
@@ -213,6 +215,8 @@ TEST(Verdict, AWrongSizeBelowTheBoundOfACauseIsACaution) {
   EXPECT_EQ(level(0.2, 0.02, 4.9), VerdictLevel::kCaution);        // never bad
   EXPECT_EQ(level(0.015, 0.0066, 2.0), VerdictLevel::kGood);       // gentle motion, size as stated
   EXPECT_EQ(level(-0.009, 0.0005, 4.9), VerdictLevel::kGood);      // too little to matter
+  EXPECT_EQ(level(0.2, std::nan(""), 4.9), VerdictLevel::kCaution);
+  EXPECT_EQ(level(0.2, 0.02, std::nan("")), VerdictLevel::kCaution);
   // Where a cause is named, that says it.
   record.camera_imu->faults->causes = {test};
   for (const Finding& finding : judge(record).findings) {
@@ -265,11 +269,46 @@ TEST(Verdict, CamerasThatAreNotSynchronisedAreNamedWithTheirOffsets) {
   EXPECT_EQ(levelOf(judge(record), rule), VerdictLevel::kGood);
   record.camera_imu->imu.time_offsets = {{1e-3}, {-2e-3, true}};
   EXPECT_EQ(levelOf(judge(record), rule), VerdictLevel::kCaution);
-  for (const Finding& finding : judge(record).findings) {
-    if (finding.rule != rule) continue;
-    EXPECT_DOUBLE_EQ(finding.value, 3);
-    EXPECT_THAT(finding.evidence, ::testing::HasSubstr("cam1 -2.0000"));
-  }
+  EXPECT_DOUBLE_EQ(findingOf(judge(record), rule).value, 3);
+  EXPECT_THAT(findingOf(judge(record), rule).evidence, ::testing::HasSubstr("cam1 -2.0000"));
+  // Two that are further from each other than either is from the first.
+  record.camera_imu->cameras.resize(3);
+  record.camera_imu->imu.time_offsets = {{1e-3}, {1.6e-3, true}, {0.4e-3, true}};
+  EXPECT_EQ(levelOf(judge(record), rule), VerdictLevel::kCaution);
+  EXPECT_NEAR(findingOf(judge(record), rule).value, 1.2, 1e-9);
+}
+
+TEST(Verdict, TheOffsetOfEveryCameraIsJudged) {
+  CalibrationRecord record = cameraRecord(0.3, 0.5);
+  CameraImuStageResult& stage = record.camera_imu.emplace();
+  stage.cameras.resize(2);
+  stage.imu.time_offsets = {{1e-3}, {2e-3, true}};
+  auto& covariance = stage.summary.covariance;
+  covariance.names = {"T_SC0.tx", "T_SC0.rx", "time_offset", "time_offset.cam1"};
+  covariance.units = {"m", "rad", "s", "s"};
+  covariance.matrix = Eigen::Vector4d(1e-8, 1e-8, 1e-10, 1e-6).asDiagonal();
+  const Finding finding = findingOf(judge(record), "Time offset");
+  EXPECT_EQ(finding.level, VerdictLevel::kCaution);
+  EXPECT_DOUBLE_EQ(finding.value, 1);
+  EXPECT_THAT(finding.evidence, ::testing::HasSubstr("of time_offset.cam1 is 1.0000 ms"));
+}
+
+TEST(Verdict, AFaultIsSaidOfTheCameraByItsName) {
+  CalibrationRecord record = cameraRecord(0.3, 0.5);
+  CameraImuStageResult& stage = record.camera_imu.emplace();
+  stage.frames.push_back({0, {0}});
+  stage.cameras.resize(2);
+  stage.cameras[1].name = "cam2";  // the second of --only cam0,cam2
+  FaultTest test;
+  test.fault = UnmodelledFault::kCameraDelay;
+  test.camera = 1;
+  test.estimate = Eigen::VectorXd::Constant(1, 2e-3);
+  test.std = Eigen::VectorXd::Constant(1, 1e-5);
+  FaultDiagnosis& faults = stage.faults.emplace();
+  faults.formal_std.setConstant(3e-4);
+  faults.tests = faults.causes = {test};
+  EXPECT_THAT(findingOf(judge(record), "Unmodelled fault").evidence,
+              ::testing::HasSubstr("under equal stamps of cam2: +2 ms"));
 }
 
 TEST(Verdict, SpacingOfTheTagsIsMeasured) {
