@@ -98,6 +98,13 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
     throw InputError(
         "--executable: the built-in odometry has none; choose an external system by --with");
   }
+  request.output_w_first = o.metrics.estimate_w_first;
+  request.output_inverted = o.metrics.estimate_inverted;
+  if (!request.runner && (request.output_w_first || request.output_inverted)) {
+    throw InputError(
+        "--estimate-w-first and --estimate-inverted are of what an external system writes; choose "
+        "one by --with, or omit them");
+  }
   request.hint = *enumFrom<HintKind>(o.estimate);
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
   request.how.truth_w_first = o.metrics.truth_w_first;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstdlib>
+
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
@@ -151,9 +153,11 @@ std::string tumText(const std::vector<StampedPose>& poses) {
   add(text, "# t [s] x y z [m] qx qy qz qw: IMU in the odometry's world, camera clock\n");
   for (const StampedPose& pose : poses) {
     // In whole numbers: at today's epoch a double of seconds is a multiple of 0.24 us.
-    add(text, "{}.{:09} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n", pose.t / 1'000'000'000,
-        pose.t % 1'000'000'000, pose.p.x(), pose.p.y(), pose.p.z(), pose.q.x(), pose.q.y(),
-        pose.q.z(), pose.q.w());
+    // The sign once: both parts of a stamp before 0 have it, and the first may be 0.
+    const TimeNs t = std::abs(pose.t);
+    add(text, "{}{}.{:09} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+        pose.t < 0 ? "-" : "", t / 1'000'000'000, t % 1'000'000'000, pose.p.x(), pose.p.y(),
+        pose.p.z(), pose.q.x(), pose.q.y(), pose.q.z(), pose.q.w());
   }
   return fmt::to_string(text);
 }

@@ -11,10 +11,10 @@
 #include "calibrator/base/error.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
-#include "datasets/trajectory/trajectory_reader.h"
 #include "evaluate/odometry/run_odometry.h"
 #include "evaluate/process/process.h"
 #include "evaluate/results/text.h"
+#include "evaluate/trajectory/evaluate_trajectory.h"
 #include "generated/version.h"
 
 namespace plumbline {
@@ -205,16 +205,19 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
     run.problem = fmt::format("{} ended with exit code 0 and did not write {}",
                               process.words.front(), written.filename().string());
   } else {
+    TrajectoryRequest read;
+    read.estimate = written;
+    read.estimate_w_first = request.w_first;
+    read.estimate_inverted = request.inverted;
     try {
-      run.poses =
-          converted(readTrajectory(written).trajectory.poses, request.runner, *calibration.imu);
+      run.poses = converted(readEstimate(read).trajectory.poses, request.runner, *calibration.imu);
       if (run.poses.empty()) run.problem = "its trajectory has no pose";
     } catch (const InputError& error) {
       run.problem = error.what();
     }
   }
   // What it printed counts, whether its trajectory can be read or not.
-  if (request.refine) readRefined(process.log, *request.runner.online, run);
+  if (request.refine && end.ok()) readRefined(process.log, *request.runner.online, run);
   if (!run.problem.empty()) run.log = lastLinesOf(process.log, kLogLines);
   return run;
 }

@@ -205,7 +205,9 @@ ExternalRun runExternalOnce(const Plan& plan, const OdometryRequest& request, bo
                                  plan.run,
                                  refine,
                                  request.run_seconds,
-                                 request.memory_mb};
+                                 request.memory_mb,
+                                 request.output_w_first,
+                                 request.output_inverted};
   return runExternal(external, *plan.sequence, withNoise(plan), folder);
 }
 
@@ -226,12 +228,13 @@ void addRefined(const Plan& plan, const OdometryRequest& request, const fs::path
   const ImuCalibration& used = *plan.calibration->calibration.imu;
   OdometryRunRecord& r = outcome.record;
   r.offset_calibrated_s = used.timeOffset();
-  if (run.offsets_s.empty() && run.T_SC0.empty()) {
-    outcome.remarks.push_back(
-        fmt::format("the run with online calibration printed no calibration{}{}",
-                    run.problem.empty() ? "" : ": ", run.problem));
-    return;
+  const bool none = run.offsets_s.empty() && run.T_SC0.empty();
+  if (none || !run.problem.empty()) {
+    outcome.remarks.push_back(fmt::format("the run with online calibration gave {} calibration{}{}",
+                                          none ? "no" : "a", run.problem.empty() ? "" : "; ",
+                                          run.problem));
   }
+  if (none) return;
   if (!run.offsets_s.empty()) {
     const auto count = static_cast<Eigen::Index>(run.offsets_s.size());
     r.offset_hint_s = run.offsets_s.back();

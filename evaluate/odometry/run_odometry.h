@@ -68,7 +68,11 @@ struct OdometryRequest {
   BuiltinOptions builtin;
   double run_seconds = 3600;  ///< wall time of another system's run
   int memory_mb = 0;          ///< and its address space; 0: no limit
-  TrajectoryRequest how;      ///< but for the files: how the estimates are judged
+  /// But for the files: how the estimates are judged. These are written here, so that
+  /// estimate_w_first and estimate_inverted stay false.
+  TrajectoryRequest how;
+  bool output_w_first = false;   ///< what another system writes is TUM as t x y z qw qx qy qz
+  bool output_inverted = false;  ///< its quaternions map the world into the body
   double min_coverage = kLeastCoverage;
   std::optional<double> max_ate_m;
   int threads = 0;  ///< runs at once; 0: all cores
@@ -98,9 +102,10 @@ struct ExternalRequest {
   std::filesystem::path calibration;  ///< its file
   bool noise_known = true;            ///< whether the calibration states the IMU's noise
   int run = 1;
-  bool refine = false;    ///< with its online calibration (Runner::online)
-  double seconds = 3600;  ///< limit of wall time
-  int memory_mb = 0;      ///< limit of address space; 0: none
+  bool refine = false;                     ///< with its online calibration (Runner::online)
+  double seconds = 3600;                   ///< limit of wall time
+  int memory_mb = 0;                       ///< limit of address space; 0: none
+  bool w_first = false, inverted = false;  ///< quaternions of what it writes, as in OdometryRequest
 };
 
 /// What it left. Empty `problem`: a trajectory.
@@ -109,7 +114,8 @@ struct ExternalRun {
   double seconds = 0;
   std::string problem;           ///< how it failed, "" if not
   std::vector<std::string> log;  ///< last lines of what it printed, of a run that failed
-  /// What its online calibration printed, in order; empty unless asked for.
+  /// What its online calibration printed, in order; empty unless asked for, and where it did not
+  /// end by itself: the last value is then none that it arrived at.
   std::vector<double> offsets_s;
   std::vector<Transform> T_SC0;
 };

@@ -99,8 +99,10 @@ Runner runnerFrom(const YamlMap& file) {
   const std::string tool = file.text("settings", "a tool of plumbline export");
   runner.settings = exportToolFrom(tool);
   if (runner.settings) return runner;
+  std::vector<std::string> tools;
+  for (const ExportTool known : exportTools()) tools.push_back(toString(known));
   throw file.fault("settings", {InputFault::kUnknownWord, "'" + tool + "' is not a tool of export",
-                                "kalibr, orbslam3, openvins, vins-fusion, okvis2 or basalt", ""});
+                                fmt::format("{}", fmt::join(tools, ", ")), ""});
 }
 
 }  // namespace

@@ -56,11 +56,11 @@ Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t
     cameras.push_back(fmt::format("cam{}", i));
   }
   const LargestStd offset = largestStd(estimates, cameras, "time_offset", false);
-  findings.push_back(above(
-      {"Time offset", "ms", t.offset_std_ms,
-       "Record fast rotations: the offset is observable only while the rig turns."},
-      1e3 * offset.value,
-      fmt::format("{} of {} is {:.4f} ms", kindOf(offset), offset.name, 1e3 * offset.value)));
+  findings.push_back(
+      above({"Time offset", "ms", t.offset_std_ms,
+             "Record fast rotations: the offset is observable only while the rig turns."},
+            1e3 * offset.value,
+            fmt::format("{} of {} is {:.4f} ms", kindOf(offset), offset.name, 1e3 * offset.value)));
   return findings;
 }
 

@@ -91,6 +91,7 @@ class OtherOdometry : public Scratch {
 truth=$3; out=$2
 case $(basename "$1" .yaml) in
   good) cp "$truth" "$out" ;;
+  w-first) awk '{ print $1, $2, $3, $4, $8, $5, $6, $7 }' "$truth" > "$out" ;;
   short) head -n 40 "$truth" > "$out" ;;
   reset) awk 'NR > 50 { $2 = $3 = 0 } { print }' "$truth" > "$out" ;;
   dies) kill -SEGV $$ ;;
@@ -150,6 +151,17 @@ TEST_F(OtherOdometry, KeepsEveryEndOfARun) {
   };
   for (int i = 0; i < 50 && lives(); ++i) usleep(20'000);
   EXPECT_FALSE(lives());
+}
+
+TEST_F(OtherOdometry, QuaternionsOfWhatItWritesAreReadAsSaid) {
+  ASSERT_EQ(standIn({"w-first"}, "--estimate-w-first").exit_code, 0);
+  const json run = runOf("w-first");
+  EXPECT_EQ(run["status"], "complete") << run;
+  EXPECT_LT(run["ate"]["rotation_deg"]["rmse"], 1e-4);
+  const Outcome builtin = odometry((folder_ / "seq").string() + " --calibration " +
+                                   kCalibration.string() + " --estimate-inverted");
+  EXPECT_EQ(builtin.exit_code, 2);
+  EXPECT_THAT(builtin.text, HasSubstr("choose one by --with"));
 }
 
 TEST_F(OtherOdometry, RunsAsOftenAsAskedAndSaysWhatItCannotStart) {
@@ -263,6 +275,15 @@ TEST_F(OtherOdometry, OnlineCalibrationOfAnotherSystemIsAHint) {
   for (const char* std : {"offset_hint_std_s", "T_SC0_hint_std"}) {
     EXPECT_TRUE(once.value(std, json()).is_null()) << std;
   }
+  // Values that it printed before it failed are none that it arrived at.
+  write(folder_ / "vio.sh", "cp " + (folder_ / "truth.txt").string() +
+                                " $2\ngrep -q 'refine: true' $1 || exit 0\n" + printed(0.02, 0.1) +
+                                "exit 3\n");
+  ASSERT_EQ(runner("refine: false").exit_code, 0);
+  const json failed = document()["runs"][0];
+  EXPECT_TRUE(failed["odometry"].value("offset_hint_s", json()).is_null());
+  EXPECT_THAT(failed["remarks"].dump(),
+              AllOf(HasSubstr("gave no calibration"), HasSubstr("exit code 3")));
   const Outcome wrong = runner("refine: no");
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.text, HasSubstr("no file of the runner holds 'refine: no'"));
