@@ -34,7 +34,8 @@ struct MapOptions {
 };
 
 /// Difference maps "b - a" of every camera and range that both have with images of one size. The
-/// fit is weighted by `uncertainties` where both calibrations have a map there.
+/// fit is weighted by `uncertainties` where both calibrations have a map there. Undefined all over
+/// where nothing can be fitted.
 std::vector<ImageMap> differenceMaps(const ComparedCalibration& a, const ComparedCalibration& b,
                                      const std::vector<ImageMap>& uncertainties,
                                      const MapOptions& options);

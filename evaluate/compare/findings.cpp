@@ -17,6 +17,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kMostNamed = 6;
+constexpr double kMostUndefined = 0.5;  // of the image, from where the rest does not speak for it
 
 std::string pairName(const ComparisonRecord& record, std::size_t i) {
   return fmt::format("{} against {}", record.calibrations[i].label, record.calibrations[0].label);
@@ -213,17 +214,20 @@ void addProjection(const ComparisonRecord& record, std::size_t i,
   const std::string& label = record.calibrations[i].label;
   const std::string pair = label + " - " + record.calibrations[0].label;
   std::vector<std::string> places;
-  double worst = 0;
+  double worst = 0, undefined = 0;
   for (const ImageMap& map : record.differences) {
     if (map.label != pair) continue;
     const MapExtremes extremes = extremesOf(map);
     if (isLarger(extremes.worst, worst)) worst = extremes.worst;
+    undefined = std::max(undefined, extremes.undefined);
     places.push_back(mapWords(map, extremes));
   }
   if (places.empty()) return;
-  findings.push_back(above({"Projection of " + pairName(record, i), "px", bounds.difference_px,
-                            projectionAdvice(record, label)},
-                           worst, fmt::format("{}", fmt::join(places, "; "))));
+  VerdictLevel level = levelAbove(worst, bounds.difference_px);
+  if (undefined > kMostUndefined) level = std::max(level, VerdictLevel::kCaution);
+  findings.push_back(finding({"Projection of " + pairName(record, i), "px", bounds.difference_px,
+                              projectionAdvice(record, label)},
+                             level, worst, fmt::format("{}", fmt::join(places, "; "))));
 }
 
 /// Good in any case: which one predicts better is an answer and no fault.
@@ -255,8 +259,9 @@ void addUnscored(const ComparisonRecord& record, std::vector<Finding>& findings)
     if (score.problem.empty()) continue;
     Finding f;
     f.rule = fmt::format("{} on {}", score.label, score.session);
-    f.level = VerdictLevel::kCaution;
-    // With corners scored only a part is missing.
+    // With corners scored only a part is missing; without there is no score, on a recording that
+    // others may be scored on.
+    f.level = score.reprojection.count > 0 ? VerdictLevel::kCaution : VerdictLevel::kBad;
     f.evidence = (score.reprojection.count > 0 ? "" : "not scored: ") + score.problem;
     findings.push_back(std::move(f));
   }

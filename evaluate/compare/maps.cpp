@@ -25,11 +25,17 @@ const ImageMap* find(const std::vector<ImageMap>& maps, const std::string& label
   return found == maps.end() ? nullptr : &*found;
 }
 
-std::optional<ImageMap> differenceMap(const CameraCalibration& a, const CameraCalibration& b,
-                                      const std::string& label, const DifferenceOptions& options) {
+/// Undefined all over where too few pixels of the fit have a ray under both: without a map nobody
+/// would miss it.
+ImageMap differenceMap(const CameraCalibration& a, const CameraCalibration& b,
+                       const std::string& label, const DifferenceOptions& options) {
   const auto difference = projectionDifference(a.intrinsics, b.intrinsics, options);
-  if (!difference) return std::nullopt;
   ImageMap map = imageMapOf(a, label, options.range_m, options.grid);
+  if (!difference) {
+    map.method = "no fit: fewer than three pixels have a ray under both";
+    map.values.assign(static_cast<std::size_t>(options.grid.size()), std::nan(""));
+    return map;
+  }
   map.method =
       options.weights.empty() ? "fit over the focus region" : "fit weighted by uncertainty";
   map.implied = difference->T_BA;
@@ -85,8 +91,7 @@ std::vector<ImageMap> differenceMaps(const ComparedCalibration& a, const Compare
       const bool weighted = options.focus_radius_px == 0 && std_a && std_b;
       if (weighted) difference.weights = differenceWeights(std_a->values, std_b->values);
       const std::string label = fmt::format("{} - {}", b.label, a.label);
-      auto map = differenceMap(cameras_a[c], cameras_b[c], label, difference);
-      if (map) maps.push_back(std::move(*map));
+      maps.push_back(differenceMap(cameras_a[c], cameras_b[c], label, difference));
     }
   }
   return maps;

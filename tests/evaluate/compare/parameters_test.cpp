@@ -313,8 +313,20 @@ TEST(ComparisonFindings, WhereNoDifferenceIsDefinedTheProjectionIsNotGood) {
   EXPECT_EQ(find(some, "Projection of b")->level, VerdictLevel::kGood);
   EXPECT_NE(find(some, "Projection of b")->evidence.find("undefined on 22 % of the image"),
             std::string::npos);
+  // Five of nine: the rest does not speak for the image.
+  for (const std::size_t i : {1U, 2U, 3U}) record.differences[0].values[i] = nan;
+  EXPECT_EQ(find(comparisonFindings(record), "Projection of b")->level, VerdictLevel::kCaution);
   record.differences[0].values.assign(9, nan);
   EXPECT_EQ(find(comparisonFindings(record), "Projection of b")->level, VerdictLevel::kBad);
+}
+
+TEST(DifferenceMaps, WithoutAFitTheMapIsUndefined) {
+  MapOptions options;
+  options.focus_radius_px = 1;  // holds fewer than three points of the grid
+  const auto maps =
+      differenceMaps({"a", "", "", stereo(), {}}, {"b", "", "", stereo(), {}}, {}, options);
+  ASSERT_EQ(maps.size(), 2 * options.ranges_m.size());
+  for (const ImageMap& map : maps) EXPECT_EQ(extremesOf(map).undefined, 1);
 }
 
 TEST(ComparisonFindings, AScoreWithoutTheImuIsNotCalledMissing) {
@@ -329,6 +341,10 @@ TEST(ComparisonFindings, AScoreWithoutTheImuIsNotCalledMissing) {
   score.problem = "camera-IMU: no solution";
   EXPECT_EQ(find(comparisonFindings(record), "b on euroc")->evidence, "camera-IMU: no solution");
   EXPECT_NE(comparisonSummary(record).find("camera-IMU: no solution"), std::string::npos);
+  EXPECT_EQ(find(comparisonFindings(record), "b on euroc")->level, VerdictLevel::kCaution);
+  // Of a calibration that cannot be scored at all the level is that of `evaluate calibration`.
+  record.scores[0].reprojection.count = 0;
+  EXPECT_EQ(find(comparisonFindings(record), "b on euroc")->level, VerdictLevel::kBad);
 }
 
 TEST(OwnEstimateOfTheSession, AStageThatDidNotConvergeIsNoWitness) {
