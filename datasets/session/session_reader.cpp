@@ -115,7 +115,7 @@ void refuseMissingImu(const SessionFolder& folder, const SessionReadOptions& opt
   throw badInput(
       folder.root + "/imu0/data.csv", 0,
       {InputFault::kNoImuSamples, "does not exist, though " + *described + " describes an IMU",
-       "the IMU's samples", "copy the recording again, or disable the IMU"});
+       "the IMU's samples", "copy the recording again, or omit that description"});
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ std::string detectionDocument(const LoadedSession& loaded) {
 
 int detect(const DetectOptions& o) {
   ProgressBar bar;
-  const LoadRequest request = o.session.request();
+  LoadRequest request = o.session.request();
+  request.read.supported_models_only = false;  // corners need no model
   const OutputRequest output = o.output.request("session of corners", o.session);
   OutputFolder out(output);
   std::optional<OutputFile> json =

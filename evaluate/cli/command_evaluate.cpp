@@ -52,9 +52,12 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
   app.remove_option(app.get_option("--models"));
   app.remove_option(app.get_option("--cameras"));
   app.get_option("--no-imu")->description("Score the cameras only");
-  app.add_option("--held-out", o.held_out,
-                 "Folders of further sessions, held out (not used for the calibration)")
-      ->delimiter(',');
+  app.add_option(
+         "--held-out", o.held_out,
+         "Folders of further sessions, held out (not used for the calibration), with commas "
+         "between them; repeatable")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   app.add_option("--folds", o.folds,
                  "K-fold cross-validation: recalibrate K times without one part of the session and "
                  "score that part")

@@ -175,7 +175,8 @@ void GuideOptionSet::declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--latency-ms", latencies,
                  "Simulated computing time of a step, e.g. camera-frame=5,next-view=40 [ms]")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   app.add_option("--arrival-ms", arrival_ms,
                  "Simulated delay of an image after its stamp; the IMU samples until then are "
                  "there too [ms]")

@@ -86,6 +86,13 @@ std::string chosenWords(const CLI::App& app) {
   return words;
 }
 
+// The command that was chosen, the innermost.
+const CLI::App& chosenOf(const CLI::App& app) {
+  const CLI::App* chosen = &app;
+  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
+  return *chosen;
+}
+
 // The option that puts right what the libraries, which know no options, found wrong; "": none does.
 std::string optionFor(InputFault code) {
   switch (code) {
@@ -118,6 +125,15 @@ std::string optionFor(InputFault code) {
   }
 }
 
+// The same, where the command has the option.
+std::string adviceFor(InputFault code, const CLI::App& command) {
+  const std::string advice = optionFor(code);
+  const auto at = advice.find("--");
+  if (at == std::string::npos) return advice;
+  const std::string option = advice.substr(at, advice.find(' ', at) - at);
+  return command.get_option_no_throw(option) != nullptr ? advice : "";
+}
+
 // Where a signal ends the process, what fails does so for that reason.
 int failed(std::string message, int exit_code) {
   waitIfEnding();
@@ -141,7 +157,7 @@ int runChosen(const CLI::App& app, const std::map<std::string, std::function<int
     for (const InputError& error : errors.all()) failed(error.what(), kBadInput);
     return kBadInput;
   } catch (const BadInput& error) {
-    return failed(error.what() + std::string(optionFor(error.code())), kBadInput);
+    return failed(error.what() + adviceFor(error.code(), chosenOf(app)), kBadInput);
   } catch (const InputError& error) {
     return failed(error.what(), kBadInput);
   } catch (const std::filesystem::filesystem_error& error) {

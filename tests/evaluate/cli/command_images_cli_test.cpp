@@ -97,6 +97,24 @@ TEST_F(CommandImages, DetectWritesASessionThatCalibratesTheSame) {
   EXPECT_EQ(plumbline(detect).exit_code, 2);  // never over what is there
 }
 
+// Corners need no lens model, and `detect` has no --no-imu to advise.
+TEST_F(CommandImages, DetectTakesEveryModelAndAdvisesNoOptionOfOthers) {
+  const fs::path copy = scratch() / "copy";
+  fs::create_directories(scratch());
+  fs::copy(images(), copy, fs::copy_options::recursive);
+  const fs::path sensor = copy / "mav0/cam0/sensor.yaml";
+  write(sensor, replaced(replaced(read(sensor), "model: pinhole", "model: omni"), "model: radtan",
+                         "model: equidistant"));
+  const std::string detect =
+      "detect " + copy.string() + " --only cam0 --to 1" + cache() + " --force --out ";
+  const Outcome outcome = plumbline(detect + (scratch() / "corners").string());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(read(scratch() / "corners/mav0/cam0/sensor.yaml"), HasSubstr("model: omni"));
+  fs::remove_all(copy / "mav0/imu0");
+  expectRefusal(plumbline(detect + (scratch() / "out").string()), 2,
+                AllOf(HasSubstr("imu0/data.csv"), testing::Not(HasSubstr("--no-imu"))));
+}
+
 TEST_F(CommandImages, AnUnusableDefaultCacheIsNotedAndAGivenOneRefused) {
   fs::create_directories(scratch());
   write(scratch() / "file", "no folder");

@@ -187,6 +187,14 @@ TEST_F(CommandLine, UsageErrorsExitWithTwo) {
   expectRefusal(plumbline(faulty + "bow=1mm --images"), 2, HasSubstr("bow=1mm"));
   expectRefusal(plumbline("simulate"), 2, HasSubstr("--out"));
   expectRefusal(calibrate("/nowhere"), 2, HasSubstr("/nowhere"));
+  // A list takes no word behind it: that is the session.
+  const std::string out = " --out " + (scratch() / "out").string();
+  expectRefusal(plumbline("calibrate --only cam7 " + session().string() + out), 2,
+                HasSubstr("cam0, cam1"));
+  for (const char* words : {"evaluate calibration --held-out a /nowhere/b /nowhere/c",
+                            "replay --latency-ms camera-frame=5 /nowhere/b"}) {
+    expectRefusal(plumbline(words + out), 2, HasSubstr("/nowhere/b"));
+  }
 }
 
 TEST_F(CommandLine, OptionsThatWouldBeCutOrMeanNothingAreRefused) {
