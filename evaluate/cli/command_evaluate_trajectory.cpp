@@ -67,9 +67,9 @@ TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) 
   request.truth_w_first = o.metrics.truth_w_first;
   request.estimate_inverted = o.metrics.estimate_inverted;
   request.truth_inverted = o.metrics.truth_inverted;
-  if (!o.format.empty()) request.read_truth.format = trajectoryFormatFrom(o.format);
+  if (!o.format.empty()) request.read_truth.format = trajectoryFormatFrom("--format", o.format);
   if (!o.estimate_format.empty()) {
-    request.read_estimate.format = trajectoryFormatFrom(o.estimate_format);
+    request.read_estimate.format = trajectoryFormatFrom("--estimate-format", o.estimate_format);
   }
   request.read_truth.body = o.body;
   request.read_estimate.times = o.estimate_times;

@@ -63,12 +63,7 @@ ExportRequest exportRequest(const ExportFilesOptions& o) {
   const auto tool = exportToolFrom(o.to);
   if (!tool) throw InputError(fmt::format("--to {}: expected one of {}", o.to, knownTools()));
   request.tool = *tool;
-  if (o.model) {
-    const std::vector<CameraModelPair> models = modelsFrom(*o.model);
-    if (models.size() != 1)
-      throw InputError("--model " + *o.model + ": expected one for all cameras");
-    request.model = models.front();
-  }
+  if (o.model) request.model = modelFrom("--model", *o.model);
   // Refused for every tool, also for those that do not need it.
   const double rate = request.camera_rate_hz.value_or(1);
   if (!(rate > 0) || !std::isfinite(rate) || rate > 1e6) {

@@ -131,9 +131,18 @@ void addRange(const std::string& option, const std::vector<std::string>& ends,
 }
 
 template <WordedEnum E>
-E byWord(const char* option, const std::string& word) {
+E byWord(const std::string& option, const std::string& word) {
   if (const auto value = enumFrom<E>(word)) return *value;
   refuse(option, word, "one of " + allWords<E>());
+}
+
+std::optional<CameraModelPair> calibratedModelFrom(const std::string& word) {
+  const auto dash = word.find('-');
+  const auto projection = projectionModelFrom(word.substr(0, dash));
+  const auto distortion =
+      dash == std::string::npos ? std::nullopt : distortionModelFrom(word.substr(dash + 1));
+  if (!projection || !distortion || !canBeCalibrated(*projection, *distortion)) return std::nullopt;
+  return CameraModelPair{*projection, *distortion};
 }
 
 RelativeDelta relativeDeltaFrom(const std::string& word) {
@@ -212,19 +221,21 @@ LaterUseKind laterUseFrom(const std::string& word) {
 std::vector<CameraModelPair> modelsFrom(const std::string& words) {
   std::vector<CameraModelPair> models;
   for (const std::string& word : split(words, ',')) {
-    const auto dash = word.find('-');
-    const auto projection = projectionModelFrom(word.substr(0, dash));
-    const auto distortion =
-        dash == std::string::npos ? std::nullopt : distortionModelFrom(word.substr(dash + 1));
-    if (!projection || !distortion || !canBeCalibrated(*projection, *distortion)) {
+    const auto model = calibratedModelFrom(word);
+    if (!model) {
       refuse("--models", word,
              calibratedModelWords() +
                  ", the models that can be calibrated; one for all cameras, or "
                  "one for each with commas between them");
     }
-    models.push_back({*projection, *distortion});
+    models.push_back(*model);
   }
   return models;
+}
+
+CameraModelPair modelFrom(const std::string& option, const std::string& word) {
+  if (const auto model = calibratedModelFrom(word)) return *model;
+  refuse(option, word, calibratedModelWords() + "; one for all cameras");
 }
 
 Resolution resolutionFrom(const std::string& word, const char* option) {
@@ -319,8 +330,8 @@ std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words) {
   return deltas;
 }
 
-TrajectoryFormat trajectoryFormatFrom(const std::string& word) {
-  return byWord<TrajectoryFormat>("--format", word);
+TrajectoryFormat trajectoryFormatFrom(const std::string& option, const std::string& word) {
+  return byWord<TrajectoryFormat>(option, word);
 }
 
 }  // namespace plumbline

@@ -43,6 +43,8 @@ LaterUseKind laterUseFrom(const std::string& word);
 
 /// "pinhole-radtan,pinhole-equidistant" -> one per camera; a single one stands for all cameras.
 std::vector<CameraModelPair> modelsFrom(const std::string& words);
+/// A single one, of the option named.
+CameraModelPair modelFrom(const std::string& option, const std::string& word);
 
 /// "752x480", of the option named.
 Resolution resolutionFrom(const std::string& word, const char* option = "--resolution");
@@ -75,7 +77,7 @@ std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words);
 /// --rpe-pairs: "plumbline", "evo", "evo-all", "rpg", "ov_eval".
 RelativePairs relativePairsFrom(const std::string& word);
 
-/// --format: "tum", "euroc", "kitti", "motive", "vicon".
-TrajectoryFormat trajectoryFormatFrom(const std::string& word);
+/// "tum", "euroc", "kitti", "motive", "vicon", of the option named.
+TrajectoryFormat trajectoryFormatFrom(const std::string& option, const std::string& word);
 
 }  // namespace plumbline

@@ -75,6 +75,18 @@ TEST(ModelsOption, TakesKalibrsWordsAndAliases) {
   }
 }
 
+TEST(OptionValues, RefusalsNameTheOptionThatWasGiven) {
+  EXPECT_EQ(modelFrom("--model", "pinhole-equi").distortion, DistortionModel::kEquidistant);
+  for (const char* word : {"fisheye", "pinhole-radtan,pinhole-radtan"}) {
+    EXPECT_THAT(complaint([&] { (void)modelFrom("--model", word); }),
+                AllOf(HasSubstr("--model "), HasSubstr("one for all cameras")))
+        << word;
+  }
+  EXPECT_EQ(trajectoryFormatFrom("--format", "tum"), TrajectoryFormat::kTum);
+  EXPECT_THAT(complaint([] { (void)trajectoryFormatFrom("--estimate-format", "x"); }),
+              HasSubstr("--estimate-format x"));
+}
+
 TEST(ResolutionOption, IsWidthByHeight) {
   EXPECT_EQ(resolutionFrom("752x480"), (Resolution{752, 480}));
   for (const char* word : {"752", "752x", "x480", "752x480x3", "0x480", "-1x480", "752.9x480"}) {
