@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -21,6 +22,7 @@
 #include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
+#include "evaluate/study/run_step.h"
 
 namespace plumbline {
 namespace {
@@ -300,6 +302,38 @@ std::unique_ptr<NightLock> lockAgain(const fs::path& night) {
   }
 }
 
+/// Names of the steps that nothing kept from being done, and that are not settled.
+std::set<std::string> lostSteps(const PreparedNight& night, const StepResults& settled) {
+  std::set<std::string> lost;
+  for (const auto& stage : unsettledStages(night.folder, night.steps)) {
+    for (const Step& step : stage) {
+      // What needs a step that failed is missing for good.
+      const bool could = std::all_of(step.needs.begin(), step.needs.end(), [&](const auto& need) {
+        const auto result = settled.find(need.name);
+        return result != settled.end() && result->second.status == StepStatus::kDone;
+      });
+      if (could) lost.insert(step.name);
+    }
+  }
+  return lost;
+}
+
+/// Those that were lost in the last round say how; where their process was killed before it could,
+/// that is recorded.
+void addLost(const PreparedNight& night, const std::set<std::string>& lost, const fs::path& logs,
+             StepResults& results) {
+  for (const Step& step : night.steps) {
+    auto result = readStepResult(night.folder / step.name);
+    if (!result || result->key != step.key) {
+      if (!lost.contains(step.name)) continue;
+      result = recordLost(
+          night.folder, step,
+          fmt::format("its process ended without a result on the cluster; see {}", logs.string()));
+    }
+    results.emplace(step.name, *result);  // does not replace what is settled
+  }
+}
+
 }  // namespace
 
 SlurmEnd runOnSlurm(PreparedNight night, SlurmOptions options, const NightSink& sink) {
@@ -328,27 +362,10 @@ SlurmEnd runOnSlurm(PreparedNight night, SlurmOptions options, const NightSink& 
 int mergeSlurmRound(const PreparedNight& night, const SlurmOptions& options, int round,
                     const std::function<int(const NightOutcome&)>& tell_outcome) {
   Word word;
-  const auto missing = unsettledStages(night.folder, night.steps);
-  // What needs a step that failed is missing for good.
-  const StepResults settled = settledResults(night.folder, night.steps);
-  bool lost = false;
-  for (const auto& stage : missing) {
-    for (const Step& step : stage) {
-      lost = lost || std::all_of(step.needs.begin(), step.needs.end(), [&](const StepNeed& need) {
-               const auto result = settled.find(need.name);
-               return result != settled.end() && result->second.status == StepStatus::kDone;
-             });
-    }
-  }
-  if (!lost || round >= options.rounds) {
-    StepResults results = settled;
-    for (const Step& step : night.steps) {  // those that were lost say how
-      if (auto result = readStepResult(night.folder / step.name);
-          result && result->key == step.key) {
-        // Does not replace what is settled.
-        results.emplace(step.name, *result);
-      }
-    }
+  StepResults results = settledResults(night.folder, night.steps);
+  const std::set<std::string> lost = lostSteps(night, results);
+  if (lost.empty() || round >= options.rounds) {
+    addLost(night, lost, night.folder / kFolder / fmt::format("round_{}", round), results);
     const NightOutcome outcome =
         finishNight(night, results, std::difftime(std::time(nullptr), options.since));
     word.merged = true;

@@ -17,9 +17,9 @@ class StudySlurm : public StudyNights {
     write(scratch_ / "bin" / name, "#!/bin/sh\n" + text + "\n");
     fs::permissions(scratch_ / "bin" / name, fs::perms::owner_all);
   }
-  Outcome slurm(const fs::path& night) const {
+  Outcome slurm(const fs::path& night, const std::string& options = "") const {
     return shell("PATH=" + (scratch_ / "bin").string() + ":$PATH " + PLUMBLINE_BINARY + " " +
-                 words(root_ / "data", night) + " --engine slurm");
+                 words(root_ / "data", night) + " --engine slurm " + options);
   }
 };
 
@@ -40,6 +40,30 @@ TEST_F(StudySlurm, WhileSlurmDoesNotAnswerItsJobsRunOn) {
   EXPECT_EQ(read(scratch_ / "submitted"), "x\n");
   // From the first submission on, and not the merging job's own time.
   EXPECT_GE(StudyStore(night / "study.sqlite").nights().back().seconds.value(), 3);
+}
+
+// The task of the one step that is to be done ends without a word, as where its node died.
+TEST_F(StudySlurm, AStepThatWasKilledIsRecordedAsLostAndRaisesAnAlarm) {
+  const fs::path night = doneNight();
+  const std::string step = "sessions/p1_free/perturb";
+  fs::remove_all(night / step);
+  const std::string begun = (scratch_ / "begun").string(), done = (scratch_ / "done").string();
+  tool("sbatch",
+       "for script; do :; done\necho 7\ncase $script in *merge.sh) ;; *) exit ;; esac\n"
+       "setsid sh -c \"touch " +
+           begun + "; sleep 1; sh $script; touch " + done +
+           "\" >/dev/null 2>&1 </dev/null &\nwhile ! test -e " + begun + "; do sleep 0.05; done");
+  tool("squeue", "test -e " + done + " || echo '7 all running'");
+  const Outcome outcome = slurm(night, "--slurm-rounds 1");
+  EXPECT_THAT(outcome.text, HasSubstr("REGRESSION")) << outcome.text;
+  bool found = false;
+  for (const StudyStepRow& row : StudyStore(night / "study.sqlite").steps()) {
+    if (row.name != step) continue;
+    found = true;
+    EXPECT_EQ(row.status, "lost");
+    EXPECT_THAT(row.message, HasSubstr("ended without a result on the cluster"));
+  }
+  EXPECT_TRUE(found);
 }
 
 TEST_F(StudySlurm, JobsBeforeARefusedOneKeepOtherNightsAway) {
