@@ -65,6 +65,10 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
   app.add_option("--target-shape", o.target_shape,
                  "True shape of the board, which target.yaml does not state: terms of " +
                      targetShapeExample());
+  // They are of corners, which images do not have.
+  for (const char* of_corners : {"--corner-sigma", "--outliers"}) {
+    app.get_option("--images")->excludes(app.get_option(of_corners));
+  }
   app.add_option("--threads", o.threads, "Rendering threads (0: all cores)")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
@@ -84,9 +88,6 @@ int simulate(SimulateOptions o) {
     o.simulation.target.shape = targetShapeFromWords(*o.target_shape, o.simulation.target);
   }
   if (o.images) checkRendered(o.simulation.faults);
-  if (o.images && o.simulation.outlier_fraction > 0) {
-    throw InputError("--outliers are of corners, which --images does not write; omit one");
-  }
   // The last term is tag_edge: where a detector puts corners, not where they are printed.
   if (o.images && o.simulation.target.shape.terms[kTargetTerms - 1] != 0) {
     throw InputError(

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"
@@ -51,8 +50,14 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
   app.add_option("--outliers", s.tracks.outlier_share,
                  "Fraction of outlier observations (not with --images)")
       ->capture_default_str();
-  app.add_flag("--images", s.images.rendered, "Render images instead of writing tracks");
+  auto* images =
+      app.add_flag("--images", s.images.rendered, "Render images instead of writing tracks");
+  // They are of tracks, which images do not have.
+  for (const char* of_tracks : {"--tracks", "--track-sigma", "--outliers"}) {
+    images->excludes(app.get_option(of_tracks));
+  }
   app.add_option("--exposure-ms", o.exposure_ms, "Exposure time of images (motion blur) [ms]")
+      ->needs(images)
       ->capture_default_str();
   app.add_option("--drop-outs", s.motion_capture.drop_outs,
                  "Number of gaps of the motion capture, 0.6 s each")
@@ -65,9 +70,6 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
 int simulateSequenceFolder(SimulateSequenceOptions o) {
   if (o.time_offset_ms) o.sequence.simulation.time_offset_s = *o.time_offset_ms * 1e-3;
   o.sequence.images.exposure_s = o.exposure_ms * 1e-3;
-  if (o.sequence.images.rendered && o.sequence.tracks.outlier_share > 0) {
-    throw InputError("--outliers are of tracks, which --images does not write; omit one");
-  }
   o.sequence.check();
   OutputFolder out(o.output.request("sequence"));
   ProgressBar bar;

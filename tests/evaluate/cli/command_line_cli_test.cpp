@@ -216,9 +216,11 @@ TEST_F(CommandLine, OptionsThatWouldBeCutOrMeanNothingAreRefused) {
   expectRefusal(plumbline("simulate --seed 7 sequence" + out), 2,
                 AllOf(HasSubstr("--seed"), HasSubstr("after sequence")));
   expectRefusal(plumbline("study --jobs 2 accept night"), 2, HasSubstr("--jobs"));
-  for (const char* sub : {"", " sequence"}) {
-    expectRefusal(plumbline("simulate" + std::string(sub) + " --images --outliers 0.1" + out), 2,
-                  HasSubstr("--outliers"));
+  // Of corners or tracks, which images do not have; and the other way round.
+  for (const char* words : {" --images --outliers 0.1", " --images --corner-sigma 0.5",
+                            " sequence --images --outliers 0.1", " sequence --images --tracks 50",
+                            " sequence --images --track-sigma 1", " sequence --exposure-ms 2"}) {
+    expectRefusal(plumbline("simulate" + std::string(words) + out), 2, HasSubstr("--images"));
   }
 }
 
