@@ -137,7 +137,7 @@ void ProgressBar::update(const std::string& step, double fraction) {
                        std::string(kBarWidth - filled, ' '), 100 * fraction, timeLeft(fraction));
   }
   if (line == last_) return;
-  fmt::print(stderr, "\r\033[K{}", line);
+  fmt::print(stderr, "\r\033[K{}", shownLine(line));
   std::fflush(stderr);
   last_ = line;
 }

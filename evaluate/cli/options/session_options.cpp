@@ -261,12 +261,14 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
   std::vector<std::pair<std::string, std::string>> given;
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name(false, false);
-    // Where results go and how they are told and made stays out, so that equal results have equal
-    // documents; the session is the input, which is stated beside its hash.
-    static const std::set<std::string> kWithoutEffect = {"--out",     "--force",   "--json",
-                                                         "session",   "--fail-on", "--no-report",
-                                                         "--threads", "--cache",   "--no-cache"};
+    // Where results go and how they are told and made stays out, so that equal results state equal
+    // options (the command line, beside them, has all); the session is the input, which is stated
+    // beside its hash.
+    static const std::set<std::string> kWithoutEffect = {
+        "--out",     "--force", "--json",     "session", "--fail-on", "--no-report",
+        "--threads", "--cache", "--no-cache", "--jobs",  "--engine"};
     if (option->count() == 0 || kWithoutEffect.contains(name)) continue;
+    if (name.starts_with("--slurm-") || name.starts_with("--merge-")) continue;
     // A flag has no value.
     given.emplace_back(name, option->get_expected_max() == 0
                                  ? "yes"

@@ -28,6 +28,9 @@ TEST_F(StudyRerun, ResultsDoNotDependOnJobs) {
   const Outcome outcome = study(root_ / "data", scratch_ / "night", "--jobs 1");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_EQ(values(scratch_ / "night"), values(root_ / "undisturbed"));
+  // Nor is it among the options that the result states; the command line has it.
+  EXPECT_THAT(read(scratch_ / "night/summary.json"),
+              testing::AllOf(HasSubstr("--jobs 1"), Not(HasSubstr("\"--jobs\""))));
 }
 
 TEST_F(StudyRerun, AChangedSessionAloneIsDoneAgain) {
