@@ -38,8 +38,6 @@ struct CalibrateOptions {
 void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   o.estimation.choose_models = true;
   o.estimation.declare(app);
-  // The models are those of the file.
-  app.get_option("--cameras")->excludes(app.get_option("--models"));
   app.add_flag("--free-cameras", o.free_cameras,
                "Refine the cameras of --cameras: they are only start values")
       ->needs(app.get_option("--cameras"));

@@ -216,7 +216,8 @@ void EstimationOptions::declare(CLI::App& app) {
           : calibratedModelWords() + ", one for each camera (default: sensor.yaml)");
   app.add_option("--cameras", cameras,
                  "Calibration whose cameras are used and kept fixed (Kalibr's camchain or "
-                 "Plumbline's calibration.json)");
+                 "Plumbline's calibration.json)")
+      ->excludes(app.get_option("--models"));  // the models are those of the file
   app.add_flag("--no-imu", no_imu, "Calibrate the cameras only");
   measurements.declare(app);
   app.add_option("--outliers", outliers, "none, sigma:K, or kalibr")->capture_default_str();

@@ -198,8 +198,12 @@ TEST_F(CommandLine, UsageErrorsExitWithTwo) {
 }
 
 TEST_F(CommandLine, OptionsThatWouldBeCutOrMeanNothingAreRefused) {
-  expectRefusal(calibrate(session(), "--models pinhole-equidistant --cameras file.yaml"), 2,
-                AllOf(HasSubstr("--cameras"), HasSubstr("--models")));
+  for (const char* command : {"calibrate ", "perturb --offsets-ms 1 ", "replay "}) {
+    expectRefusal(plumbline(command + session().string() +
+                            " --models pinhole-equidistant --cameras file.yaml --out " +
+                            (scratch() / "out").string()),
+                  2, AllOf(HasSubstr("--cameras"), HasSubstr("--models")));
+  }
   for (const char* seed : {"99999999999999999999999", "1.5", "18446744073709551616", "1e3"}) {
     expectRefusal(calibrate(session(), std::string("--seed ") + seed), 2,
                   AllOf(HasSubstr("--seed"), HasSubstr("expected a whole number")));
