@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -93,17 +92,11 @@ std::vector<double> rangesFrom(const std::vector<std::string>& words) {
       ranges.push_back(std::numeric_limits<double>::infinity());
       continue;
     }
-    std::size_t used = 0;
-    double range = 0;
-    try {
-      range = std::stod(word, &used);
-    } catch (const std::exception&) {
-      used = 0;
-    }
-    if (used != word.size() || !(range > 0) || !std::isfinite(range)) {
+    const auto range = finiteNumber(word);
+    if (!range || *range <= 0) {
       throw InputError(fmt::format("--range {}: expected metres, or inf", word));
     }
-    ranges.push_back(range);
+    ranges.push_back(*range);
   }
   return ranges;
 }
@@ -111,17 +104,6 @@ std::vector<double> rangesFrom(const std::vector<std::string>& words) {
 ImageGrid gridFrom(const std::string& word) {
   const Resolution size = resolutionFrom(word, "--grid");
   return {size.width, size.height};
-}
-
-template <class Value>
-Value wordFrom(const char* option, const std::string& word,
-               const std::vector<std::pair<std::string, Value>>& known) {
-  std::string words;
-  for (const auto& [name, value] : known) {
-    if (name == word) return value;
-    words += (words.empty() ? "" : " or ") + name;
-  }
-  throw InputError(fmt::format("{} {}: expected {}", option, word, words));
 }
 
 CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {

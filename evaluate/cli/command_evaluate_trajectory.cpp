@@ -141,7 +141,7 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
   // Without a finding the verdict would repeat the figures.
   if (level != VerdictLevel::kGood) say("\n{}", verdictText(record.verdict, kCompleteWord));
   if (json) say("\nFigures: {}\n", *o.json.file);
-  if (out && !o.no_report) say("\nReport: {}/report.html\n", o.output.out);
+  if (out && !o.no_report) say("\nReport: {}/{}\n", o.output.out, kPageFile);
   if (out && o.no_report) say("\nResult: {}/trajectory.json\n", o.output.out);
   return o.fail_on.exitCode(level);
 }

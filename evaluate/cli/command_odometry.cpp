@@ -109,8 +109,7 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
   request.how.truth_w_first = o.metrics.truth_w_first;
   request.how.truth_inverted = o.metrics.truth_inverted;
-  request.min_coverage = o.metrics.min_coverage;
-  if (o.metrics.max_ate_m > 0) request.max_ate_m = o.metrics.max_ate_m;
+  setLimits(o.metrics, request);
   return request;
 }
 

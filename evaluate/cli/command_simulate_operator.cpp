@@ -101,13 +101,12 @@ OperatorSkill skillFrom(const std::string& word) {
   if (word == "expert") return personSkill(0);
   if (word == "practised") return personSkill(0.5);
   if (word == "novice") return personSkill(1);
-  char* end = nullptr;
-  const double clumsiness = std::strtod(word.c_str(), &end);
-  if (word.empty() || *end != '\0' || !(clumsiness >= 0 && clumsiness <= 1)) {
+  const auto clumsiness = finiteNumber(word);
+  if (!clumsiness || *clumsiness < 0 || *clumsiness > 1) {
     throw InputError(fmt::format(
         "--skill {}: expected expert, practised, novice, or a clumsiness from 0 to 1", word));
   }
-  return personSkill(clumsiness);
+  return personSkill(*clumsiness);
 }
 
 OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {

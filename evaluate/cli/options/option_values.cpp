@@ -22,15 +22,6 @@
 namespace plumbline {
 namespace {
 
-/// The whole word, by from_chars: the locale's decimal comma plays no part.
-std::optional<double> number(const std::string& text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stopped != end || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
 [[noreturn]] void refuse(const std::string& option, const std::string& word,
                          const std::string& expected) {
   throw InputError(fmt::format("{} {}: expected {}", option, word, expected));
@@ -52,7 +43,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
 // "prefix:NUMBER" -> NUMBER, if it is positive.
 std::optional<double> positiveAfter(const std::string& word, const std::string& prefix) {
   if (word.rfind(prefix, 0) != 0) return std::nullopt;
-  const auto value = number(word.substr(prefix.size()));
+  const auto value = finiteNumber(word.substr(prefix.size()));
   return value && *value > 0 ? value : std::nullopt;
 }
 
@@ -105,7 +96,8 @@ constexpr std::size_t kMostAmounts = 10'000;
 
 double numberOf(const std::string& option, const std::string& word) {
   // A plus is written where others of the list have a minus; from_chars takes none.
-  if (const auto value = number(word.rfind('+', 0) == 0 ? word.substr(1) : word)) return *value;
+  if (const auto value = finiteNumber(word.rfind('+', 0) == 0 ? word.substr(1) : word))
+    return *value;
   throw InputError(fmt::format(
       "{}: '{}' is not a number; expected numbers and ranges FROM:STEP:TO separated by commas",
       option, word));
@@ -164,6 +156,15 @@ RelativeDelta relativeDeltaFrom(const std::string& word) {
 }
 
 }  // namespace
+
+std::optional<double> finiteNumber(const std::string& word) {
+  double value = 0;
+  const char* end = word.data() + word.size();
+  // The locale's decimal comma plays no part.
+  const auto [stopped, error] = std::from_chars(word.data(), end, value);
+  if (error != std::errc() || stopped != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
 
 double lossFrom(const std::string& word) {
   if (word == "none") return 0;
@@ -241,8 +242,8 @@ CameraModelPair modelFrom(const std::string& option, const std::string& word) {
 Resolution resolutionFrom(const std::string& word, const char* option) {
   const auto parts = split(word, 'x');
   if (parts.size() == 2) {
-    const auto width = number(parts[0]);
-    const auto height = number(parts[1]);
+    const auto width = finiteNumber(parts[0]);
+    const auto height = finiteNumber(parts[1]);
     const auto is_size = [](const std::optional<double>& value) {
       return value && *value >= 1 && *value < 1e5 && *value == std::floor(*value);
     };
@@ -261,8 +262,8 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) 
   const auto values = equals == std::string::npos ? std::vector<std::string>()
                                                   : split(assignment.substr(equals + 1), ',');
   if (member != thresholdMembers().end() && values.size() == 2) {
-    const auto caution = number(values[0]);
-    const auto bad = number(values[1]);
+    const auto caution = finiteNumber(values[0]);
+    const auto bad = finiteNumber(values[1]);
     // Of coverage, views and tilt less is worse: the usual bounds tell which way a threshold goes.
     const Bound usual = VerdictThresholds().*(member->second);
     const bool rising = usual.caution <= usual.bad;  // worse the larger

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera/batch.h"
@@ -21,6 +25,21 @@ namespace plumbline {
 
 /// The words of the command line as values. Each throws InputError naming the option, the word and
 /// what it may be.
+
+/// A finite number that is the whole word, with a decimal point; empty for all else.
+std::optional<double> finiteNumber(const std::string& word);
+
+/// The value of a word among those that are known.
+template <class Value>
+Value wordFrom(const char* option, const std::string& word,
+               const std::vector<std::pair<std::string, Value>>& known) {
+  std::string words;
+  for (const auto& [name, value] : known) {
+    if (name == word) return value;
+    words += (words.empty() ? "" : " or ") + name;
+  }
+  throw InputError(fmt::format("{} {}: expected {}", option, word, words));
+}
 
 /// "none" or "cauchy:SCALE" -> scale of the Cauchy loss [px]; 0 for none.
 double lossFrom(const std::string& word);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/cli/options/trajectory_metric_options.h"
 
-#include <charconv>
 #include <cmath>
 
 #include <CLI/CLI.hpp>
@@ -76,14 +75,12 @@ void declareErrors(CLI::App& app, TrajectoryMetricWords& o) {
 double knownOffset(const std::string& word) {
   // What auto finds comes on top of --time-offset, around which it searches.
   if (word == "none" || word == "auto") return 0;
-  double value = 0;
-  const char* const end = word.data() + word.size();
-  const auto [rest, error] = std::from_chars(word.data(), end, value);
-  if (error != std::errc() || rest != end || !(std::abs(value) <= kLongestTime)) {
+  const auto value = finiteNumber(word);
+  if (!value || std::abs(*value) > kLongestTime) {
     throw InputError(
         fmt::format("--clock-offset {}: expected auto, none, or seconds, e.g. -0.035", word));
   }
-  return value;
+  return *value;
 }
 
 std::vector<RelativeDelta> pairedBy(const std::string& word, std::vector<RelativeDelta> deltas) {
@@ -98,18 +95,6 @@ std::vector<RelativeDelta> pairedBy(const std::string& word, std::vector<Relativ
     delta.pairs = pairs;
   }
   return deltas;
-}
-
-CoverageSpan coverageFrom(const std::string& word) {
-  if (word == "start") return CoverageSpan::kTruth;
-  if (word == "first-pose") return CoverageSpan::kFirstPose;
-  throw InputError(fmt::format("--coverage-from {}: expected start or first-pose", word));
-}
-
-bool handEyeFrom(const std::string& word) {
-  if (word == "auto") return true;
-  if (word == "none") return false;
-  throw InputError(fmt::format("--hand-eye {}: expected auto or none", word));
 }
 
 }  // namespace
@@ -134,12 +119,6 @@ void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
       ->check(positiveNumber());
 }
 
-void setLimits(const TrajectoryMetricWords& words, RunsRequest& request) {
-  request.min_coverage = words.min_coverage;
-  // Otherwise each run has a limit of its own, from its truth and alignment.
-  if (words.max_ate_m > 0) request.max_ate_m = words.max_ate_m;
-}
-
 TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
   TrajectoryMetricOptions metrics;
   metrics.association = {associationFrom(o.association), o.max_dt_s, o.max_gap_s, o.time_offset_s};
@@ -149,11 +128,13 @@ TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
     metrics.clock = ClockOffsetOptions{};
     metrics.clock->max_offset_s = o.clock_range_s;
   }
-  metrics.hand_eye = handEyeFrom(o.hand_eye);
+  metrics.hand_eye = wordFrom<bool>("--hand-eye", o.hand_eye, {{"auto", true}, {"none", false}});
   metrics.alignment.kind = alignmentFrom(o.align);
   metrics.alignment.first_n = o.align_first;
   metrics.rpe = pairedBy(o.rpe_pairs, relativeDeltasFrom(o.rpe));
-  metrics.coverage = coverageFrom(o.coverage_from);
+  metrics.coverage = wordFrom<CoverageSpan>(
+      "--coverage-from", o.coverage_from,
+      {{"start", CoverageSpan::kTruth}, {"first-pose", CoverageSpan::kFirstPose}});
   return metrics;
 }
 

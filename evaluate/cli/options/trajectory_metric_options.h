@@ -35,8 +35,13 @@ void declareTrajectoryMetrics(CLI::App& app, TrajectoryMetricWords& words);
 /// complete.
 void declareCoverage(CLI::App& app, TrajectoryMetricWords& words);
 
-/// Theirs that a run's status depends on.
-void setLimits(const TrajectoryMetricWords& words, RunsRequest& request);
+/// Theirs that a run's status depends on, of the runs that are there or that are made.
+template <class Request>
+void setLimits(const TrajectoryMetricWords& words, Request& request) {
+  request.min_coverage = words.min_coverage;
+  // Otherwise each run has a limit of its own, from its truth and alignment.
+  if (words.max_ate_m > 0) request.max_ate_m = words.max_ate_m;
+}
 
 /// The words as values; throws InputError that names an option and what it may be.
 TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& words);
