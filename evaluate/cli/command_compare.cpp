@@ -115,6 +115,9 @@ CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
     request.load = o.session.request();
     // Given calibrations are scored, whatever models sensor.yaml states.
     request.load->read.supported_models_only = false;
+    // The session's own estimate takes the board as `calibrate` does, unless it is said to be flat.
+    const bool said = app.get_option("--target-shape")->count() > 0;
+    request.load->target = said ? TargetMode::kGiven : TargetMode::kAuto;
     request.score.camera.frames = o.measurements.frames;
     request.score.camera.frames.tolerance = request.load->read.sync_tolerance;
     request.score.camera.threads = threadCount(request.load->threads);

@@ -268,7 +268,8 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, const LoadedSessi
   if (request.session_estimate) {
     progress("calibrating the session itself", -1);
     // A shape that was given is used for the session's own estimate as for every score.
-    const TargetMode target = request.load->target_shape ? TargetMode::kKnown : TargetMode::kAuto;
+    const TargetMode target =
+        request.load->target_shape ? TargetMode::kKnown : request.load->target;
     record.session_estimate = sessionEstimate(loaded.session, calibrationsOf(files), request.score,
                                               target, request.thresholds);
   }

@@ -76,6 +76,8 @@ struct CompareRequest {
   std::vector<std::string> calibrations;  ///< files; differences are to the first
   std::vector<std::string> labels;        ///< one each, or empty: made from the files' names
   /// Scores every calibration on this recording, and takes uncertainties and entropies from it.
+  /// Scores assume its board flat, or of `target_shape`; without that `target` is of the session's
+  /// own estimate.
   std::optional<LoadRequest> load;
   ScoreOptions score;
   bool session_estimate = true;  ///< calibrate the recording itself too: sessionEstimate()

@@ -171,6 +171,34 @@ TEST_F(CommandCompare, WithARecordingBothAreScored) {
   }
 }
 
+// A bent board, and a calibration that takes it as flat: they differ by the board, unless the
+// session's own estimate is told to take it as flat, too.
+TEST_F(CommandCompare, TheSessionsOwnEstimateTakesTheBoardAsSaid) {
+  fs::create_directories(scratch());
+  const std::string bent = (scratch() / "bent").string();
+  const std::string common = " --only cam0 --loss none --no-cache --no-report --out ";
+  ASSERT_EQ(
+      plumbline("simulate --seed 3 --duration 8 --camera-rate 5 --target-shape bow=4mm --out " +
+                bent)
+          .exit_code,
+      0);
+  ASSERT_EQ(plumbline("calibrate " + bent +
+                      " --no-imu --no-halves --models pinhole-radtan --target-shape flat" + common +
+                      (scratch() / "flat").string())
+                .exit_code,
+            0);
+  const std::string flat = (scratch() / "flat/camchain.yaml").string();
+  const auto difference = [&](const std::string& options) {
+    const Outcome outcome = plumbline("compare --force " + flat + " " + flat +
+                                      " --labels a,b --range inf --grid 5x3 --session " + bent +
+                                      options + common + (scratch() / "out").string());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    return std::abs(document()["session_estimate"]["parameters"][0]["difference"][1].get<double>());
+  };
+  EXPECT_GT(difference(""), 1);  // cam0.fu [px]
+  EXPECT_LT(difference(" --target-shape flat"), 0.05);
+}
+
 TEST_F(CommandCompare, TheSessionItselfCanBeLeftOut) {
   ASSERT_EQ(compare(ours() + " " + truth() +
                     " --labels ours,truth --range inf --grid 5x3 "
