@@ -26,16 +26,6 @@ constexpr int kNoiseRuns = 5;
 constexpr double kNoiseShare = 1e-3;  // of the steps
 constexpr double kRounding = 1e-12;   // [px, m, rad, s]: what a file's digits leave of a transform
 
-/// calibrationParameters() under the cameras' own names, by which files state their deviations and
-/// people know them: with --only they may not be those of their places.
-std::vector<CalibrationParameter> namedParameters(const Calibration& calibration) {
-  std::vector<CalibrationParameter> list = calibrationParameters(calibration);
-  // Those of the cameras stand in front, in the same order.
-  const std::vector<ParameterName> of_cameras = cameraParameters(calibration.cameras);
-  for (std::size_t i = 0; i < of_cameras.size(); ++i) list[i].name = of_cameras[i].name;
-  return list;
-}
-
 /// All moves of a sensitivity: none, all at once, then noise, then the single ones.
 class Moves {
  public:

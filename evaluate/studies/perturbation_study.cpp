@@ -159,7 +159,7 @@ PerturbationRecord startRecord(const StudyInputs& inputs, const Solution& base) 
   PerturbationRecord record;
   // First: the findings go by the corners' noise.
   record.assumptions = assumptionsOf(inputs.camera, inputs.camera_imu, *inputs.session);
-  for (const CalibrationParameter& p : calibrationParameters(base.calibration)) {
+  for (const CalibrationParameter& p : namedParameters(base.calibration)) {
     record.parameters.push_back(p.name);
     record.units.push_back(p.unit);
     // 0: none is stated, of which compare() makes no ratio.

@@ -73,6 +73,14 @@ std::vector<CalibrationParameter> calibrationParameters(const Calibration& calib
   return list;
 }
 
+std::vector<CalibrationParameter> namedParameters(const Calibration& calibration) {
+  std::vector<CalibrationParameter> list = calibrationParameters(calibration);
+  // Those of the cameras stand in front, in the same order.
+  const std::vector<ParameterName> of_cameras = cameraParameters(calibration.cameras);
+  for (std::size_t i = 0; i < of_cameras.size(); ++i) list[i].name = of_cameras[i].name;
+  return list;
+}
+
 Eigen::VectorXd calibrationChange(const Calibration& to, const Calibration& from) {
   // In the order of calibrationParameters(from): lenses, T_C0Ci, T_SC0, offset. What `to` lacks
   // stays NaN.

@@ -24,6 +24,10 @@ struct CalibrationParameter {
 /// that the lists of two calibrations of one rig compare.
 std::vector<CalibrationParameter> calibrationParameters(const Calibration& calibration);
 
+/// The same under the cameras' own names, by which files state their deviations and people know
+/// them: with --only they may not be those of their places.
+std::vector<CalibrationParameter> namedParameters(const Calibration& calibration);
+
 /// to - from, in the order of calibrationParameters(): differences of numbers, and for transforms
 /// the tangent boxminus(to, from) [m, rad], so that small rotations do not depend on where Log(R)
 /// is cut. Empty (NaN) where a camera's model differs or only one of them has an IMU; the order is

@@ -35,6 +35,18 @@ TEST(CalibrationParameters, AreListedCameraByCameraThenTransformsThenOffset) {
   EXPECT_EQ(list[28].value, calibration().imu->timeOffset());
 }
 
+TEST(CalibrationParameters, ByTheirNamesCamerasAreThoseOfTheFile) {
+  Calibration c = calibration();
+  c.cameras[0].name = "cam1";
+  c.cameras[1].name = "right";
+  const auto list = namedParameters(c);
+  ASSERT_EQ(list.size(), calibrationParameters(c).size());
+  EXPECT_EQ(list[0].name, "cam1.fu");
+  EXPECT_EQ(list[15].name, "right.p2");
+  EXPECT_EQ(list[16].name, "T_C0C1.tx");
+  EXPECT_EQ(list[28].name, "time_offset");
+}
+
 TEST(CalibrationParameters, ChangesOfTransformsAreTangents) {
   const Calibration from = calibration();
   Calibration to = from;

@@ -172,6 +172,7 @@ TEST(PerturbationStudy, DoesNotDependOnThreads) {
 TEST(PerturbationStudy, SaysWhatASessionCannotGive) {
   Session blind = simulated().session;
   blind.imu.reset();
+  blind.cameras[1].name = "cam2";  // as of --only cam0,cam2
   StudyInputs in = inputs(false);
   in.session = &blind;
   EXPECT_THROW((void)perturbationStudy(in, {{Kind::kImuShift, 1}}), InputError);
@@ -179,7 +180,8 @@ TEST(PerturbationStudy, SaysWhatASessionCannotGive) {
   const auto cameras_only = perturbationStudy(in, {{Kind::kCornerNoise, 0.1, 1}});
   ASSERT_TRUE(cameras_only);
   EXPECT_EQ(cameras_only->cases[0].problem, "");
-  EXPECT_EQ(cameras_only->parameters.size(), 8u + 8 + 6);
+  ASSERT_EQ(cameras_only->parameters.size(), 8u + 8 + 6);
+  EXPECT_EQ(cameras_only->parameters[8], "cam2.fu");
   // No offset is nothing, not 0.
   EXPECT_THAT(perturbationTable(*cameras_only),
               ContainsRegex("base,0,,0,yes,[^,]+,[^,]+,[^,]+,,,,,"));
