@@ -130,7 +130,7 @@ std::string adviceFor(InputFault code, const CLI::App& command) {
   const std::string advice = optionFor(code);
   const auto at = advice.find("--");
   if (at == std::string::npos) return advice;
-  const std::string option = advice.substr(at, advice.find(' ', at) - at);
+  const std::string option = advice.substr(at, advice.find_first_of(" ,", at) - at);
   return command.get_option_no_throw(option) != nullptr ? advice : "";
 }
 
