@@ -52,11 +52,11 @@ std::vector<std::pair<std::string, std::string>> readStudyDefinition(
 
 /// Reads suggestions.csv of a guided recording: what its operator was asked for, and when. A row is
 ///   t_ns, stage, id, T_FC0
-/// with stage "camera" or "camera-imu", id an integer (over both stages), and T_FC0 either as seven
-/// numbers (tx ty tz [m], Hamilton quaternion qx qy qz qw) or as a 4x4 matrix row by row (16
-/// numbers, or the first 12). Ascending in time. Throws InputError, naming file and line, for
-/// anything else: stamps out of order, an id given twice, a quaternion whose norm is off 1 by more
-/// than 1e-3, a rotation that is none.
+/// with stage "camera" or "camera-imu", id an integer, and T_FC0 either as seven numbers (tx ty tz
+/// [m], Hamilton quaternion qx qy qz qw) or as a 4x4 matrix row by row (16 numbers, or the first
+/// 12). Ascending in time. Throws InputError, naming file and line, for anything else: stamps out
+/// of order, an id given twice, a quaternion whose norm is off 1 by more than 1e-3, a rotation that
+/// is none.
 std::vector<Suggestion> readSuggestions(const std::string& path);
 
 /// suggestions.csv of a recording, where its target.yaml may lie; empty where there is none.

@@ -73,7 +73,7 @@ std::vector<Suggestion> readSuggestions(const std::string& path) {
   TextTable table(path, file.text(), kSuggestionsLayout);
   table.readHeader(TextTable::NoRows::kAccept);
   std::vector<Suggestion> suggestions;
-  std::set<int> ids;
+  std::set<std::pair<GuideStage, int>> ids;
   while (table.nextRow()) {
     Suggestion s;
     s.t = table.stamp();
@@ -83,10 +83,11 @@ std::vector<Suggestion> readSuggestions(const std::string& path) {
     }
     s.stage = stageFrom(table);
     s.id = table.integer("id");
-    if (!ids.insert(s.id).second) {
-      throw table.fault({InputFault::kDuplicate, fmt::format("the id {} is given twice", s.id),
-                         "one row per suggestion; ids count over both stages",
-                         "delete one of the rows, or give it another id"});
+    // Each stage counts by itself.
+    if (!ids.insert({s.stage, s.id}).second) {
+      throw table.fault({InputFault::kDuplicate,
+                         fmt::format("the id {} is given twice in this stage", s.id),
+                         "one row per suggestion", "delete one of the rows"});
     }
     s.candidate = fmt::format("{}", s.id);
     s.T_FC0 = poseFrom(table);

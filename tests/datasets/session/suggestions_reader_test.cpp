@@ -29,7 +29,7 @@ TEST_F(Suggestions, APoseIsAQuaternionOrAMatrix) {
   // A quarter turn about z.
   const auto list = read(
       "1000000000000000000,camera,0,1,2,3,0,0,0.70710678,0.70710678\n"
-      "1000000001000000000,camera-imu,2,0,-1,0,1,1,0,0,2,0,0,1,3,0,0,0,1\n"
+      "1000000001000000000,camera-imu,0,0,-1,0,1,1,0,0,2,0,0,1,3,0,0,0,1\n"
       "1000000002000000000,camera,1,0,-1,0,1,1,0,0,2,0,0,1,3\n");
   ASSERT_EQ(list.size(), 3u);
   EXPECT_EQ(list[0].stage, GuideStage::kCamera);
@@ -59,7 +59,6 @@ TEST_F(Suggestions, FaultsNameFileAndLine) {
   for (const auto& [row, code] : std::initializer_list<std::pair<const char*, InputFault>>{
            {"1000000001000000000,views,1,1,2,3,0,0,0,1\n", InputFault::kUnknownWord},
            {"1000000001000000000,camera,0,1,2,3,0,0,0,1\n", InputFault::kDuplicate},
-           {"1000000001000000000,camera-imu,0,1,2,3,0,0,0,1\n", InputFault::kDuplicate},
            {"999999999000000000,camera,1,1,2,3,0,0,0,1\n", InputFault::kBadOrder},
            {"1000000001", InputFault::kTruncated},
            {"1000000001000000000,camera,1,1,2,3,1,0,0,1\n", InputFault::kNotRigid},
