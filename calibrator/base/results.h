@@ -230,6 +230,9 @@ struct TargetFit {
   std::optional<double> corners_held_out_px, corners_gain_px2, corners_gain_std_px2;
   std::optional<double> corners_plane_std, corners_height_std;
 
+  /// Whether unseen frames were compared: enough blocks of time, and solutions of their halves.
+  bool isJudged() const { return flat_held_out_px > 0; }
+
   /// RMS of held-out frames with the board that `shape` is.
   double shapeHeldOutPx() const {
     if (shape.corners && corners_held_out_px) return *corners_held_out_px;
@@ -243,7 +246,8 @@ struct ModelCandidate {
   DistortionModel distortion = DistortionModel::kNone;
   int parameters = 0;
   int frames = 0;  ///< on which it was tried; fewer where that was enough to rule it out
-  /// RMS, after the loss, of frames that it was not fitted to; NaN: no solution.
+  /// RMS, after the loss, of frames that it was not fitted to; NaN: no solution, or the recording
+  /// does not determine it.
   double held_out_px = 0;
   double excess_px2 = 0;  ///< mean over blocks of time: by how much its squares exceed the best's
   double excess_std_px2 = 0;  ///< standard deviation of that mean
@@ -261,7 +265,8 @@ struct BiasRatio {
 
 /// Why a model was chosen.
 enum class ModelReason {
-  kNotTested,  ///< too short a recording, or no other model has a solution
+  kNotTested,  ///< too short a recording, or no other model has a solution, or the recording does
+               ///< not determine those that predict unseen frames best
   kStated,     ///< the recording states it, and no model predicts unseen frames better
   kSmallest,   ///< the fewest parameters of those that predict unseen frames as well as the best
   kCommon,     ///< the one for all cameras together; by itself the camera would have another

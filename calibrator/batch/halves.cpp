@@ -175,7 +175,7 @@ std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
   // Per axis; corners with less noise than assumed leave the formal deviations too large, by no
   // more than this.
   const double rms = std::sqrt(0.5) * whole.summary.reprojection.rmse_px / options.pixel_sigma;
-  const double noise = std::clamp(rms * rms, leastNoise(options.pixel_sigma), 1.0);
+  const double noise = std::min(1.0, std::max(rms * rms, leastNoise(options.pixel_sigma)));
   const Eigen::VectorXd ratio =
       whole.faults->robust_std.cwiseQuotient(whole.faults->formal_std).cwiseMax(std::sqrt(noise));
   // A formal deviation of zero has no ratio.

@@ -10,7 +10,7 @@ namespace plumbline {
 bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& open, Decision& d) {
   // The first frame comes 1 ns after nothing: neither a jump nor a pause.
   const TimeNs before = last_.value_or(frame.t - 1);
-  pause_s_ = secondsBetween(before, frame.t);
+  pause_s_ = last_ ? secondsBetween(before, frame.t) : 0;
   if (frame.t <= before) {
     d.reason = GuideReason::kTimeJump;
     note(d, frame.t == before
@@ -35,7 +35,7 @@ bool FrameGate::hasTarget(bool shows, Decision& d) {
   // From the frame before the first without it, also where that was dropped: of the time of work,
   // or of a pause, nobody knows. A target that was never seen counts as lost from the first frame
   // on.
-  if (!shows && !lost_since_) {
+  if (!shows && (!lost_since_ || (isAfterPause() && !lost_said_))) {
     lost_since_ = isAfterPause() ? d.t : d.t - toNanoseconds(pause_s_);
   }
   const double lost_s = lost_since_ ? secondsBetween(*lost_since_, d.t) : 0;

@@ -236,7 +236,7 @@ class TableReader {
           "no orientations are read: the header names no quaternion (qx qy qz qw), and the first "
           "row has none where it usually stands");
     }
-    if (layout.has_orientation && !layout.order_is_stated) {
+    if (layout.has_orientation && !layout.order_is_stated && !options_.order_is_stated) {
       checkQuaternionOrder(source_, builder, layout, options_.format.has_value());
     }
     return std::move(builder).finish();

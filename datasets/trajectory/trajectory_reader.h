@@ -28,6 +28,8 @@ struct TrajectoryReadOptions {
   std::optional<TrajectoryFormat> format;  ///< none: told from the content
   std::string body;             ///< rigid body of a mocap export; needed where it has several
   std::filesystem::path times;  ///< KITTI's times.txt [s]; without it frame i is at i seconds
+  /// The caller knows in which order TUM's quaternions are: it is not judged by their values.
+  bool order_is_stated = false;
 };
 
 struct TrajectoryFile {

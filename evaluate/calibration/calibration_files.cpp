@@ -131,6 +131,10 @@ void addModels(Text& text, const std::vector<ModelChoice>& models) {
 void addTarget(Text& text, const TargetFit& fit, bool kept) {
   // With a file `flat` is the board of the file, whatever its shape, and the other one is the shape
   // that this session alone would have.
+  if (fit.finding == TargetFinding::kKnown && !fit.isJudged()) {
+    add(text, "Target: known from another session; not tested by this recording\n");
+    return;
+  }
   if (fit.finding == TargetFinding::kKnown || fit.finding == TargetFinding::kOther) {
     add(text,
         "Target: {}; held-out frames {:.4f} px with the given shape, {:.4f} px with an estimated "

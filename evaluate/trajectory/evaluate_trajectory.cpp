@@ -312,13 +312,17 @@ Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
 }
 
 TrajectoryFile readEstimate(const TrajectoryRequest& request) {
-  TrajectoryFile file = readTrajectory(request.estimate, request.read_estimate);
+  TrajectoryReadOptions options = request.read_estimate;
+  options.order_is_stated = request.estimate_w_first;
+  TrajectoryFile file = readTrajectory(request.estimate, options);
   if (request.estimate_w_first) file = reordered(std::move(file), request.estimate);
   return request.estimate_inverted ? inverted(std::move(file), request.estimate) : file;
 }
 
 TrajectoryFile readTruth(const TrajectoryRequest& request) {
-  TrajectoryFile file = readTrajectory(request.truth, request.read_truth);
+  TrajectoryReadOptions options = request.read_truth;
+  options.order_is_stated = request.truth_w_first;
+  TrajectoryFile file = readTrajectory(request.truth, options);
   if (request.truth_w_first) file = reordered(std::move(file), request.truth);
   return request.truth_inverted ? inverted(std::move(file), request.truth) : file;
 }

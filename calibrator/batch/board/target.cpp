@@ -52,7 +52,7 @@ bool otherLensIsBetter(const CameraProblem& problem, const CameraEstimate& bent,
   all.target = other.estimate.target;
   const HeldOut without = heldOut(problem, all);
   const MeanGain gain = meanGain(with.cost, without.cost);
-  return gain.mean > kGainSigmas * gain.std;
+  return without.converged && gain.mean > kGainSigmas * gain.std;
 }
 
 /// A problem, and its solution.
@@ -115,6 +115,8 @@ bool addDetail(BoardDetail detail, const MinimiserOptions& solver, BentBoard& bo
   // From where the finer board starts, too, so that the remainders alone are what differs.
   if (corners) board.with = heldOut(board.problem, board.solution.estimate, BoardDetail::kHigher);
   HeldOut finer = heldOut(board.problem, board.solution.estimate, detail);
+  // As in judge(): what a solution leaves where it stopped says nothing of the board.
+  if (!finer.converged || !board.with.converged) return false;
   const MeanGain gain = meanGain(board.with.cost, finer.cost);
   TargetFit& fit = board.fit;
   (corners ? fit.corners_held_out_px : fit.higher_held_out_px) = finer.rms();

@@ -125,7 +125,8 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
 /// Scores a given calibration on a session: the cameras stay as they are, only the poses T_FC0 move
 /// (each frame for itself). No covariance. options.start, models and select_views do not matter.
 /// Corners of misplaced tags (findMisplacedTags()) are left out, as calibrateCameras() does: a tag
-/// that stands in the place of another does so under any calibration. Corners beyond 89 degrees
+/// that stands in the place of another does so under any calibration that misses by less than the
+/// space between tags. Corners beyond 89 degrees
 /// from a pinhole's axis count, unlike there: under a focal length that is too short there are
 /// more of them, so that leaving them out would favour it over another calibration. With
 /// CornerFilter::kSigma corners are rejected once, without solving again.

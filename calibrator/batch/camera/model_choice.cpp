@@ -351,14 +351,14 @@ std::vector<CameraModelPair> candidateModels() {
 void addCandidates(const std::vector<ModelChoice>& earlier, std::vector<ModelChoice>& choices) {
   for (std::size_t c = 0; c < choices.size(); ++c) {
     std::vector<ModelCandidate>& all = choices[c].candidates;
-    for (const ModelCandidate& tried : earlier[c].candidates) {
+    for (ModelCandidate tried : earlier[c].candidates) {
       const bool is_there = std::any_of(all.begin(), all.end(), [&](const ModelCandidate& m) {
         return m.projection == tried.projection && m.distortion == tried.distortion;
       });
-      if (!is_there) all.push_back(tried);
+      if (is_there) continue;
+      tried.held_out_px = std::numeric_limits<double>::quiet_NaN();
+      all.push_back(tried);
     }
-    std::stable_partition(all.begin(), all.end(),
-                          [](const ModelCandidate& m) { return std::isfinite(m.held_out_px); });
   }
 }
 

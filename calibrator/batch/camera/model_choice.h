@@ -66,7 +66,8 @@ struct ChosenModels {
   bool differ(const std::vector<Intrinsics>& from) const;  ///< in any camera's model
 };
 
-/// Adds the candidates that only an earlier choice had, before the models without a solution.
+/// Adds the candidates that only an earlier choice had: the recording did not determine them, so
+/// that they have no figures.
 void addCandidates(const std::vector<ModelChoice>& earlier, std::vector<ModelChoice>& choices);
 
 /// Chooses each camera's lens model by the error of frames that it was not fitted to (HeldOut),

@@ -205,6 +205,11 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
     case TargetFinding::kBent:
       return {bentBoard(stage, rule, rms_mm)};
     case TargetFinding::kKnown:
+      if (!fit.isJudged()) {
+        return {finding(rule, VerdictLevel::kCaution, 0,
+                        "known from another session; this recording does not test it: fewer than "
+                        "four blocks of time, or half of them has no solution")};
+      }
       return {finding(
           rule, VerdictLevel::kGood, 0,
           fmt::format(

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -36,10 +37,15 @@ std::string reasonText(const ModelChoice& choice) {
     case ModelReason::kNotTested:
       break;
   }
+  const bool compared = std::any_of(choice.candidates.begin(), choice.candidates.end(),
+                                    [](const auto& c) { return std::isfinite(c.held_out_px); });
   return fmt::format(
-      "{}: {}; models were not compared: the recording is too short, no other model has a "
-      "solution, or it does not determine those that predict held-out frames best.",
-      choice.camera, nameOf(choice));
+      "{}: {}; {}.", choice.camera, nameOf(choice),
+      compared
+          ? "as the recording states it: it does not determine the models that predict held-out "
+            "frames best"
+          : "models were not compared: the recording is too short, or no other model has a "
+            "solution");
 }
 
 Table candidateTable(const ModelChoice& choice) {
@@ -51,7 +57,8 @@ Table candidateTable(const ModelChoice& choice) {
                {"Std error [px\u00b2]", kNumber}},
               {}};
   for (const ModelCandidate& c : choice.candidates) {
-    // NaN: the model has no solution, and its other figures say nothing either.
+    // NaN: no solution, or none that the recording determines; the other figures say nothing
+    // either.
     const bool solved = std::isfinite(c.held_out_px);
     const auto figure = [&](double value, const char* format) {
       return number(solved ? fmt::format(fmt::runtime(format), value) : kDash);

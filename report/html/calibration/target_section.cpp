@@ -65,6 +65,13 @@ std::string foundText(const TargetFit& fit, bool kept) {
           kept ? "The calibration uses the estimated shape."
                : "The calibration uses the stated one, as requested.");
     case TargetFinding::kKnown:
+      if (!fit.isJudged()) {
+        return "The shape of the board is known from another session and was refined with the "
+               "cameras "
+               "within its uncertainty. This recording does not test it: it has fewer than four "
+               "blocks "
+               "of time, or half of them has no solution.";
+      }
       return fmt::format(
           "The shape of the board is known from another session and was refined with the cameras "
           "within its uncertainty. RMS of held-out frames, after the loss: {:.4f} px with it, no "

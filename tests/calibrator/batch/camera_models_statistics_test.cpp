@@ -267,8 +267,9 @@ TEST(ModelChoice, TheStatedModelsStandInForThoseThatAreNotDetermined) {
   for (const ModelChoice& choice : result->models) EXPECT_FALSE(choice.candidates.empty());
 }
 
-TEST(ModelChoice, CandidatesOfAnEarlierChoiceStandBeforeThoseWithoutASolution) {
+TEST(ModelChoice, CandidatesOfAnEarlierChoiceStandLastAndWithoutFigures) {
   ModelCandidate radtan, ds, rational;
+  radtan.distortion = DistortionModel::kRadtan;
   radtan.held_out_px = 0.3;
   ds.projection = ProjectionModel::kDs;
   ds.distortion = DistortionModel::kNone;
@@ -281,8 +282,9 @@ TEST(ModelChoice, CandidatesOfAnEarlierChoiceStandBeforeThoseWithoutASolution) {
   addCandidates(earlier, choices);
   ASSERT_EQ(choices[0].candidates.size(), 3U);
   EXPECT_EQ(choices[0].candidates[0].distortion, DistortionModel::kRadtan);
-  EXPECT_EQ(choices[0].candidates[1].distortion, DistortionModel::kRational);
-  EXPECT_EQ(choices[0].candidates[2].projection, ProjectionModel::kDs);
+  EXPECT_EQ(choices[0].candidates[1].projection, ProjectionModel::kDs);
+  EXPECT_EQ(choices[0].candidates[2].distortion, DistortionModel::kRational);
+  EXPECT_TRUE(std::isnan(choices[0].candidates[2].held_out_px));
 }
 
 TEST(HeldOutError, NoBlockOrOneHasNoScatter) {
