@@ -98,12 +98,15 @@ void SessionOptions::declareOptional(CLI::App& app) {
 
 void SessionOptions::declareDetails(CLI::App& app) {
   app.add_option("--target", target, "Kalibr's target.yaml (default: in the session)");
-  app.add_option("--target-shape", target_shape,
-                 target_shape == kAuto
-                     ? "Shape of the board: auto (estimated where the recording determines it), "
-                       "flat, or the target_shape.yaml of another session"
-                     : "Shape of the board: flat, or a target_shape.yaml")
-      ->capture_default_str();
+  CLI::Option* const shape = app.add_option(
+      "--target-shape", target_shape,
+      target_shape == kAuto
+          ? "Shape of the board: auto (estimated where the recording determines it), "
+            "flat, or the target_shape.yaml of another session"
+          : "Shape of the board: flat, or a target_shape.yaml (default: scores take "
+            "it as flat; an estimate of the command's own may determine it)");
+  // Only there does stating the default change nothing.
+  if (target_shape == kAuto) shape->capture_default_str();
   if (estimating_) {
     app.add_option("--target-degree", target_degree,
                    "Highest degree of an estimated shape: 4 where held-out frames ask for it, or 2")

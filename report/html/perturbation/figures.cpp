@@ -137,7 +137,9 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   const BasinScale scale = scaleOf(record, shifts);
   Series late = markers("overestimated", seriesColour(0));
   Series early = markers("underestimated", seriesColour(2));
-  Series failed = markers("failed", kWarningColour);
+  // Their place is a line of its own: the name says so where a pointer or a CSV tells it as a
+  // value.
+  Series failed = markers("failed, no value: drawn at the top", kWarningColour);
   for (const PerturbationCase* c : shifts.cases) {
     // A solution without an offset is a failure here.
     const bool solved = c->problem.empty() && std::isfinite(c->offset_error_s);
