@@ -318,17 +318,19 @@ std::set<std::string> lostSteps(const PreparedNight& night, const StepResults& s
   return lost;
 }
 
-/// Those that were lost in the last round say how; where their process was killed before it could,
-/// that is recorded.
+/// Those that were lost in the last round say how; of those that left no result at all that is
+/// recorded.
 void addLost(const PreparedNight& night, const std::set<std::string>& lost, const fs::path& logs,
              StepResults& results) {
   for (const Step& step : night.steps) {
     auto result = readStepResult(night.folder / step.name);
     if (!result || result->key != step.key) {
-      if (!lost.contains(step.name)) continue;
-      result = recordLost(
-          night.folder, step,
-          fmt::format("its process ended without a result on the cluster; see {}", logs.string()));
+      // A result under another key is of the state before an input or the program changed: it
+      // stays, and the step is not done.
+      if (!lost.contains(step.name) || fs::exists(night.folder / step.name / kStepFile)) continue;
+      result =
+          recordLost(night.folder, step,
+                     fmt::format("it has left no result on the cluster; see {}", logs.string()));
     }
     results.emplace(step.name, *result);  // does not replace what is settled
   }

@@ -46,7 +46,7 @@ struct SlurmEnd {
 SlurmEnd runOnSlurm(PreparedNight night, SlurmOptions options, const NightSink& sink);
 
 /// The work of the merging job: merges, unless steps are missing and a round is left, and leaves
-/// word for who waits. In the last round those whose process was killed are recorded as lost.
+/// word for who waits. In the last round those that left no result are recorded as lost.
 /// `tell` gives the exit code of a night that was merged.
 int mergeSlurmRound(const PreparedNight& night, const SlurmOptions& options, int round,
                     const std::function<int(const NightOutcome&)>& tell);

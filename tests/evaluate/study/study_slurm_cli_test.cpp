@@ -18,8 +18,21 @@ class StudySlurm : public StudyNights {
     fs::permissions(scratch_ / "bin" / name, fs::perms::owner_all);
   }
   Outcome slurm(const fs::path& night, const std::string& options = "") const {
+    return slurmOn(root_ / "data", night, options);
+  }
+  Outcome slurmOn(const fs::path& data, const fs::path& night, const std::string& options) const {
     return shell("PATH=" + (scratch_ / "bin").string() + ":$PATH " + PLUMBLINE_BINARY + " " +
-                 words(root_ / "data", night) + " --engine slurm " + options);
+                 words(data, night) + " --engine slurm " + options);
+  }
+  // Tasks end without a word, as where their nodes died; the merging job runs after `meanwhile`.
+  void mergeAlone(const std::string& meanwhile) const {
+    const std::string begun = (scratch_ / "begun").string(), done = (scratch_ / "done").string();
+    tool("sbatch",
+         "for script; do :; done\necho 7\ncase $script in *merge.sh) ;; *) exit ;; esac\n"
+         "setsid sh -c \"touch " +
+             begun + "; " + meanwhile + "; sh $script; touch " + done +
+             "\" >/dev/null 2>&1 </dev/null &\nwhile ! test -e " + begun + "; do sleep 0.05; done");
+    tool("squeue", "test -e " + done + " || echo '7 all running'");
   }
 };
 
@@ -42,18 +55,11 @@ TEST_F(StudySlurm, WhileSlurmDoesNotAnswerItsJobsRunOn) {
   EXPECT_GE(StudyStore(night / "study.sqlite").nights().back().seconds.value(), 3);
 }
 
-// The task of the one step that is to be done ends without a word, as where its node died.
 TEST_F(StudySlurm, AStepThatWasKilledIsRecordedAsLostAndRaisesAnAlarm) {
   const fs::path night = doneNight();
   const std::string step = "sessions/p1_free/perturb";
   fs::remove_all(night / step);
-  const std::string begun = (scratch_ / "begun").string(), done = (scratch_ / "done").string();
-  tool("sbatch",
-       "for script; do :; done\necho 7\ncase $script in *merge.sh) ;; *) exit ;; esac\n"
-       "setsid sh -c \"touch " +
-           begun + "; sleep 1; sh $script; touch " + done +
-           "\" >/dev/null 2>&1 </dev/null &\nwhile ! test -e " + begun + "; do sleep 0.05; done");
-  tool("squeue", "test -e " + done + " || echo '7 all running'");
+  mergeAlone("sleep 1");
   const Outcome outcome = slurm(night, "--slurm-rounds 1");
   EXPECT_THAT(outcome.text, HasSubstr("REGRESSION")) << outcome.text;
   bool found = false;
@@ -61,9 +67,21 @@ TEST_F(StudySlurm, AStepThatWasKilledIsRecordedAsLostAndRaisesAnAlarm) {
     if (row.name != step) continue;
     found = true;
     EXPECT_EQ(row.status, "lost");
-    EXPECT_THAT(row.message, HasSubstr("ended without a result on the cluster"));
+    EXPECT_THAT(row.message, HasSubstr("left no result on the cluster"));
   }
   EXPECT_TRUE(found);
+}
+
+// The merging job plans anew: the session has changed since its steps were done.
+TEST_F(StudySlurm, AStepWhoseInputChangedBeforeTheMergeKeepsItsResult) {
+  const fs::path data = ownData(), night = doneNight();
+  const auto before = times(night);
+  mergeAlone("sleep 1; echo changed >" + (data / "p1_free/mav0/note.txt").string());
+  const Outcome outcome = slurmOn(data, night, "--slurm-rounds 1");
+  EXPECT_THAT(outcome.text, HasSubstr("1 were not done")) << outcome.text;
+  EXPECT_THAT(outcome.text, Not(HasSubstr("REGRESSION")));
+  EXPECT_TRUE(doneAgain(before, night).empty());
+  EXPECT_TRUE(fs::exists(night / "sessions/p1_free/calibrate/calibration.json"));
 }
 
 TEST_F(StudySlurm, JobsBeforeARefusedOneKeepOtherNightsAway) {
