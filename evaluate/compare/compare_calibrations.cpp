@@ -350,6 +350,12 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
   // Which camera is which comes before all that is said of them.
   std::vector<Finding> findings =
       loaded ? matchToSession(files, loaded->session) : matchToFirst(files);
+  // A focus that was asked for is the same with and without uncertainties.
+  if (request.maps.focus_radius_px > 0) {
+    for (const CameraCalibration& camera : files.front().compared.calibration.cameras) {
+      request.maps.checkFocus(camera.intrinsics.resolution);
+    }
+  }
   record.verdict.findings = lintAll(files);
   std::vector<OnSession> on_session;
   if (loaded) on_session = scoreAll(request, *loaded, files, progress, record);

@@ -31,11 +31,14 @@ struct MapOptions {
 
   /// Throws InputError for values out of range.
   void check() const;
+  /// Throws InputError where the focus of a fit without weights holds too few points of the grid.
+  void checkFocus(const Resolution& image) const;
 };
 
 /// Difference maps "b - a" of every camera and range that both have with images of one size. The
-/// fit is weighted by `uncertainties` where both calibrations have a map there. Undefined all over
-/// where nothing can be fitted.
+/// fit is weighted by `uncertainties` where both calibrations have a map there that gives weights.
+/// Undefined all over where too few pixels have a ray under both. Throws InputError as
+/// MapOptions::checkFocus() where a fit is not weighted.
 std::vector<ImageMap> differenceMaps(const ComparedCalibration& a, const ComparedCalibration& b,
                                      const std::vector<ImageMap>& uncertainties,
                                      const MapOptions& options);

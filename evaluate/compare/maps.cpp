@@ -15,6 +15,7 @@ namespace {
 // A border on either side and a centre between.
 constexpr int kFewestGridPoints = 3;
 constexpr int kMostGridPoints = 500;
+constexpr int kFewestOfFit = 3;  // as projectionDifference() needs them
 
 /// Ranges are compared exactly: both maps are made for the same list of options, infinity included.
 const ImageMap* find(const std::vector<ImageMap>& maps, const std::string& label,
@@ -23,6 +24,12 @@ const ImageMap* find(const std::vector<ImageMap>& maps, const std::string& label
     return m.label == label && m.camera == camera && m.range_m == range_m;
   });
   return found == maps.end() ? nullptr : &*found;
+}
+
+/// Whether weights leave enough points for a fit. Deviations of 0 and unknown ones leave none.
+bool canWeight(const std::vector<double>& weights) {
+  return std::count_if(weights.begin(), weights.end(),
+                       [](double w) { return std::isfinite(w) && w > 0; }) >= kFewestOfFit;
 }
 
 /// Undefined all over where too few pixels of the fit have a ray under both: without a map nobody
@@ -61,6 +68,19 @@ void MapOptions::check() const {
   }
 }
 
+void MapOptions::checkFocus(const Resolution& image) const {
+  DifferenceOptions unweighted;
+  unweighted.grid = grid;
+  unweighted.focus_radius_px = focus_radius_px;
+  const int points = pointsInFocus(image, unweighted);
+  if (points >= kFewestOfFit) return;
+  throw InputError(
+      fmt::format("only {} of the {}x{} points over images of {}x{} pixels are within the focus "
+                  "radius, and the alignment needs {}; choose a finer --grid or a larger "
+                  "--focus-radius",
+                  points, grid.columns, grid.rows, image.width, image.height, kFewestOfFit));
+}
+
 std::vector<double> differenceWeights(const std::vector<double>& std_A,
                                       const std::vector<double>& std_B) {
   assert(std_A.size() == std_B.size());
@@ -88,8 +108,11 @@ std::vector<ImageMap> differenceMaps(const ComparedCalibration& a, const Compare
       const ImageMap* std_a = find(uncertainties, a.label, cameras_a[c].name, range);
       const ImageMap* std_b = find(uncertainties, b.label, cameras_b[c].name, range);
       // A focus radius asked for takes the place of the weights.
-      const bool weighted = options.focus_radius_px == 0 && std_a && std_b;
-      if (weighted) difference.weights = differenceWeights(std_a->values, std_b->values);
+      if (options.focus_radius_px == 0 && std_a && std_b) {
+        difference.weights = differenceWeights(std_a->values, std_b->values);
+        if (!canWeight(difference.weights)) difference.weights.clear();
+      }
+      if (difference.weights.empty()) options.checkFocus(cameras_a[c].intrinsics.resolution);
       const std::string label = fmt::format("{} - {}", b.label, a.label);
       maps.push_back(differenceMap(cameras_a[c], cameras_b[c], label, difference));
     }

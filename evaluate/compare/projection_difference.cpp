@@ -32,19 +32,23 @@ double focusRadius(const Resolution& image, const DifferenceOptions& options) {
   return std::min(image.width, image.height) / 6.0;
 }
 
+bool isInFocus(const Resolution& image, const DifferenceOptions& options,
+               const Eigen::Vector2d& q) {
+  const Eigen::Vector2d centre(0.5 * (image.width - 1), 0.5 * (image.height - 1));
+  return (q - centre).norm() < focusRadius(image, options);
+}
+
 /// Rays that both models define, of pixels that take part in the fit. A model may have no ray
 /// beyond its field of view.
 std::vector<RayPair> raysOfFocus(const Intrinsics& A, const Intrinsics& B,
                                  const DifferenceOptions& options) {
-  const double radius = focusRadius(A.resolution, options);
-  const Eigen::Vector2d centre(0.5 * (A.resolution.width - 1), 0.5 * (A.resolution.height - 1));
   std::vector<RayPair> pairs;
   for (int i = 0; i < options.grid.size(); ++i) {
     const Eigen::Vector2d q = options.grid.pixel(A.resolution, i);
     const double weight =
         options.weights.empty() ? 1.0 : options.weights[static_cast<std::size_t>(i)];
     // Weights that are not finite are of pixels whose uncertainty is unknown in one of the two.
-    if (!((q - centre).norm() < radius) || !std::isfinite(weight) || !(weight > 0)) continue;
+    if (!isInFocus(A.resolution, options, q) || !std::isfinite(weight) || !(weight > 0)) continue;
     const auto a = unproject(A, q);
     const auto b = unproject(B, q);
     if (a && b) pairs.push_back({*a, *b, weight});
@@ -114,6 +118,14 @@ Transform impliedTransform(const std::vector<RayPair>& pairs, const DifferenceOp
 }
 
 }  // namespace
+
+int pointsInFocus(const Resolution& image, const DifferenceOptions& options) {
+  int points = 0;
+  for (int i = 0; i < options.grid.size(); ++i) {
+    if (isInFocus(image, options, options.grid.pixel(image, i))) ++points;
+  }
+  return points;
+}
 
 std::optional<ProjectionDifference> projectionDifference(const Intrinsics& A, const Intrinsics& B,
                                                          const DifferenceOptions& options) {

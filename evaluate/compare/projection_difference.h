@@ -30,6 +30,9 @@ struct DifferenceOptions {
   DifferenceFit fit = DifferenceFit::kSquares;
 };
 
+/// Grid points that are near enough to the image's centre to take part in the fit.
+int pointsInFocus(const Resolution& image, const DifferenceOptions& options);
+
 struct ProjectionDifference {
   Transform T_BA;                        ///< implied: A's points in B's frame
   std::vector<Eigen::Vector2d> vectors;  ///< q_B - q_A [px], one per grid point; NaN: undefined

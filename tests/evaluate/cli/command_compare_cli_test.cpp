@@ -94,10 +94,10 @@ TEST_F(CommandCompare, TrajectoriesUnderTheCalibrationsJoinThePage) {
   write(scratch() / "ours_loop_1.txt", circle(0.01));
   write(scratch() / "kalibr_loop_1.txt", circle(0.03));
   const std::string pattern = (scratch() / "{calibration}_{sequence}_{run}.txt").string();
-  const Outcome outcome =
-      plumbline("compare " + ours() + " " + kalibrs() +
-                " --labels ours,kalibr --grid 5x3 --runs '" + pattern + "' --truth " +
-                (scratch() / "truth.txt").string() + " --out " + (scratch() / "out").string());
+  const Outcome outcome = plumbline("compare " + ours() + " " + kalibrs() +
+                                    " --labels ours,kalibr --grid 5x3 --focus-radius 300 --runs '" +
+                                    pattern + "' --truth " + (scratch() / "truth.txt").string() +
+                                    " --out " + (scratch() / "out").string());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   const std::string page = read(scratch() / "out/report.html");
   EXPECT_THAT(page, HasSubstr("Paired differences"));
@@ -253,7 +253,7 @@ TEST_F(CommandCompare, ATimeShiftThatIsNotStatedIsUnknown) {
         std::regex_replace(read(kalibrs()), std::regex("  timeshift_cam_imu:[^\n]*\n"), ""));
   const Outcome outcome =
       plumbline("compare " + ours() + " " + (scratch() / "untimed.yaml").string() +
-                " --grid 5x3 --out " + (scratch() / "out").string());
+                " --grid 5x3 --focus-radius 300 --out " + (scratch() / "out").string());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   const json offset = row(document(), "time_offset");
   EXPECT_TRUE(offset["values"][0].is_number());
@@ -278,6 +278,8 @@ TEST_F(CommandCompare, RefusesWhatItCannotCompare) {
   refused(both + " --fit best", "squares or fourth-power");
   refused(both + " --uncertainty none", "cross-reprojection or mean-frames");
   refused(both + " --focus-radius -1", "--focus-radius");
+  refused(both + " --focus-radius 20", "larger --focus-radius");
+  refused(both + " --grid 5x3", "finer --grid");
   refused(both + " --from 3", "--session");
   refused(both + " --target target.yaml", "--session");
   refused(both + " --session " + (scratch() / "nowhere").string(), "nowhere");

@@ -82,7 +82,8 @@ class EveryCommand : public CommandLine {
         {"evaluate trajectory", flown + " " + flown, Writes::kFigures},
         {"evaluate trajectories", "'" + at("flight/{run}/{sequence}.csv") + "' --truth " + flown,
          verdict},
-        {"compare", ours + " " + truth + " --labels ours,truth --grid 5x3", verdict},
+        {"compare", ours + " " + truth + " --labels ours,truth --grid 5x3 --focus-radius 300",
+         verdict},
         {"odometry",
          at("flight") + " --calibration " + at("flight/truth/camchain-imucam.yaml") + " --truth " +
              flown,

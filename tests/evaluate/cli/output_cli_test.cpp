@@ -38,7 +38,7 @@ class FailingCalls : public testing::Test {
     const std::string source = (kOutputConfigs / "source/calibration.json").string();
     if (words == "export") return "export " + source + " --to vins-fusion";
     return "compare " + source + " " + (kOutputConfigs / "kalibr/camchain-imucam.yaml").string() +
-           " --no-report --no-cache --grid 3x3";
+           " --no-report --no-cache --grid 3x3 --focus-radius 500";
   }
   Outcome run(const std::string& words, const std::string& environment = "") const {
     const std::string preload =
