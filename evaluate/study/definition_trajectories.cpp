@@ -46,6 +46,19 @@ void readOdometry(const YamlMap& how, StudyTrajectories& to) {
   }
 }
 
+/// How trajectories are written can only be stated for other systems: each step would be refused.
+void refuseFormOfBuiltin(const YamlMap& how, const StudyTrajectories& trajectories) {
+  if (trajectories.odometry != "builtin") return;
+  for (const auto& [option, words] : trajectories.metrics) {
+    if (!isOneOf(option, {"estimate-w-first", "estimate-inverted"})) continue;
+    throw how.fault("metrics", {InputFault::kContradiction,
+                                "--" + option +
+                                    " is of what an external system writes, not of the built-in "
+                                    "odometry",
+                                "another odometry, or no such option", ""});
+  }
+}
+
 void readSource(const YamlMap& how, const StudyDefinition& study, StudyTrajectories& to) {
   if (how.has("pattern")) {
     const std::string pattern = how.text("pattern", "files with {calibration} and {sequence}");
@@ -107,6 +120,7 @@ void readTrajectories(const YamlMap& map, const StudyOptionCheck& check, StudyDe
   }
   readSource(how, study, study.trajectories);
   study.trajectories.metrics = optionsOf(how, "metrics", "plumbline evaluate trajectory", check);
+  refuseFormOfBuiltin(how, study.trajectories);
 }
 
 }  // namespace plumbline::study_internal
