@@ -29,7 +29,7 @@ std::string imuWords(const CalibrationRecord& record) {
   return fmt::format(
       "; T_SC0 to {:.2g} mm and {:.2g} deg (1 sigma, worst axis), time offset to {:.2g} ms",
       1e3 * largest({"tx", "ty", "tz"}, "T_SC0"), kDegrees * largest({"rx", "ry", "rz"}, "T_SC0"),
-      1e3 * largest({""}, "time_offset"));
+      1e3 * largestOffsetStd(estimates, record.camera_imu->cameras).value);
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstddef>
 #include <string>
-#include <vector>
 
 #include <fmt/core.h>
 
@@ -50,12 +48,7 @@ Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t
             kDegrees * rotation.value,
             fmt::format("{} of {} is {:.4f} degrees", kindOf(rotation), rotation.name,
                         kDegrees * rotation.value)));
-  // The empty suffix takes camera 0's; "time_offset.camN" are of cameras with their own.
-  std::vector<std::string> cameras{""};
-  for (std::size_t i = 1; i < record.camera_imu->cameras.size(); ++i) {
-    cameras.push_back(fmt::format("cam{}", i));
-  }
-  const LargestStd offset = largestStd(estimates, cameras, "time_offset", false);
+  const LargestStd offset = largestOffsetStd(estimates, record.camera_imu->cameras);
   findings.push_back(
       above({"Time offset", "ms", t.offset_std_ms,
              "Record fast rotations: the offset is observable only while the rig turns."},

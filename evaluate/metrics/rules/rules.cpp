@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
@@ -71,6 +73,19 @@ LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
     const double value = relative ? std / std::abs(estimate.value) : std;
     // The first is taken whatever it is, also 0; NaN is larger than every number.
     if (worst.name.empty() || isLarger(value, worst.value)) worst = {value, estimate.name, kind};
+  }
+  return worst;
+}
+
+LargestStd largestOffsetStd(const std::vector<ParameterEstimate>& estimates,
+                            const std::vector<CameraCalibration>& cameras) {
+  // Camera 0's; "time_offset.camN", by the camera's place, are of cameras with their own.
+  LargestStd worst = largestStd(estimates, {""}, "time_offset", false);
+  for (std::size_t i = 1; i < cameras.size(); ++i) {
+    LargestStd own = largestStd(estimates, {fmt::format("cam{}", i)}, "time_offset", false);
+    if (own.name.empty() || !isLarger(own.value, worst.value)) continue;
+    worst = std::move(own);
+    worst.name = "the time offset of " + cameras[i].name;
   }
   return worst;
 }

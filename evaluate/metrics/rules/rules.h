@@ -45,6 +45,10 @@ struct LargestStd {
 LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
                       const std::vector<std::string>& suffixes, const std::string& prefix,
                       bool relative);
+/// The largest among the time offsets of all cameras, named by the camera where it has its own:
+/// "time_offset", or "the time offset of cam2".
+LargestStd largestOffsetStd(const std::vector<ParameterEstimate>& estimates,
+                            const std::vector<CameraCalibration>& cameras);
 /// Which of the three it is, in words.
 std::string kindOf(const LargestStd& largest);
 

@@ -12,6 +12,7 @@
 
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/coverage.h"
+#include "evaluate/metrics/headline.h"
 
 namespace plumbline {
 namespace {
@@ -282,6 +283,7 @@ TEST(Verdict, TheOffsetOfEveryCameraIsJudged) {
   CalibrationRecord record = cameraRecord(0.3, 0.5);
   CameraImuStageResult& stage = record.camera_imu.emplace();
   stage.cameras.resize(2);
+  stage.cameras[1].name = "cam2";  // the second of --only cam0,cam2
   stage.imu.time_offsets = {{1e-3}, {2e-3, true}};
   auto& covariance = stage.summary.covariance;
   covariance.names = {"T_SC0.tx", "T_SC0.rx", "time_offset", "time_offset.cam1"};
@@ -290,7 +292,10 @@ TEST(Verdict, TheOffsetOfEveryCameraIsJudged) {
   const Finding finding = findingOf(judge(record), "Time offset");
   EXPECT_EQ(finding.level, VerdictLevel::kCaution);
   EXPECT_DOUBLE_EQ(finding.value, 1);
-  EXPECT_THAT(finding.evidence, ::testing::HasSubstr("of time_offset.cam1 is 1.0000 ms"));
+  EXPECT_THAT(finding.evidence, ::testing::HasSubstr("of the time offset of cam2 is 1.0000 ms"));
+  // The headline of a good result states the same one.
+  record.verdict = {};
+  EXPECT_THAT(calibrationHeadline(record), ::testing::HasSubstr("time offset to 1 ms"));
 }
 
 TEST(Verdict, AFaultIsSaidOfTheCameraByItsName) {
