@@ -48,17 +48,24 @@ struct Input {
 /// point). The right factor has two more for the u-v coupling that a robust weight brings.
 enum Own { kError = 0, kPlane = 1, kOne = 2, kCrossPlane = 3, kCrossOne = 4, kOwn = 5 };
 
-/// What the kernel sums, before the lanes are added up.
-template <int W, int S>
-struct Sums {
-  Lanes<W> shared[S][S + 1] = {};  ///< shared x (shared, e), both rows
+/// Sums of the rows' own columns, where intrinsics are asked for.
+template <int W, int S, bool kIntrinsics>
+struct OwnSums {
   Lanes<W> own[2][2][S + 3] = {};  ///< per row: (m, 1) x (shared, e, m, 1)
   Lanes<W> cross[2][2] = {};       ///< (m_u, 1) x (m_v, 1)
+};
+template <int W, int S>
+struct OwnSums<W, S, false> {};
+
+/// What the kernel sums, before the lanes are added up.
+template <int W, int S, bool kIntrinsics = true>
+struct Sums : OwnSums<W, S, kIntrinsics> {
+  Lanes<W> shared[S][S + 1] = {};  ///< shared x (shared, e), both rows
   Lanes<W> squared = {};
   double cost = 0;
 };
 
-/// The sums, with the lanes added up.
+/// The sums, with the lanes added up; without intrinsics `own` and `cross` are not written.
 template <int S>
 struct Totals {
   double shared[S][S + 1];
@@ -68,13 +75,15 @@ struct Totals {
   double cost;
 };
 
-template <int W, int S>
-[[gnu::always_inline]] inline Totals<S> totalsOf(const Sums<W, S>& sums) {
+template <int W, int S, bool kIntrinsics>
+[[gnu::always_inline]] inline Totals<S> totalsOf(const Sums<W, S, kIntrinsics>& sums) {
   Totals<S> out;
   Products<W>::total(&sums.shared[0][0], S * (S + 1), &out.shared[0][0]);
-  Products<W>::total(&sums.own[0][0][0], 2 * 2 * (S + 3), &out.own[0][0][0]);
-  Products<W>::total(&sums.cross[0][0], 2 * 2, &out.cross[0][0]);
-  Products<W>::total(&sums.squared, 1, &out.squared);
+  if constexpr (kIntrinsics) {
+    Products<W>::total(&sums.own[0][0][0], 2 * 2 * (S + 3), &out.own[0][0][0]);
+    Products<W>::total(&sums.cross[0][0], 2 * 2, &out.cross[0][0]);
+  }
+  out.squared = sumOf<W>(sums.squared);
   out.cost = sums.cost;
   return out;
 }
@@ -279,7 +288,7 @@ template <int W, class Model, bool kIntrinsics, bool kRobust, bool kTarget = fal
   alignas(64) double left[kColumnsLeft * kStride];
   alignas(64) double right_robust[kRobust ? (S + kOwn) * kStride : 1];
   double* right = kRobust ? right_robust : left;
-  Sums<W, S> sums;
+  Sums<W, S, kIntrinsics> sums;
   Lanes<W> invalid = {};
   LogSum<W> logs;
   for (int first = 0; first < in.view.padded; first += kChunk) {

@@ -128,6 +128,33 @@ PackedView PackedCorners::view(int index) const {
   return view;
 }
 
+PackedCorners PackedCorners::thinned(const std::vector<int>& views, int most) const {
+  assert(most >= 1);
+  PackedCorners out;
+  for (const int v : views) {
+    out.offset_.push_back(static_cast<int>(out.total_));
+    out.count_.push_back(std::min(count_[v], most));
+    out.total_ += lines(out.count_.back());
+  }
+  out.storage_.resize(kColumns * out.total_);
+  out.ids_.resize(kLanes * out.total_);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const int n = out.count_[i], all = count_[views[i]];
+    const Line* from = storage_.data() + kColumns * offset_[views[i]];
+    Line* to = out.storage_.data() + kColumns * out.offset_[i];
+    for (int j = 0; j < kLanes * lines(n); ++j) {
+      const int k = std::min(j, n - 1) * all / n;
+      for (int c = 0; c < kColumns; ++c) {
+        to[c * lines(n) + j / kLanes].lane[j % kLanes] =
+            from[c * lines(all) + k / kLanes].lane[k % kLanes];
+      }
+      if (j >= n) to[5 * lines(n) + j / kLanes].lane[j % kLanes] = 0;
+      out.ids_[kLanes * out.offset_[i] + j] = ids_[kLanes * offset_[views[i]] + k];
+    }
+  }
+  return out;
+}
+
 void PackedCorners::place(const AprilGrid& target) {
   const PlacedBoard board(target);
   for (std::size_t i = 0; i < count_.size(); ++i) {

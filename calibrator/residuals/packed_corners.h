@@ -48,6 +48,8 @@ class PackedCorners {
 
   int viewCount() const { return static_cast<int>(count_.size()); }
   PackedView view(int index) const;
+  /// Copies of some views, with at most `most` corners of each, evenly in their order.
+  PackedCorners thinned(const std::vector<int>& views, int most) const;
   /// Moves the corners of all views onto a board of the same grid, its shape included.
   void place(const AprilGrid& board);
   /// Sets the weight of one corner (position within its view): 0 rejects it, 1 uses it; nothing

@@ -19,6 +19,7 @@ constexpr int kLeastViews = 3;  // of a camera, to start from
 // A view with as many (four tags) may have the mirrored pose: a small plane seen from afar projects
 // nearly alike under two (Schweighofer and Pinz 2006).
 constexpr int kFewCorners = 16;
+constexpr int kRungCorners = 48;      // of a view: as many rank focal lengths as well as all
 constexpr double kStartLoss = 0.01;   // scale of the Cauchy loss over the image's width
 constexpr double kPlainPose = 0.03;   // error of a pose under no distortion, likewise: still useful
 constexpr double kGoodPose = 0.005;   // error of a frame's pose over the image's width
@@ -117,9 +118,10 @@ MonoSolution firstSolution(const CameraStream& stream, const PackedCorners& corn
                            const std::vector<int>& views, const CameraModelPair& model,
                            const CameraStageOptions& options) {
   const std::vector<int> some = spreadViews(corners, views, options.start_views);
+  const PackedCorners few = corners.thinned(some, kRungCorners);
   std::vector<PackedView> packed;
   packed.reserve(some.size());
-  for (const int v : some) packed.push_back(corners.view(v));
+  for (int i = 0; i < few.viewCount(); ++i) packed.push_back(few.view(i));
   MonoSolution best;
   for (const double focal :
        focalCandidates(model.projection, model.distortion, stream.resolution, packed)) {
@@ -165,14 +167,17 @@ CameraPoses ownPoses(const Intrinsics& camera, const PackedCorners& corners,
                      const CameraStageOptions& options) {
   CameraPoses poses(frames.size());
   const double width = camera.resolution.width;
-  // One step from a homography of 16 corners brings the others in; the batch does the rest.
-  const PoseRefinementOptions few = roughPose(camera.resolution, 1);
+  // As the homography has it, for the batch moves all poses; one of few corners is often so far off
+  // that its frame would be left out, and one step brings it in.
+  const PoseRefinementOptions none = roughPose(camera.resolution, 0);
+  const PoseRefinementOptions one = roughPose(camera.resolution, 1);
   forChunks(static_cast<int>(frames.size()), kFrameChunk, options.threads, [&](const Chunk& chunk) {
     for (int f = chunk.begin; f < chunk.end; ++f) {
       const int v = frames[static_cast<std::size_t>(f)].view[c];
       if (v < 0 || corners.view(v).count < options.min_start_corners) continue;
-      const auto found =
-          findPose({{&camera, corners.view(v), Transform()}}, kGoodPose * width, few);
+      const PackedView view = corners.view(v);
+      const auto found = findPose({{&camera, view, Transform()}}, kGoodPose * width,
+                                  view.count > 2 * kFewCorners ? none : one);
       if (found && found->errorPx() < options.max_start_error * width) {
         poses[static_cast<std::size_t>(f)] = found->T_C0F;
       }

@@ -48,6 +48,20 @@ TEST(PackedCorners, HoldsEveryViewPaddedWithItsLastCorner) {
   for (int i = 0; i < 5; ++i) expectHolds(corners.view(i), views[i]);
 }
 
+TEST(PackedCorners, AThinnedCopyHasCornersEvenlyInTheirOrder) {
+  const std::vector<ImageView> views = viewsOf({9, 143, 0, 20});
+  const PackedCorners few = PackedCorners(kPackedTarget, views).thinned({3, 1, 2}, 10);
+  ASSERT_EQ(few.viewCount(), 3);
+  ImageView every_second, tenth;
+  for (int i = 0; i < 10; ++i) {
+    every_second.corners.push_back(views[3].corners[2 * i]);
+    tenth.corners.push_back(views[1].corners[143 * i / 10]);
+  }
+  expectHolds(few.view(0), every_second);
+  expectHolds(few.view(1), tenth);
+  EXPECT_EQ(few.view(2).count, 0);
+}
+
 TEST(PackedCorners, ColumnsAreAlignedInTheOriginalAndInCopies) {
   const std::vector<ImageView> views = viewsOf({3, 17, 8});
   const PackedCorners original(kPackedTarget, views);
