@@ -143,10 +143,10 @@ Parser imu_yaml() {
     expectStable(path, readImuDescription(path), imuText, readImuDescription);
   };
   const auto seeds = [] {
-    std::vector<std::string> seeds = seedsOf("imu.yaml");
-    seeds.push_back(kalibrImuText(ImuNoise{}, "/imu0"));
-    seeds.push_back(written(smallSession("euroc"), "imu0/sensor.yaml"));
-    return seeds;
+    std::vector<std::string> texts = seedsOf("imu.yaml");
+    texts.push_back(kalibrImuText(ImuNoise{}, "/imu0"));
+    texts.push_back(written(smallSession("euroc"), "imu0/sensor.yaml"));
+    return texts;
   };
   return {read, seeds, {"scale-misalignment", "scale-misalignment-size-effect", "imu1", "A"}};
 }
@@ -190,15 +190,15 @@ Parser corner_cache() {
   const auto seeds = [=] {
     const Scratch scratch;
     const CornerCache cache(scratch.path("."), AprilGrid{}, {});
-    std::vector<std::string> seeds;
+    std::vector<std::string> texts;
     for (const std::size_t count : {0, 1, 6}) {
       Detection found;
       found.corners.assign(count, Corner{3, {100.25, 200.5}});
       if (count > 1) found.spacing = 0.3;
       cache.store(kKey, found);
-      seeds.push_back(readBytes(scratch.path(std::string(kKey) + ".corners")));
+      texts.push_back(readBytes(scratch.path(std::string(kKey) + ".corners")));
     }
-    return seeds;
+    return texts;
   };
   return {read, seeds, {}, std::string(kKey) + ".corners"};
 }

@@ -186,7 +186,7 @@ TEST_P(KilledAnywhere, AFullDiskIsSaidAndTheOldResultStays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Commands, KilledAnywhere, testing::Values("export", "compare"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& test) { return std::string(test.param); });
 
 TEST_F(FailingCalls, AFullStandardOutputIsNoSuccess) {
   const std::string words = "export " + (kOutputConfigs / "source/calibration.json").string() +
@@ -227,7 +227,9 @@ TEST_F(FailingCalls, SiblingsOfOneNewParentDoNotHurtEachOther) {
     for (int i = 0; i < 6; ++i) {
       const fs::path result = root_ / "parent/deep" / std::to_string(i);
       EXPECT_EQ(fs::exists(result), i % 2 == 0) << round << " " << i;
-      if (i % 2 == 0) EXPECT_TRUE(isWhole(result));
+      if (i % 2 == 0) {
+        EXPECT_TRUE(isWhole(result));
+      }
     }
     fs::remove_all(root_ / "parent");
   }
@@ -310,7 +312,9 @@ TEST_F(FailingCalls, ASignalAtAnyMomentLeavesNothingOrAWholeResult) {
     waitpid(child, &status, 0);
     stopped += WIFEXITED(status) && WEXITSTATUS(status) == 143 ? 1 : 0;
     EXPECT_EQ(entriesBeside(), 0U) << i << ", status " << status << namesBeside();
-    if (fs::exists(out())) EXPECT_TRUE(isWhole(out())) << i;
+    if (fs::exists(out())) {
+      EXPECT_TRUE(isWhole(out())) << i;
+    }
     fs::remove_all(out().parent_path());
   }
   RecordProperty("stopped", stopped);  // how many it is depends on the machine
