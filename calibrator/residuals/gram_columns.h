@@ -79,7 +79,7 @@ template <int W, int S, int kRow = 0>
 }
 
 /// The products above as functions that are called, with W lanes: every model, loss and sum of as
-/// many columns shares them. Unrolled into each of these they took compilers half a minute longer,
+/// many columns shares them. Unrolled into each of these they nearly doubled the time of compilers,
 /// for no gain: a call serves a whole chunk.
 template <int W>
 struct Products;

@@ -36,6 +36,13 @@ SimulatedSession recorded(const Intrinsics& lens, double sigma_px, double durati
   return s;
 }
 
+/// Whatever the lens is.
+SimulatedSession statedRadtan(SimulatedSession s) {
+  s.session.cameras[0].camera_model = "pinhole";
+  s.session.cameras[0].distortion_model = "radtan";
+  return s;
+}
+
 CameraStageOptions as(const Intrinsics& lens) {
   CameraStageOptions options;
   options.models = {{lens.projection_model, lens.distortion_model}};
@@ -137,9 +144,7 @@ TEST(ModelChoice, FindsTheModelOfTheLens) {
 }
 
 TEST(ModelChoice, KeepsTheStatedModelWhereNoneIsBetter) {
-  SimulatedSession s = recorded(test::radtanCamera(), 0.2, 30);
-  s.session.cameras[0].camera_model = "pinhole";
-  s.session.cameras[0].distortion_model = "radtan";
+  const SimulatedSession s = statedRadtan(recorded(test::radtanCamera(), 0.2, 30));
   const auto result = calibrateCameras(s.session, chosen());
   ASSERT_TRUE(result.ok()) << result.failure();
   EXPECT_EQ(result->models[0].reason, ModelReason::kStated);
@@ -153,9 +158,7 @@ TEST(ModelChoice, KeepsTheStatedModelWhereNoneIsBetter) {
 }
 
 TEST(ModelChoice, LeavesAStatedModelThatMisfits) {
-  SimulatedSession s = recorded(test::equidistantCamera(), 0.2, 30);
-  s.session.cameras[0].camera_model = "pinhole";
-  s.session.cameras[0].distortion_model = "radtan";
+  const SimulatedSession s = statedRadtan(recorded(test::equidistantCamera(), 0.2, 30));
   const auto result = calibrateCameras(s.session, chosen());
   ASSERT_TRUE(result.ok()) << result.failure();
   EXPECT_EQ(result->models[0].reason, ModelReason::kSmallest);
