@@ -155,6 +155,10 @@ void removeListed(const fs::path& folder, const Manifest& manifest) {
   for (auto path = entries.rbegin(); path != entries.rend(); ++path) {
     if (fs::is_directory(fs::symlink_status(*path, ignored))) fs::remove(*path, ignored);
   }
+  // It stays beside what is somebody else's: without it, all would count as the program's.
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    if (entry.path().filename() != kManifestFile) return;
+  }
   fs::remove(folder / kManifestFile, ignored);
   fs::remove(folder, ignored);
 }

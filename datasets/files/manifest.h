@@ -49,8 +49,8 @@ std::optional<ForeignEntry> firstForeign(const std::filesystem::path& folder,
 void moveUnlisted(const std::filesystem::path& folder, const Manifest& manifest,
                   const std::filesystem::path& to);
 
-/// Removes the files that the manifest lists, the manifest, and the folders that are empty then.
-/// Whatever else lies there stays, and so does the folder that holds it.
+/// Removes the files that the manifest lists, and the folders that are empty then. Whatever else
+/// lies there stays, with the folder that holds it and the manifest, which tells whose it is.
 void removeListed(const std::filesystem::path& folder, const Manifest& manifest);
 
 }  // namespace plumbline

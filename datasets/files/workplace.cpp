@@ -11,6 +11,7 @@
 #include <set>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -73,13 +74,27 @@ void removeResult(const fs::path& result) {
   fs::remove_all(result, ignored);
 }
 
+std::vector<fs::path> besideLock(const fs::path& folder) {
+  std::vector<fs::path> paths;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().filename() != kLock) paths.push_back(it->path());
+  }
+  return paths;
+}
+
 // `lock` is open and held by the caller, or the folder is the caller's own.
 void removeWorkplace(const fs::path& folder) {
   std::error_code ignored;
   removeResult(folder / "result");
   removeResult(folder / kOld);
   if (fs::exists(folder / "result", ignored) || fs::exists(folder / kOld, ignored)) return;
-  fs::remove_all(folder, ignored);  // beside the lock what was made on the way, such as a log
+  // What was made on the way, such as a log or a workplace of a program that was run. The lock goes
+  // last: a process that is killed before leaves a workplace that the next one knows for stale.
+  for (const fs::path& path : besideLock(folder)) fs::remove_all(path, ignored);
+  if (!besideLock(folder).empty()) return;
+  ::unlink((folder / kLock).c_str());
+  ::rmdir(folder.c_str());
 }
 
 // Puts back the result that was moved aside by a process that died before the new one had its name.
@@ -132,7 +147,9 @@ void removeIfStale(const fs::path& folder) {
 // moment before is not. -1: it must be made anew.
 int takeLock(const fs::path& folder, const std::string& text) {
   const fs::path path = folder / kLock;
-  const int lock = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  // Without O_CLOEXEC: a program that this process runs may write into the workplace and die later
+  // than this process. It holds the lock until then.
+  const int lock = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL, 0644);
   if (lock < 0) return -1;
   struct stat status {};
   // On a file system without locks the work goes on unlocked; nobody takes it for stale, which

@@ -19,8 +19,8 @@ std::string utcText(std::time_t seconds);
 bool isWithin(const std::filesystem::path& path, const std::filesystem::path& folder);
 
 /// Where an output is made before it takes its final name: a hidden folder beside it,
-///   PARENT/.NAME.partial-XXXXXX/lock     held (flock) as long as the process lives: its id, host
-///                                        and start, and NAME
+///   PARENT/.NAME.partial-XXXXXX/lock     held (flock) as long as the process lives, or a program
+///                                        that it ran: its id, host and start, and NAME
 ///   PARENT/.NAME.partial-XXXXXX/result   the output, a folder or a file
 ///   PARENT/.NAME.partial-XXXXXX/old      what it replaces, on file systems that cannot exchange
 /// XXXXXX is random (mkdtemp), so that equal process ids of containers do not meet. Workplaces of

@@ -205,7 +205,7 @@ void replaceOlder(const fs::path& older, const fs::path& now) {
     return;
   }
   moveUnlisted(older, *manifest, now);
-  // What could not be moved stays where it is.
+  // What could not be moved stays where it is, and says by the manifest that it is not ours.
   removeListed(older, *manifest);
 }
 

@@ -116,6 +116,20 @@ TEST_F(Output, WhatAManifestDoesNotListMovesToPlacesThatAreFree) {
   EXPECT_FALSE(fs::exists(folder_.path("new/a/b.txt")));
 }
 
+// In the workplace of a process that died between exchanging two results and removing the older.
+TEST_F(Output, WhatIsSomebodyElsesStaysHoweverOftenTheRestIsRemoved) {
+  make(request("out"));
+  folder_.write("out/a/notes.txt", "mine");
+  folder_.write(".out.partial-dEAd01/lock", "plumbline\nfor out\n");
+  fs::rename(folder_.path("out"), folder_.path(".out.partial-dEAd01/result"));
+  for (int night = 0; night < 3; ++night) removeDeadWorkplaces(folder_.path("out"));
+  EXPECT_EQ(text(".out.partial-dEAd01/result/a/notes.txt"), "mine");
+  EXPECT_FALSE(fs::exists(folder_.path(".out.partial-dEAd01/result/a/b.txt")));
+  fs::remove(folder_.path(".out.partial-dEAd01/result/a/notes.txt"));
+  removeDeadWorkplaces(folder_.path("out"));
+  EXPECT_TRUE(files().empty());
+}
+
 TEST_F(Output, AnEmptyFolderIsTaken) {
   fs::create_directories(folder_.path("out"));
   make(request("out"));

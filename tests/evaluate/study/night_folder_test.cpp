@@ -2,6 +2,8 @@
 // Whose folder a night takes, and what it removes there of nights that were killed.
 #include "evaluate/study/night_folder.h"
 
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -10,9 +12,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/inotify.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "datasets/files/bad_input.h"
+#include "datasets/files/workplace.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"
 
@@ -86,6 +91,64 @@ TEST_F(NightFolder, PlacesThatCannotBeReadAreLeftAlone) {
   EXPECT_TRUE(fs::is_empty(sessions / "p1"));
   EXPECT_EQ(fs::is_empty(sessions / "closed"), readable);
   EXPECT_TRUE(fs::exists(sessions / "notes.txt"));
+}
+
+// Killed while it removes what another left: what it did not come to is still known for stale.
+TEST_F(NightFolder, RemovingThatIsKilledIsTakenUpByTheNextNight) {
+  const std::string workplace = "sessions/p1/.calibrate.partial-dEAd01/";
+  bool half = false;
+  for (int attempt = 0; attempt < 100 && !half; ++attempt) {
+    for (int i = 0; i < 2000; ++i) folder_.write(workplace + std::to_string(i), "");
+    folder_.write(workplace + "lock", "plumbline\nfor calibrate\n");
+    const int deletions = inotify_init1(IN_CLOEXEC);
+    ASSERT_GE(inotify_add_watch(deletions, folder_.path(workplace).c_str(), IN_DELETE), 0);
+    const pid_t pid = fork();
+    if (pid == 0) {
+      removeLeftovers(folder_.path());
+      _exit(0);
+    }
+    char event[sizeof(inotify_event) + 16];  // room for one with a short name
+    for (int deleted = 0; deleted < 1500; ++deleted) {
+      ASSERT_GT(read(deletions, event, sizeof event), 0);
+    }
+    kill(pid, SIGKILL);
+    waitpid(pid, nullptr, 0);
+    close(deletions);
+    half = fs::exists(folder_.path(workplace));
+    removeLeftovers(folder_.path());
+    EXPECT_TRUE(fs::is_empty(fs::path(folder_.path()) / "sessions/p1"));
+  }
+  EXPECT_TRUE(half);
+}
+
+// A command outlives the process that ran it by a moment, and writes on.
+TEST_F(NightFolder, AWorkplaceStaysUntilTheProgramThatWasRunInItIsDead) {
+  int said[2];
+  ASSERT_EQ(pipe(said), 0);
+  const fs::path step = fs::path(folder_.path()) / "sessions/p1/calibrate";
+  const pid_t pid = fork();
+  if (pid == 0) {
+    const Workplace workplace(step, step.string());
+    if (fork() == 0) {
+      dup2(said[1], STDOUT_FILENO);
+      execlp("sh", "sh", "-c", "echo $$; exec sleep 100", nullptr);
+    }
+    pause();
+  }
+  char text[32] = "";
+  ASSERT_GT(read(said[0], text, sizeof text - 1), 0);
+  kill(pid, SIGKILL);
+  waitpid(pid, nullptr, 0);
+  removeLeftovers(folder_.path());
+  EXPECT_FALSE(fs::is_empty(step.parent_path()));
+  kill(std::atoi(text), SIGKILL);
+  for (int ms = 0; ms < 10000 && !fs::is_empty(step.parent_path()); ++ms) {
+    usleep(1000);
+    removeLeftovers(folder_.path());
+  }
+  EXPECT_TRUE(fs::is_empty(step.parent_path()));
+  close(said[0]);
+  close(said[1]);
 }
 
 TEST_F(NightFolder, WhatALiveProcessWritesStays) {
