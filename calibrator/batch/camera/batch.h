@@ -87,8 +87,9 @@ struct CameraStageOptions : MeasurementModel {
   int threads = 1;  ///< results do not depend on it
   int max_iterations = 100;
   /// Of minimise(): the last step is shorter than this, in standard deviations of all parameters
-  /// together.
-  double tolerance = 1e-6;
+  /// together; it is still taken. On EuRoC's stereo recording 1e-6 asks for one step more, which
+  /// changes the RMSE by 1e-14 of itself and its median by 1e-9.
+  double tolerance = 1e-4;
 
   /// Throws InputError that names the field whose rule is violated; called by every function below.
   void check() const;
