@@ -102,6 +102,7 @@ std::vector<double> rangesFrom(const std::vector<std::string>& words) {
 }
 
 ImageGrid gridFrom(const std::string& word) {
+  // Of the form of an image's size, and of whole numbers from 1 like one.
   const Resolution size = resolutionFrom(word, "--grid");
   return {size.width, size.height};
 }

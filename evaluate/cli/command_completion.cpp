@@ -153,6 +153,7 @@ std::string fishCompletion(const CLI::App& app) {
   for (const Node& node : nodesOf(app)) {
     if (!node.path.empty()) paths += fmt::format(" '{}'", node.path);
     const std::string condition = fmt::format("__plumbline_is_at \"{}\"", node.path);
+    // -f: no files beside the subcommands; -r, below: the next word is the option's value.
     for (const CLI::App* sub : node.app->get_subcommands(nullptr)) {
       if (sub->get_group().empty()) continue;
       rules += fmt::format("complete -c plumbline -n '{}' -f -a {} -d {}\n", condition,

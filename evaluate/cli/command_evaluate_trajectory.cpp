@@ -123,6 +123,7 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
   const TrajectoryRecord record = judged(*result, o, app);
   const VerdictLevel level = record.verdict.level;
   if (out) {
+    // Empty: no page is written.
     std::function<std::string(const TrajectoryRecord&)> page;
     if (!o.no_report) page = renderTrajectoryPage;
     writeResults(*out, record,

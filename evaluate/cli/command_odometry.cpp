@@ -28,7 +28,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMostMegabytes = 1 << 24;
+constexpr int kMostMegabytes = 1 << 24;  // 16 TB
 
 struct OdometryCommandOptions {
   OdometryRequest request;
@@ -105,6 +105,7 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
         "--estimate-w-first and --estimate-inverted are of what an external system writes; choose "
         "one by --with, or omit them");
   }
+  // Never empty: CLI11 has let through known words only.
   request.hint = *enumFrom<HintKind>(o.estimate);
   request.how.metrics = trajectoryMetricsFrom(o.metrics);
   request.how.truth_w_first = o.metrics.truth_w_first;

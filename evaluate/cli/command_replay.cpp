@@ -53,6 +53,7 @@ struct GuideOptionSet {
 constexpr double kStandardGravity = 9.80665;  // [m/s^2]
 constexpr double kLongest_ms = 60'000;        // of a latency
 
+/// A step of the guide as --latency-ms names it.
 struct LatencyName {
   const char* name;
   double GuideLatency::*seconds;

@@ -139,6 +139,8 @@ std::string convergenceText(const std::string& what, double recorded_s,
   return fmt::format("{}: {}{}\n", what, right, stop);
 }
 
+/// The guide's stop against the stage continued: what the guide predicted, what was to be expected
+/// of the same views, and from when that would have been good enough.
 std::string stopText(const char* stage, const std::optional<StopHindsight>& stop) {
   if (!stop) return "";
   const auto px = [](const std::optional<double>& error) {

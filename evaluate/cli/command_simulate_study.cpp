@@ -55,6 +55,7 @@ std::string timeOf(const std::optional<double>& median_s) {
 }
 
 int simulateStudyFolder(SimulateStudyOptions o) {
+  // Never empty: CLI11 has let through known words only.
   o.study.guide_board = *enumFrom<GuideBoard>(o.guide_board);
   o.study.check();
   OutputFolder out(o.output.request("simulated study"));

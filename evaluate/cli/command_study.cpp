@@ -42,7 +42,8 @@ struct StudyOptions {
   FailOnOption fail_on;
 };
 
-// Where its words stand for something that the command itself checks later.
+// CLI11 takes the values of these options as words, which the command reads after the parse: in the
+// night, were they not read here.
 void checkWords(const std::string& option, const std::string& words) {
   if (option == "loss") lossFrom(words);
   if (option == "models") modelsFrom(words);
@@ -163,6 +164,7 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
   return request;
 }
 
+/// A regression against earlier nights, whatever the verdict of this one.
 int exitCodeOf(const NightOutcome& outcome) { return outcome.alarms.empty() ? kDone : kRegression; }
 
 /// Of every night the same file: a study's own, which the next night replaces.
@@ -187,6 +189,7 @@ int finish(const PreparedNight& night, const StepResults& results, double second
 
 int runSlurm(const StudyOptions& o, PreparedNight night) {
   NightTeller teller;
+  // This process is the job that follows a round of arrays, not the one that a person started.
   if (o.merge_round > 0) {
     return mergeSlurmRound(night, o.slurm, o.merge_round, [&](const NightOutcome& outcome) {
       say("{}", nightSummary(outcome, o.out));
@@ -260,6 +263,7 @@ std::function<int()> configureRunPack(CLI::App& app) {
   app.add_option("index", o->index, "Line of the task, from 0")->required();
   return [o] {
     int exit_code = kDone;
+    // One thread a step: the array asks for no CPUs beyond the default of a task.
     for (const std::string& name : stepsOfPack(o->packs, o->index)) {
       try {
         (void)runStep(o->night, name, 1);

@@ -130,6 +130,8 @@ TargetFitRequest fitRequest(const FitOptions& o) {
   request.camera.target_degree = o.degree;
   request.camera.target_corners = false;  // they are a recording's, not the board's
   request.camera.threads = threadCount(o.threads);
+  // The error of a lens model that misfits cannot be told from a board's shape
+  // (TargetFinding::kLensMisfits).
   request.camera.model_mode = ModelMode::kAuto;
   if (o.models && *o.models != "auto") {
     request.camera.model_mode = ModelMode::kGiven;

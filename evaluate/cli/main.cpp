@@ -26,6 +26,7 @@
 namespace plumbline {
 namespace {
 
+/// A signal is ending the process: see waitIfEnding().
 std::atomic<bool> ending{false};
 
 /// Waits for one of the signals. Ends by _exit(), as other threads go on and may hold any lock:
@@ -39,6 +40,7 @@ std::atomic<bool> ending{false};
   const char* clear = isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "";
   fmt::print(stderr, "{}plumbline: stopped by signal {}; unfinished output was removed\n", clear,
              signal);
+  // As a shell reports a process that a signal ended.
   _exit(128 + signal);
 }
 
@@ -130,6 +132,7 @@ std::string adviceFor(InputFault code, const CLI::App& command) {
   const std::string advice = optionFor(code);
   const auto at = advice.find("--");
   if (at == std::string::npos) return advice;
+  // Where an advice names several options, the first one stands for the command having them.
   const std::string option = advice.substr(at, advice.find_first_of(" ,", at) - at);
   return command.get_option_no_throw(option) != nullptr ? advice : "";
 }
@@ -153,7 +156,7 @@ void refuseOtherThanUtf8(int argc, char** argv) {
 int runChosen(const CLI::App& app, const std::map<std::string, std::function<int()>>& handlers) {
   try {
     return handlers.at(app.get_subcommands().front()->get_name())();
-  } catch (const InputErrors& errors) {
+  } catch (const InputErrors& errors) {  // ahead of InputError, of which it and BadInput are kinds
     for (const InputError& error : errors.all()) failed(error.what(), kBadInput);
     return kBadInput;
   } catch (const BadInput& error) {
@@ -177,6 +180,8 @@ void returnFreedArrays() { mallopt(M_MMAP_THRESHOLD, 256 * 1024); }
 int run(int argc, char** argv) {
   returnFreedArrays();
   keepCommandLine({argv, argv + argc});
+  // Before any file is opened, which would take the place of a stream that is closed; and the
+  // signals before any other thread, all of which inherit that they are blocked.
   occupyStandardStreams();
   endInOrderOnSignals();
   CLI::App app{

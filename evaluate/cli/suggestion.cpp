@@ -39,6 +39,7 @@ int editDistance(std::string_view a, std::string_view b) {
     std::swap(before, last);
     std::swap(last, row);
   }
+  // The exchange after a row has put it here.
   return last[b.size()];
 }
 

@@ -101,7 +101,7 @@ bool closeOutput() {
 
 namespace {
 
-constexpr int kBarWidth = 30;
+constexpr int kBarWidth = 30;  // characters
 constexpr double kTimeLeftAfter_s = 3;
 constexpr std::chrono::seconds kPipeInterval{10};
 
@@ -137,6 +137,7 @@ void ProgressBar::update(const std::string& step, double fraction) {
                        std::string(kBarWidth - filled, ' '), 100 * fraction, timeLeft(fraction));
   }
   if (line == last_) return;
+  // To the start of the line, and without the end of a longer one before it.
   fmt::print(stderr, "\r\033[K{}", shownLine(line));
   std::fflush(stderr);
   last_ = line;

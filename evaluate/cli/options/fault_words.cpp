@@ -64,6 +64,7 @@ std::string unitsOf(Quantity quantity) {
   return text;
 }
 
+/// "=ANGLE", "[,SHARE]": in brackets what has a usual value and may be left out.
 std::string valueForm(const FaultValue& value, const char* before) {
   if (value.quantity == Quantity::kNone) return "";
   const std::string form = std::string(before) + wordsOf(value.quantity).symbol;

@@ -128,6 +128,8 @@ E byWord(const std::string& option, const std::string& word) {
   refuse(option, word, "one of " + allWords<E>());
 }
 
+/// "PROJECTION-DISTORTION"; empty for words that are none, and for a pair that can be read but not
+/// calibrated.
 std::optional<CameraModelPair> calibratedModelFrom(const std::string& word) {
   const auto dash = word.find('-');
   const auto projection = projectionModelFrom(word.substr(0, dash));

@@ -34,6 +34,7 @@ void FailOnOption::declare(CLI::App& app) {
 int FailOnOption::exitCode(VerdictLevel verdict) const {
   if (level == "never") return kDone;
   const VerdictLevel least = level == "bad" ? VerdictLevel::kBad : VerdictLevel::kCaution;
+  // Levels ascend: good, caution, bad.
   return verdict >= least ? kVerdict : kDone;
 }
 

@@ -136,6 +136,7 @@ TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid
           word.displacement({grid.corner(id) - half, half, edge}, value);
     }
   }
+  // Of the sum, what is a similarity falls out here: it moves the board, and bends nothing.
   TargetShape shape = fitTargetShape(grid, moved);
   // The least squares leave rounding in it, which --images would take for an asked error.
   double& tag_edge = shape.terms[kTargetTerms - 1];
