@@ -13,6 +13,7 @@ namespace {
 
 using Scores = std::vector<CalibrationScore>;
 
+/// Of the words of CalibrationScore::part.
 bool isWhole(const CalibrationScore& s) { return s.part == "all"; }
 
 /// "all 5 folds" stands for every fold in the plot.

@@ -34,6 +34,7 @@ std::vector<double> secondsOf(const std::vector<const ImuIntervalResidual*>& int
   return seconds;
 }
 
+/// For secondsOf(), which also takes a selection.
 std::vector<const ImuIntervalResidual*> allOf(const CameraImuStageResult& stage) {
   std::vector<const ImuIntervalResidual*> all;
   for (const ImuIntervalResidual& r : stage.imu_residuals) all.push_back(&r);
@@ -71,6 +72,7 @@ Figure seriesFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot p
 Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string& title, int first,
                            int rows, double expected, const std::string& id) {
   constexpr int kBins = 50;
+  // In assumed standard deviations.
   constexpr double kReach = 5;
   Histogram plot;
   plot.frame.title = title;

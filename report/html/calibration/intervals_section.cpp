@@ -113,6 +113,7 @@ Figure intervalFigure(const CalibrationRecord& record) {
 /// Differences from the median: in microseconds where all are below a millisecond.
 Figure histogramFigure(const SampleIntervals& sensor, std::size_t index) {
   const IntervalHistogram& h = sensor.histogram;
+  // The bins reach as far below the median as above it: the first edge tells how wide they are.
   const bool small = std::abs(h.first_s - sensor.median_s) < 1e-3;
   const double scale = small ? 1e6 : 1e3;
   const char* unit = small ? "\u00b5s" : "ms";

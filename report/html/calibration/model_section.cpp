@@ -37,6 +37,7 @@ std::string reasonText(const ModelChoice& choice) {
     case ModelReason::kNotTested:
       break;
   }
+  // One reason stands for both cases: where frames were predicted at all, models were compared.
   const bool compared = std::any_of(choice.candidates.begin(), choice.candidates.end(),
                                     [](const auto& c) { return std::isfinite(c.held_out_px); });
   return fmt::format(

@@ -27,6 +27,7 @@ std::vector<Block> blocksOf(std::vector<FigureGroup> groups) {
 std::vector<std::string> biasRemarks(const CameraStageResult& stage) {
   std::vector<std::string> remarks;
   for (const BiasRatio& b : stage.bias) {
+    // Without patches there is no noise of the detector to tell the rest from.
     if (b.patches == 0) continue;
     remarks.push_back(
         fmt::format("{}: bias ratio {:.2f}. Of the squared error {:.0f} % is systematic, shared by "
@@ -240,6 +241,8 @@ Section parametersSection(const CalibrationRecord& record) {
   for (const ParameterGroup& group : parameterGroups(record)) {
     section.blocks.push_back(parameterBlock(group));
   }
+  // As matrices too: in the tables a rotation is a rotation vector, which nobody pastes into a
+  // file.
   Block matrices;
   if (record.camera_imu) {
     matrices.matrices.push_back(
@@ -262,6 +265,7 @@ Section offsetSection(const CalibrationRecord& record) {
                {"Value", kNumber},
                {"Note"}},
               {}};
+  // Camera 0's; where the others have their own, the block's text says by how much they differ.
   for (const OffsetRow& r :
        offsetRows(record.camera_imu->imu.timeOffset(), shownOffsetStd(record))) {
     table.rows.push_back({{r.tool}, code(r.field), number(r.number), number(r.value), {r.note}});
@@ -290,6 +294,7 @@ Section sceneSection(const CalibrationRecord& record) {
   values.set("scene_rmse_max", fmt::format("{:.2f}", scene.rmse.max));
   values.set("scene_seconds", fmt::format("{:.1f}", scene.seconds));
   values.set("has_imu", flag(record.camera_imu.has_value()));
+  // By the names that buildScene() gives its layers: by them the boxes of the page show and hide.
   std::vector<Pair> layers = {{"target", "target"}, {"path", "path"}};
   for (std::size_t i = 0; i < record.cameras().size(); ++i) {
     layers.push_back({"cam" + std::to_string(i), record.cameras()[i].name});
@@ -310,6 +315,7 @@ Section sceneSection(const CalibrationRecord& record) {
           {std::move(block)}};
 }
 
+/// In the order of the columns of timings().
 std::vector<Cell> timingRow(const std::string& stage, const StageSeconds& s) {
   std::vector<Cell> row = {{stage}};
   for (const double v :

@@ -15,7 +15,7 @@ namespace {
 constexpr int kFieldColumns = 20;   // cells across the image for the vector field
 constexpr double kReach = 1.1;      // of a typical arrow, in its cells
 constexpr int kMapColumns = 24;     // and for the RMSE and coverage maps
-constexpr std::size_t kFewest = 8;  // corners that a cell needs before its mean is shown
+constexpr std::size_t kFewest = 8;  // corners that make a cell's mean; a caption says so
 // By a quantile: one false corner would leave the cloud a dot in the middle.
 constexpr double kShown = 0.999;  // share of the errors inside the scatter's axes
 
@@ -69,6 +69,7 @@ PlotFrame imageFrame(const std::string& title, const Resolution& size) {
   return frame;
 }
 
+/// Measured minus projected [px], of the corners that the solution used.
 std::vector<Eigen::Vector2d> usedErrors(const StageView& stage, int camera) {
   std::vector<Eigen::Vector2d> errors;
   for (const CornerResidual& r : stage.residuals) {
@@ -108,6 +109,7 @@ Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::stri
   plot.series = {std::move(series)};
   const std::string left_out =
       outside == 0 ? "" : fmt::format(" {} corners lie outside the axes.", outside);
+  // As toSvg() chooses between points and density.
   const std::string shown = errors.size() > plot.max_points ? "the density of all used corners"
                                                             : "one point per used corner";
   return {toSvg(plot, id),
@@ -120,6 +122,7 @@ Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::stri
 
 Figure histogramFigure(const std::vector<Eigen::Vector2d>& errors, const std::string& name,
                        const std::string& id) {
+  // Odd, so that one bin is centred on 0.
   constexpr int kBins = 61;
   const double range = shownRange(errors);
   Histogram plot;
@@ -299,6 +302,7 @@ FigureGroup coverageFigures(const StageView& stage) {
     HeatMap map = imageMap(stage, camera, grid, cameraName(stage, i) + ": corners by region");
     map.value_label = "corners";
     for (const std::size_t count : grid.count) {
+      // Blank, so that a cell where nothing was seen stands out from one with few corners.
       map.values.push_back(count > 0 ? static_cast<double>(count) : std::nan(""));
     }
     group.figures.push_back(
@@ -327,6 +331,7 @@ FigureGroup correlationFigures(const StageView& stage) {
   if (n == 0 || covariance.matrix.rows() != n) return {};
   HeatMap map;
   map.frame.title = stage.title;
+  // 30 px for a parameter, beside its name and the colour bar.
   map.frame.width = std::clamp(230 + 30 * n, 420, 960);
   map.frame.height = map.frame.width - 90;
   map.frame.equal_axes = true;

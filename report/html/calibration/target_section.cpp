@@ -101,6 +101,7 @@ std::string foundText(const TargetFit& fit, bool kept) {
     case TargetFinding::kNotTested:
       break;
   }
+  // With a covariance there is a solution, which could not be tested on other frames.
   return fit.shape.covariance
              ? "The recording is too short to estimate the board's shape, or half of it has no "
                "solution: it is assumed as target.yaml states."
@@ -162,6 +163,7 @@ VectorField displacementField(const AprilGrid& grid, const std::vector<Eigen::Ve
   VectorField field;
   field.frame = boardFrame(grid, "Displacement in the plane", kArrow * grid.pitch());
   field.colour = seriesColour(0);
+  // [mm]; the floor keeps the magnification of an even board finite.
   double largest = 1e-6;
   for (int id = 0; id < grid.cornerCount(); ++id) {
     const Eigen::Vector2d p = kMm * grid.corner(id);

@@ -66,6 +66,7 @@ Json dataOf(const StageView& stage, const std::vector<ViewErrors>& views,
   for (std::size_t i = 0; i < views.size(); ++i) {
     const ViewErrors& v = views[i];
     const auto first = kept[i] ? static_cast<std::int64_t>(corners.size() / 4) : -1;
+    // Rounded: what is not shown would only make the page larger.
     rows.push_back({v.camera, v.frame, std::round(1e4 * v.rmse_px) / 1e4,
                     std::round(1e3 * v.largest_px) / 1e3, v.used, first, v.corners.size()});
     if (!kept[i]) continue;
@@ -198,6 +199,7 @@ Section viewsSection(const StageView& stage, const std::vector<Transform>& T_FC0
   data values{data::type::object};
   values.set("stage", stage.id);
   values.set("last", std::to_string(views.size() - 1));
+  // The page opens with the worst view.
   values.set("first", std::to_string(order.front()));
   Json json = dataOf(stage, views, carried(views, order), T_FC0);
   json["images"] = imagesOf(stage, views, images);
