@@ -17,7 +17,7 @@ namespace plumbline::html_internal {
 namespace {
 
 constexpr std::size_t kOverlays = 12;     // runs that are drawn
-constexpr std::size_t kLeastRepeats = 3;  // runs that make a box
+constexpr std::size_t kLeastRepeats = 3;  // runs that make a box; the caption says so
 constexpr Colour kTruth{150, 156, 166, 255};
 
 /// A run without a truth has no pairs, nor has one that failed before they were made.
@@ -126,6 +126,7 @@ std::vector<double> component(const std::vector<Eigen::Vector3d>& points, int ax
   return values;
 }
 
+/// The range about its middle, at least as wide as `span`.
 Range wider(const Range& range, double span) {
   const double more = std::max(0.0, (span - (range.max - range.min)) / 2);
   return {range.min - more, range.max + more};
@@ -188,6 +189,7 @@ Series timeSeries(const TrajectoryRun& run, const std::vector<double>& values, C
   series.colour = colour;
   series.width = 1.2;
   for (std::size_t i = 0; i < run.t.size(); ++i) {
+    // The difference first: a stamp of today has more digits than a double.
     series.x.push_back(1e-9 * static_cast<double>(run.t[i] - start));
     series.y.push_back(values[i]);
   }
@@ -331,6 +333,7 @@ Section overlaySection(const std::vector<TrajectoryRun>& runs) {
       "R = Rz(yaw) Ry(pitch) Rx(roll), body to the truth's world.",
       {},
       {}};
+  // Up to four figures a run; tables and boxes have all runs, drawn here or not.
   std::size_t drawn = 0, more = 0;
   for (const TrajectoryRun& run : runs) {
     if (!drawable(run)) continue;

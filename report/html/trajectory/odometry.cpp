@@ -20,6 +20,7 @@ Cell hinted(double value, const std::optional<double>& deviation) {
       fmt::format("{} \u00b1 {}", withPrecisionOf(value, *deviation), twoDigits(*deviation)));
 }
 
+/// The time offset that the odometry prefers, in ms.
 Cell hintCell(const OdometryRunRecord& o) {
   if (!o.offset_hint_s) return number(kDash);
   std::optional<double> deviation;
@@ -113,6 +114,7 @@ std::string sentenceOf(const CalibrationSensitivity& s) {
   } else {
     text = "Runs with changes by chance failed, so no effect can be told from it.";
   }
+  // Of a step to another calibration alone: it is known what all parameters together do.
   if (s.whole_m && s.sum_m && s.interaction_m) {
     text += fmt::format(
         " All changed together: {} mm. The single changes add up to {} mm; interaction: {} mm.",

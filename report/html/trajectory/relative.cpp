@@ -48,6 +48,7 @@ std::vector<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
   return all;
 }
 
+/// Boxes of every length and calibration; `what`: the translation [m] or the rotation [degree].
 BoxPlot relativeBoxes(const std::vector<TrajectoryRun>& runs,
                       SampleStatistics RelativeErrorRecord::*what) {
   BoxPlot plot;

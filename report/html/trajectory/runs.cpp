@@ -138,6 +138,7 @@ Table remarksTable(const std::vector<TrajectoryRun>& runs) {
   return table;
 }
 
+/// What stands under a single run's error, which says little of a run that lost its way.
 std::string coverageText(const TrajectoryRun& run) {
   if (run.status == RunStatus::kFailed) return "failed";
   if (run.without_truth) return std::string(toString(run.status)) + ", no ground truth";
