@@ -78,6 +78,7 @@ std::vector<Sampled> samplesOf(const StudyRecord& record, const std::string& met
   return samples;
 }
 
+/// A box a method, named by it: no legend repeats the names.
 BoxPlot methodBoxes(const StudyRecord& record, const Getter& get, const char* format) {
   BoxPlot plot;
   for (std::size_t k = 0; k < record.methods.size(); ++k) {

@@ -22,6 +22,7 @@ std::size_t count(const StudyRecord& record, const Holds& holds) {
 std::vector<Card> cardsOf(const StudyRecord& record) {
   const auto failed =
       count(record, [](const StudySession& s) { return s.status == StudyStatus::kFailed; });
+  // Whoever gave up may still have a calibration: the two counts overlap.
   const auto gave_up = count(record, [](const StudySession& s) { return !s.finished; });
   std::vector<Card> cards = {
       {"Sessions", std::to_string(record.sessions.size()), "",
@@ -30,6 +31,7 @@ std::vector<Card> cardsOf(const StudyRecord& record) {
        fmt::format("limit {:g} s", record.limit_s)}};
   for (const StudyMethod& m : record.statistics.methods) {
     if (!m.median_held_out_px) continue;
+    // The median is over those with a score, so that is the number beside it.
     const auto scored = count(record, [&](const StudySession& s) {
       return s.method == m.method && s.held_out_rmse_px.has_value();
     });

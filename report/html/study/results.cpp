@@ -31,6 +31,7 @@ Cell pCell(const std::optional<double>& p) {
   return number(*p < 1e-3 ? "< 0.001" : fmt::format("{:.3f}", *p));
 }
 
+/// The endpoint with its unit, which a change in percent does not have.
 std::string comparison(const StudyEffect& e) {
   return e.endpoint + (e.ratio || e.unit == "1" ? "" : " [" + e.unit + "]");
 }
@@ -59,6 +60,7 @@ Table effectsTable(const StudyRecord& record) {
   return table;
 }
 
+/// The effects of effectsTable() once more, by other methods.
 Table besideTable(const StudyRecord& record) {
   Table table{{{"Endpoint", Cell::Kind::kCode},
                {"Method"},
@@ -107,6 +109,7 @@ Table methodsTable(const StudyRecord& record) {
   return table;
 }
 
+/// Offsets that calibrations found under one injected shift; those without one are counted.
 struct Recovered {
   std::vector<double> ms;
   int failed = 0;

@@ -13,8 +13,9 @@ namespace plumbline::html_internal {
 namespace {
 
 constexpr double kHighestRatio = 10;   // drawn: a wild one would flatten the others
-constexpr double kShownTerm_m = 2e-5;  // terms of a board that stay below are not drawn
+constexpr double kShownTerm_m = 2e-5;  // below it a board's term is not drawn; the caption says so
 
+/// Spread: of the estimates over the sessions of a method. Stated: by the calibrations themselves.
 Table spreadTable(const StudyRecord& record) {
   Table table{{{"Parameter", Cell::Kind::kCode},
                {"Method"},

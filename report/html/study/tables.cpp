@@ -27,6 +27,8 @@ Cell verdictCell(const StudySession& s) {
           {}};
 }
 
+/// A link, or the name alone of a session that the record does not have (any more, or of the study
+/// as a whole).
 Cell named(const StudyRecord& record, const std::string& session) {
   const StudySession* s = sessionOf(record, session);
   return s ? linkTo(*s) : tight(session);
