@@ -83,6 +83,8 @@ ScaledMaps scaled(const std::vector<ImageMap>& all, const std::string& label, bo
   return out;
 }
 
+/// What aligned the camera frames, in degrees and millimetres: so much the calibrations differ in
+/// where they put the camera, which the maps do not show.
 std::string impliedText(const ImageMap& map) {
   if (!map.implied) return "The camera frames were not aligned.";
   const Eigen::Vector3d t = 1e3 * map.implied->t;

@@ -187,6 +187,7 @@ Table entropyTable(const std::vector<CalibrationScore>& scores,
   return table;
 }
 
+/// What entropies of the camera-IMU parameters depend on besides the recording.
 std::string imuAssumed(const Assumptions& a) {
   std::string text =
       "Poses, velocities, biases and gravity's direction are marginalised; the cameras and the "

@@ -14,10 +14,12 @@ namespace {
 
 using Values = std::vector<std::optional<double>>;
 
+/// Empty also where the column ends earlier: a record may have been read from a store.
 std::optional<double> at(const Values& column, std::size_t k) {
   return k < column.size() ? column[k] : std::nullopt;
 }
 
+/// "cam0: pinhole-radtan, 752 x 480".
 std::string modelOf(const CameraCalibration& camera) {
   const Intrinsics& i = camera.intrinsics;
   return fmt::format("{}: {}-{}, {} \u00d7 {}", camera.name, toString(i.projection_model),
