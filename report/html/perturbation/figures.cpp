@@ -33,6 +33,8 @@ struct BasinScale {
 };
 
 BasinScale scaleOf(const PerturbationRecord& record, const CaseGroup& shifts) {
+  // The bound is in view in any case, as its line is what the points are held against; so is 0,
+  // where nothing was injected.
   double least = record.offset_bound_s, most = record.offset_bound_s;
   double from = 0, to = 0;
   for (const PerturbationCase* c : shifts.cases) {
@@ -55,6 +57,7 @@ BasinScale scaleOf(const PerturbationRecord& record, const CaseGroup& shifts) {
   return scale;
 }
 
+/// A dashed line over all of the axis, at the logarithm that the axis runs in.
 Series level(const std::string& name, double value_s, const BasinScale& scale, Colour colour) {
   const double y = std::log10(value_s);
   return {name, {scale.x.min, scale.x.max}, {y, y}, colour, 1.2, true};

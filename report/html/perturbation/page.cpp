@@ -26,6 +26,7 @@ std::string largestChange(const PerturbationRecord& record, const PerturbationCa
   return fmt::format("{} {:+.2g} \u03c3", record.parameters[*worst], sigma);
 }
 
+/// The recovered offset, to two digits of its deviation.
 std::string milliseconds(const PerturbationCase& c) {
   return withPrecisionOf(1e3 * c.time_offset_s, 1e3 * c.time_offset_std_s.value_or(0));
 }
@@ -36,6 +37,7 @@ std::string microseconds(double seconds, const char* format) {
   return fmt::format(fmt::runtime(format), 1e6 * seconds);
 }
 
+/// Of the recovered offset [ms].
 std::string stdText(const PerturbationCase& c) {
   return c.time_offset_std_s ? twoDigits(1e3 * *c.time_offset_std_s) : kDash;
 }
