@@ -12,7 +12,7 @@
 namespace plumbline::html_internal {
 namespace {
 
-constexpr double kShownShare = 0.95;  // of the values; the first few views are far above
+constexpr double kShownShare = 0.95;  // of the values; kAbove states what is left out
 constexpr const char* kSeeds =
     " Where an order was drawn with several seeds, dashed lines bound the band between the "
     "quartiles.";
@@ -143,6 +143,7 @@ std::string neededText(const CounterfactualBand& band) {
   return fmt::format("{:g} ({:g} to {:g})", q.median, q.lower, q.upper);
 }
 
+/// What an order ends at, with all its views: the median over its seeds.
 std::string lastText(const CounterfactualBand& band, BandColumn column) {
   const auto& values = band.*column;
   return values.empty() || !values.back() ? kDash : fmt::format("{:.4g}", values.back()->median);

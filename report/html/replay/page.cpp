@@ -18,6 +18,7 @@ using namespace html_internal;
 constexpr std::size_t kPageBytes = 29'000'000;  // what decisions, corners and images have together
 constexpr std::size_t kRestBytes = 1'000'000;   // what the rest of a page takes at most
 
+/// "" where every frame with images has its own.
 std::string imagesNote(const ReplayData& data) {
   if (data.frames_with_images == 0 || data.image_step == 1) return "";
   return fmt::format(

@@ -106,6 +106,7 @@ std::vector<SuggestionOutcome> allOutcomes(const ReplayRecord& record) {
   return all;
 }
 
+/// Row by row of [R t]: R to 1e-6, t to a hundredth of a millimetre.
 Json poseJson(const Transform& T) {
   Json cells = Json::array();
   for (int i = 0; i < 3; ++i) {

@@ -11,6 +11,7 @@
 namespace plumbline::html_internal {
 namespace {
 
+/// Where the page counts seconds from; a record that kept no frames has decisions.
 TimeNs startOf(const ReplayRecord& record) {
   if (!record.frames.empty()) return record.frames.front().t;
   return record.decisions.empty() ? 0 : record.decisions.front().t;
