@@ -11,7 +11,8 @@
 namespace plumbline {
 namespace {
 
-/// Component of a transform by the suffix of a parameter's name: tx ty tz rx ry rz.
+/// Component of a transform by the suffix of a parameter's name: tx ty tz [m], rx ry rz of Log(R)
+/// [rad].
 std::optional<double> component(const Transform& T, const std::string& suffix) {
   if (suffix.size() != 2 || suffix[1] < 'x' || suffix[1] > 'z') return std::nullopt;
   const int axis = suffix[1] - 'x';

@@ -57,6 +57,7 @@ int pragma(SQLite::Database& db, const char* name) {
 }
 
 void setOwner(SQLite::Database& db, const FileKind& kind) {
+  // A pragma takes no bound values.
   db.exec("PRAGMA application_id = " + std::to_string(kind.application_id));
   db.exec("PRAGMA user_version = " + std::to_string(kind.schema_version));
 }

@@ -83,11 +83,14 @@ void checkRound(const CandidateRound& round) {
 bool isRelative(const std::string& page) {
   if (page.empty()) return true;
   const auto first = static_cast<unsigned char>(page[0]);
+  // A scheme ends at a colon, which a relative address may have only after a slash. Without either
+  // both places are npos.
   return first > ' ' && first != '/' && first != '\\' && page.find('/') <= page.find(':');
 }
 
 }  // namespace
 
+/// The page looks up cameras, frames and poses by the indices that residuals state.
 void checkRecord(const CalibrationRecord& record) {
   checkTarget(record.target);
   require(record.camera || record.camera_imu, "no stage is there");

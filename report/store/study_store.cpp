@@ -55,6 +55,7 @@ void load(SQLite::Database& db, const std::string& bytes) {
   if (copy == nullptr) throw std::bad_alloc();
   std::memcpy(copy, bytes.data(), bytes.size());
   const auto size = static_cast<sqlite3_int64>(bytes.size());
+  // Where this fails, SQLite has freed the copy already (FREEONCLOSE).
   const int code =
       sqlite3_deserialize(db.getHandle(), "main", copy, size, size,
                           SQLITE_DESERIALIZE_FREEONCLOSE | SQLITE_DESERIALIZE_RESIZEABLE);

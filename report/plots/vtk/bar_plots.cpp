@@ -13,7 +13,7 @@ namespace {
 using internal::ChartPage;
 using internal::SvgDevice;
 
-/// A box between two values of each axis, with a title that tells what it is.
+/// A box between two values of each axis, in units of the data; pen, brush and title are those set.
 void drawBox(vtkContext2D& painter, const ChartPage& page, const Range& x, const Range& y) {
   const double u = page.unitX(x.min), v = page.unitY(y.min);
   painter.DrawRect(static_cast<float>(u), static_cast<float>(v),
@@ -82,6 +82,7 @@ void drawBars(vtkContext2D& painter, SvgDevice& device, const ChartPage& page,
   }
 }
 
+/// A tick below each category, the i-th of which stands at i.
 std::vector<AxisTick> ticksOf(const std::vector<std::string>& names) {
   std::vector<AxisTick> ticks;
   for (const std::string& name : names) ticks.push_back({static_cast<double>(ticks.size()), name});

@@ -107,6 +107,7 @@ ChartPage::ChartPage(const PlotFrame& frame, const PageLayout& layout, const std
   addDrawing([](vtkContext2D&, SvgDevice& device) { device.startData(); });  // after the grid
 }
 
+// A range has a length: one from the data by rangeOf(), one that was given by its caller.
 double ChartPage::unitX(double value) const { return (value - x_.min) / (x_.max - x_.min); }
 
 double ChartPage::unitY(double value) const {

@@ -129,6 +129,7 @@ std::string toSvg(const ScatterPlot& plot, const std::string& id) {
   const internal::PageLayout layout = layoutOf(plot.frame, plot.series);
   std::size_t count = 0;
   for (const Series& series : plot.series) count += series.x.size();
+  // The path of so many points would make the page large, and the cloud one blot.
   if (count > plot.max_points) return toSvg(density(plot, layout.x, layout.y), id);
   ChartPage page(plot.frame, layout, id);
   for (const Series& series : plot.series) page.addPoints(series);

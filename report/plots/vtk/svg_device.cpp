@@ -34,6 +34,7 @@ std::string opacity(const char* name, unsigned char alpha) {
   return alpha == 255 ? "" : fmt::format(" {}=\"{:.3g}\"", name, alpha / 255.0);
 }
 
+/// In pixels, whatever the width of the line.
 const char* dashes(int line_type) {
   switch (line_type) {
     case vtkPen::DASH_LINE:
@@ -155,6 +156,7 @@ void SvgDevice::DrawLines(float* points, int n, unsigned char*, int) {
   element("path", fmt::format("d=\"{}\"{}", path, stroke));
 }
 
+// A series has one colour, the pen's: those of single points are not looked at.
 void SvgDevice::DrawPoints(float* points, int n, unsigned char* colours, int components) {
   DrawMarkers(0, false, points, n, colours, components);
 }
