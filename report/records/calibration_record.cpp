@@ -68,6 +68,7 @@ std::optional<double> valueOf(const CalibrationRecord& record, const std::string
   return cameraValue(cameras, prefix, suffix);
 }
 
+/// Of the bootstrap, by name.
 std::optional<double> spreadOf(const std::optional<ResampleSpread>& spread,
                                const std::string& name) {
   if (!spread) return std::nullopt;

@@ -142,6 +142,7 @@ auto rowsOf(SQLite::Database& db, const fs::path& path, const char* query, const
   });
 }
 
+/// The first seven columns, in the order in which both queries name them.
 StudyFigure figureAt(SQLite::Statement& row) {
   StudyFigure figure;
   figure.session = textAt(row, 0);

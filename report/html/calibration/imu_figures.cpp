@@ -27,6 +27,7 @@ LinePlot overTime(const std::string& title, const std::string& label) {
   return plot;
 }
 
+/// Since `origin`.
 std::vector<double> secondsOf(const std::vector<const ImuIntervalResidual*>& intervals,
                               TimeNs origin) {
   std::vector<double> seconds;
@@ -53,6 +54,7 @@ Band noiseBand(const CameraImuStageResult& stage, TimeNs origin,
   return band;
 }
 
+/// Three axes over time, one value an interval between frames, in the unit that `pick` gives it.
 Figure seriesFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot plot,
                     const Pick& pick, const std::string& caption, const std::string& id) {
   for (std::size_t axis = 0; axis < 3; ++axis) {

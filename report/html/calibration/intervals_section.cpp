@@ -78,6 +78,7 @@ Table gapTable(const std::vector<NamedGap>& gaps, TimeNs origin) {
   return table;
 }
 
+/// Every sensor's intervals over time, each over the median of its own.
 Figure intervalFigure(const CalibrationRecord& record) {
   LinePlot plot;
   plot.frame.title = "Interval since the sample before, over the sensor's median";

@@ -72,6 +72,8 @@ Table candidateTable(const ModelChoice& choice) {
   return table;
 }
 
+/// A block of parameters a row: chi-square of the difference of both halves, and the parameter that
+/// differs most in its standard deviations.
 Table halvesTable(const HalvesCheck& check) {
   Table table{{{"Parameters"},
                {"Chi-square", kNumber},

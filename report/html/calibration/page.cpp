@@ -77,6 +77,7 @@ const Finding* findingOf(const Verdict& verdict, const std::string& rule) {
   return nullptr;
 }
 
+/// What the residuals say of the densities assumed, with what the verdict made of it.
 std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise, const Verdict& verdict) {
   if (noise.gyro.redundancy <= 0) return {};  // nobody asked
   return {densityRemark("Gyroscope noise", noise.gyro,

@@ -30,6 +30,7 @@ struct ImageGrid {
 
 enum class Corners { kUsed, kAll };
 
+/// Errors are measured minus projected; cells are about square.
 ImageGrid binErrors(const StageView& stage, int camera, int columns, Corners which) {
   const Resolution size = stage.cameras[static_cast<std::size_t>(camera)].intrinsics.resolution;
   ImageGrid grid;
@@ -58,6 +59,8 @@ ImageGrid binErrors(const StageView& stage, int camera, int columns, Corners whi
   return grid;
 }
 
+/// The whole image, whose outer edge is half a pixel beyond the centres of its first and last ones;
+/// v downwards.
 PlotFrame imageFrame(const std::string& title, const Resolution& size) {
   PlotFrame frame;
   frame.title = title;
@@ -219,6 +222,7 @@ Figure regionFigure(const HeatMap& map, const std::string& id) {
           false};
 }
 
+/// A camera without a name goes by its place.
 std::string cameraName(const StageView& stage, std::size_t camera) {
   const std::string& name = stage.cameras[camera].name;
   return name.empty() ? "cam" + std::to_string(camera) : name;

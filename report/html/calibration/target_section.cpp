@@ -121,6 +121,7 @@ Table termTable(const TargetFit& fit) {
   return table;
 }
 
+/// The board and `margin` [m] around it, in millimetres.
 PlotFrame boardFrame(const AprilGrid& grid, const std::string& title, double margin) {
   PlotFrame frame;
   frame.title = title;
@@ -159,6 +160,7 @@ HeatMap heightMap(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& poi
   return map;
 }
 
+/// Of every corner, from the even grid to where it lies; the longest arrow reaches 0.6 of a pitch.
 VectorField displacementField(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& points) {
   VectorField field;
   field.frame = boardFrame(grid, "Displacement in the plane", kArrow * grid.pitch());

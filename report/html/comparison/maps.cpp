@@ -21,6 +21,7 @@ constexpr double kReach = 1.2;  // of a typical arrow, in its cells
 /// So that about kArrowsAcross of the grid's points have an arrow across the image.
 int strideOf(const ImageMap& map) { return std::max(1, map.columns / kArrowsAcross); }
 
+/// Of every few points of the grid an arrow, in pixels of the image.
 VectorField fieldOf(const ImageMap& map, const std::string& title) {
   VectorField plot;
   plot.frame = mapFrame(map, title, 0.5);

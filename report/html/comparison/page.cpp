@@ -15,6 +15,7 @@ namespace {
 
 using namespace html_internal;
 
+/// The largest over all parameters and calibrations, in combined standard deviations.
 Card significanceCard(const ComparisonRecord& record) {
   // Below any significance: none was found.
   double most = -1;

@@ -83,6 +83,7 @@ double pooledRmse(const std::vector<CalibrationScore>& parts, const std::string&
   return count > 0 ? std::sqrt(squares / count) : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// A bar a calibration and camera, pooled over the recordings.
 Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   // Never both in one figure: in-sample errors beside held-out ones would look like better ones.
   const bool held_out = anyHeldOut(scores);
@@ -125,6 +126,7 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   return {toSvg(plot, "score-bars"), caption, true};
 }
 
+/// Calibrations against the first, on the views that both were scored on.
 Table pairedTable(const ComparisonRecord& record) {
   Table table{{{"Calibration"},
                {"Camera"},

@@ -34,6 +34,7 @@ std::string camerasOf(const Calibration& calibration) {
   return text;
 }
 
+/// The lint's findings that are not good; the worst gives the colour.
 Cell lintCell(const ComparedCalibration& c) {
   std::string rules;
   VerdictLevel worst = VerdictLevel::kGood;
@@ -83,6 +84,7 @@ std::vector<Column> parameterColumns(const std::vector<std::string>& labels, Sho
   return columns;
 }
 
+/// In the unit in which people read it; differences are to the first calibration.
 std::vector<Cell> parameterRow(const ComparedParameter& p, std::size_t calibrations, Shown shown) {
   const auto [unit, factor] = readable(p.unit);
   std::vector<Cell> row = {code(p.name), {unit}, number(estimateText(p, 0, factor))};

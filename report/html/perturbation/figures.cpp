@@ -63,6 +63,7 @@ Series level(const std::string& name, double value_s, const BasinScale& scale, C
   return {name, {scale.x.min, scale.x.max}, {y, y}, colour, 1.2, true};
 }
 
+/// A tick for every decade, and one for the line of the failures.
 std::vector<AxisTick> decades(const BasinScale& scale, bool any_failed) {
   std::vector<AxisTick> ticks;
   for (int e = static_cast<int>(scale.low); e <= static_cast<int>(scale.high); ++e) {

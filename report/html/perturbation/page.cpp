@@ -18,6 +18,7 @@ using namespace html_internal;
 
 constexpr const char* kShift = "imu-shift";
 
+/// Of the parameters but the time offset, whose error has a column of its own.
 std::string largestChange(const PerturbationRecord& record, const PerturbationCase& c) {
   const auto worst = largestOtherChange(record.parameters, c);
   if (!worst) return kDash;

@@ -21,6 +21,7 @@ constexpr const char* kAbove = " The highest 5 % of the values are off-scale.";
 using Bands = std::vector<CounterfactualBand>;
 using BandColumn = std::vector<std::optional<Quartiles>> CounterfactualBand::*;
 
+/// One of the quartiles over the number of views; a gap where not every seed has a value.
 Series seriesOf(const CounterfactualBand& band, BandColumn column, double Quartiles::*part) {
   Series series;
   const auto& values = band.*column;
@@ -78,6 +79,7 @@ std::vector<AxisTick> viewTicks(const Range& range) {
   return ticks;
 }
 
+/// In log10 of views, over all orders.
 Range viewRange(const Bands& bands) {
   int least = std::numeric_limits<int>::max(), most = 2;
   for (const CounterfactualBand& b : bands) {

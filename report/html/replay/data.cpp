@@ -99,6 +99,7 @@ void appendPose(std::vector<float>& cells, const std::optional<Transform>& T) {
   }
 }
 
+/// T_FC0, twelve floats a frame.
 std::string posesText(const ByFrame& decisions) {
   std::vector<float> cells;
   for (const Decision* d : decisions) appendPose(cells, d != nullptr ? d->T_FC0 : std::nullopt);
@@ -173,6 +174,7 @@ Json camerasJson(const ReplayRecord& record) {
   return cameras;
 }
 
+/// Corners as target.yaml states them, in F: the player draws no bent board.
 Json targetJson(const AprilGrid& grid) {
   std::vector<float> points;
   for (int id = 0; id < grid.cornerCount(); ++id) {

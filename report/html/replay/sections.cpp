@@ -37,6 +37,7 @@ std::string endText(const ReplayRecord& record, std::optional<TimeNs> finished,
   return ended ? "ended at " + secondsText(record, ended) : secondsText(record, finished);
 }
 
+/// Times count from the first frame.
 std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary& s) {
   std::vector<Cell> row = {tight(titleOf(s.stage))};
   const auto count = [&row](bool known, int n) {
@@ -71,6 +72,7 @@ Table stageTable(const ReplayRecord& record) {
   return table;
 }
 
+/// Entropy in both units: the guide's threshold is in bits, documents have nats.
 std::vector<Cell> batchRow(const ReplayStageSummary& s, const char* over,
                            const StageSummary& batch) {
   return {tight(titleOf(s.stage)),

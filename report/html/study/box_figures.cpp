@@ -47,6 +47,7 @@ void addBox(BoxPlot& plot, const std::string& name, std::size_t series,
                         series});
 }
 
+/// As wide as the page from five boxes on; `from_zero` where 0 means something, as for lengths.
 Figure boxFigure(BoxPlot plot, const std::string& title, const std::string& label,
                  const std::string& id, const std::string& caption, bool from_zero) {
   std::size_t longest = 0;
@@ -68,6 +69,7 @@ Figure boxFigure(BoxPlot plot, const std::string& title, const std::string& labe
 
 using Getter = std::function<std::optional<double>(const StudySession&)>;
 
+/// Of the sessions of a method that have a finite value.
 std::vector<Sampled> samplesOf(const StudyRecord& record, const std::string& method,
                                const Getter& get) {
   std::vector<Sampled> samples;

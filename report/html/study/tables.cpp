@@ -70,6 +70,7 @@ std::string largestDifferences(const StudyOther& other) {
   return text.empty() ? kDash : text;
 }
 
+/// From the second night on that has a held-out error.
 Figure nightsFigure(const StudyRecord& record) {
   LinePlot plot;
   Series line{"median held-out RMSE", {}, {}, seriesColour(0), 1.6, false, false};
@@ -117,6 +118,7 @@ Table nightsTable(const StudyRecord& record) {
   return table;
 }
 
+/// With the command that makes the figure again by hand.
 Table alarmsTable(const StudyRecord& record) {
   Table table{{{"Figure"},
                {"Session"},

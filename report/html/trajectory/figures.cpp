@@ -74,6 +74,7 @@ BoxPlot boxesBySequence(const std::vector<TrajectoryRun>& runs, const BoxRule& r
   return plot;
 }
 
+/// Over all poses of the runs of a sequence; failedRun() has left none to those that failed.
 Figure alongFigure(const std::vector<TrajectoryRun>& runs) {
   BoxPlot plot = boxesBySequence(
       runs, {0.05, 0.95}, [](const TrajectoryRun& run, std::vector<double>& values) {
@@ -90,6 +91,8 @@ Figure alongFigure(const std::vector<TrajectoryRun>& runs) {
           true};
 }
 
+/// One value a run: how far repeating a run changes its error. Of a partial one it would be that of
+/// the part that it covers.
 Figure repeatsFigure(const std::vector<TrajectoryRun>& runs) {
   const auto collect = [](const TrajectoryRun& run, std::vector<double>& values) {
     if (run.status == RunStatus::kComplete && run.ate_translation_m.n > 0) {
@@ -132,6 +135,7 @@ Range wider(const Range& range, double span) {
   return {range.min - more, range.max + more};
 }
 
+/// Truth in grey and estimate in the colours of its errors, projected along an axis of the world.
 Figure viewFigure(const TrajectoryRun& run, const View& view, const Range& errors,
                   const std::string& id) {
   LinePlot plot;
@@ -196,6 +200,7 @@ Series timeSeries(const TrajectoryRun& run, const std::vector<double>& values, C
   return series;
 }
 
+/// One line a run, in the colour of its calibration.
 Figure timeFigure(const std::vector<TrajectoryRun>& runs, const std::string& sequence,
                   const PairError& error, const std::string& id) {
   const std::vector<std::string> names = calibrationsOf(runs);

@@ -51,6 +51,7 @@ Table extrinsicsTable(const std::vector<TrajectoryRun>& runs) {
   return table;
 }
 
+/// The step in the unit in which people read it; a minus where it goes down.
 std::string stepText(const ParameterSensitivity& p) {
   const ReadableUnit unit = readable(p.unit);
   // Towards another calibration's value a step has a sign; rounding is no step.
@@ -103,6 +104,8 @@ std::string effectsOf(const CalibrationSensitivity& s) {
                             lost.empty() ? "" : "other ", 1e3 * s.ate_m);
 }
 
+/// What the table shows, in words: the largest effect, chance, and how far the single effects add
+/// up.
 std::string sentenceOf(const CalibrationSensitivity& s) {
   if (s.parameters.empty()) return "The run with the calibration as it is failed.";
   std::string text;

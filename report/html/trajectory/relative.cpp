@@ -33,6 +33,7 @@ std::array<double, 5> medianOf(const std::vector<std::array<double, 5>>& all) {
 
 using Distance = std::pair<std::string, double>;  // unit, delta
 
+/// Those that any run was evaluated over.
 std::vector<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
   std::vector<Distance> all;
   for (const TrajectoryRun& run : runs) {

@@ -79,6 +79,7 @@ std::vector<Cell> handEyeRow(const TrajectoryRun& run) {
           number(fmt::format("{:.3f}", degrees * h.rms_rotation_rad))};
 }
 
+/// Below its lower bound the estimate is too cautious, above the upper one too confident.
 std::vector<Cell> neesRow(const TrajectoryRun& run, const NeesRecord& n) {
   const bool consistent = n.reading == NeesReading::kConsistent;
   const char* why = n.reading == NeesReading::kOverconfident ? ": covariances too small"

@@ -97,6 +97,7 @@ Colour tint(const Colour& colour) {
   return {pale(colour.red), pale(colour.green), pale(colour.blue), 255};
 }
 
+/// Whiskers, box and median; nothing for a group that is shown by its points.
 void drawBoxSummary(vtkContext2D& painter, SvgDevice& device, const ChartPage& page,
                     const BoxSummary& box, double centre) {
   const auto& q = box.quantiles;

@@ -79,6 +79,7 @@ bool fits(const std::string& label, const ChartPage& page, const HeatMap& map) {
          kCellLabel + 2 < page.plotHeight() / map.rows;
 }
 
+/// In black or white, by which the colour of the cell lets it be read.
 void drawCellLabels(vtkContext2D& painter, const ChartPage& page, const HeatMap& map,
                     const Range& range) {
   for (int row = 0; row < map.rows; ++row) {
