@@ -133,6 +133,7 @@ int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
   const std::vector<std::string> inputs = inputsOf(o);
   ResultWriter out(o.output, o.output.request("odometry", inputs));
   ProgressBar bar;
+  // The trajectories that are run become part of the result: OUT/runs.
   TrajectoryRecord record = runOdometry(request, out.path(), bar.sink());
   bar.clear();
   record.verdict = trajectoryVerdict(record);

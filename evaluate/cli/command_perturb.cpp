@@ -109,6 +109,7 @@ std::vector<Perturbation> perturbationsOf(const PerturbOptions& o) {
   return list;
 }
 
+/// On a copy of the options, which the study's lists join.
 PerturbRequest perturbRequest(PerturbOptions o, const CLI::App& app) {
   readStudy(o);
   PerturbRequest request;

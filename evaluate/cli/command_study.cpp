@@ -106,6 +106,7 @@ void checkTrajectoryOption(const std::string& option, const std::string& words) 
 }
 
 std::string timeText(double seconds) {
+  // Rounded first: 59.7 s are a minute, and not 60 s.
   const int whole = static_cast<int>(std::lround(seconds));
   if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
   if (whole >= 60) return fmt::format("{} min {:02} s", whole / 60, whole % 60);

@@ -116,6 +116,7 @@ void declareFit(CLI::App& app, FitOptions& o) {
 TargetFitRequest fitRequest(const FitOptions& o) {
   TargetFitRequest request;
   for (const std::string& session : o.sessions) {
+    // As every command reads a recording: what this one has no option for has its default.
     SessionOptions one;
     one.session = session;
     one.target = o.target;

@@ -102,6 +102,7 @@ std::optional<Amount> amountFrom(std::string_view word, Quantity quantity) {
   double number = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
   if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
+  // What is left has to be a unit in full: "5 ms" and "5msec" are none.
   const std::string_view suffix(end, static_cast<std::size_t>(word.data() + word.size() - end));
   for (const Unit& unit : wordsOf(quantity).units) {
     if (unit.word == suffix) return Amount{number, unit};
