@@ -6,6 +6,23 @@
 #include <fmt/format.h>
 
 namespace plumbline {
+namespace {
+
+// Pauses, in max_frame_gap_s, from which a stamp is doubted until the next frame confirms it.
+constexpr double kFarPauses = 10;
+
+}  // namespace
+
+/// Whether a stamp is far after that of the frame before, and no frame that was held back for the
+/// same reason just before confirms it.
+bool FrameGate::isDoubtful(TimeNs t) {
+  const double far_s = kFarPauses * max_gap_s_;
+  const std::optional<TimeNs> held = std::exchange(doubted_, std::nullopt);
+  if (pause_s_ <= far_s) return false;
+  if (held && t > *held && secondsBetween(*held, t) <= far_s) return false;
+  doubted_ = t;
+  return true;
+}
 
 bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& open, Decision& d) {
   // The first frame comes 1 ns after nothing: neither a jump nor a pause.
@@ -17,6 +34,13 @@ bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& 
                 ? "its stamp is not after that of the frame before: not used"
                 : fmt::format("its stamp is {:.6f} s before that of the frame before: not used",
                               -pause_s_));
+    return false;
+  }
+  if (isDoubtful(frame.t)) {
+    d.reason = GuideReason::kTimeJump;
+    note(d, fmt::format("its stamp is {:.6f} s after that of the frame before and may be wrong: "
+                        "not used",
+                        pause_s_));
     return false;
   }
   // Before the answer: frames that come while the guide is busy are no pause of the camera.

@@ -54,8 +54,10 @@ Result<CameraStageResult> scoreFrames(const GuideRig& rig, const std::vector<Kep
                                       const std::vector<CameraCalibration>& cameras);
 
 /// Which frames a stage of the guide looks at: those whose stamp is after all before, that come
-/// when it is not busy, and that show the target. What holds a frame back, a pause before it, and a
-/// target that is long out of view are said in the decision.
+/// when it is not busy, and that show the target. A stamp ten times max_frame_gap_s and more after
+/// the one before holds its frame back; the next frame shows whether there was a pause or the stamp
+/// was wrong, and only a pause counts. What holds a frame back, a pause before it, and a target
+/// that is long out of view are said in the decision.
 class FrameGate {
  public:
   explicit FrameGate(const GuideOptions& options,
@@ -78,9 +80,12 @@ class FrameGate {
   TimeNs busyUntil() const { return busy_until_; }
 
  private:
+  bool isDoubtful(TimeNs t);
+
   double lost_target_s_, max_gap_s_;
   TimeNs busy_until_;
   std::optional<TimeNs> last_;        // frame, whatever it showed
+  std::optional<TimeNs> doubted_;     // stamp of the frame just before, held back as too late
   std::optional<TimeNs> lost_since_;  // empty: the last frame looked at showed the target
   double pause_s_ = 0;
   bool lost_said_ = false;

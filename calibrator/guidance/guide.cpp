@@ -171,7 +171,8 @@ void Guide::State::endByTime(Decision& last) {
 Decision Guide::State::stepCamera(const GuideFrame& frame) {
   if (!camera_since) camera_since = frame.t;
   Decision decision = camera->step(frame);
-  const bool limited = options.camera_stage_s > 0;
+  // A frame whose stamp is held to be wrong does not say that the time is over.
+  const bool limited = options.camera_stage_s > 0 && decision.reason != GuideReason::kTimeJump;
   if (limited && !camera->finished() &&
       secondsBetween(*camera_since, frame.t) >= options.camera_stage_s) {
     endByTime(decision);

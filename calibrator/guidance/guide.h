@@ -60,9 +60,10 @@ class Guide {
 /// expired.
 ///
 /// Every frame gets a Decision. Those without target, without plausible pose, or with a stamp that
-/// is not after the one before change nothing but the suggestion's clock; pauses and a target that
-/// is long out of view are said in `detail`. Decisions depend on frames and options alone, not on
-/// `threads`. Throws InputError for a model that cannot be calibrated or an image without size.
+/// is not after the one before or far after it change nothing but the suggestion's clock; pauses
+/// and a target that is long out of view are said in `detail`. Decisions depend on frames and
+/// options alone, not on `threads`. Throws InputError for a model that cannot be calibrated or an
+/// image without size.
 class CameraGuide {
  public:
   /// Suggestions are numbered from `first_suggestion`.

@@ -42,6 +42,30 @@ TEST_F(FrameGateTest, HoldsBackStampsThatAreNotAfterAllBefore) {
   EXPECT_TRUE(arrives(10.1));
 }
 
+TEST_F(FrameGateTest, OneStampFarAheadDoesNotHoldBackTheFramesAfterIt) {
+  EXPECT_TRUE(arrives(10));
+  EXPECT_FALSE(arrives(1000));
+  EXPECT_EQ(d.reason, GuideReason::kTimeJump);
+  EXPECT_THAT(d.detail, HasSubstr("990.000000 s after"));
+  EXPECT_TRUE(arrives(10.1));
+  EXPECT_TRUE(d.detail.empty()) << d.detail;
+  EXPECT_FALSE(arrives(1000));
+  EXPECT_FALSE(arrives(2000)) << "as far from the frame before as that";
+  EXPECT_FALSE(arrives(10.1));
+  EXPECT_TRUE(arrives(10.2));
+  EXPECT_FALSE(gate.isAfterPause());
+}
+
+TEST_F(FrameGateTest, ALongPauseIsOneOnceASecondFrameConfirmsIt) {
+  EXPECT_TRUE(arrives(10));
+  EXPECT_FALSE(arrives(60));
+  EXPECT_TRUE(arrives(60.1));
+  EXPECT_TRUE(gate.isAfterPause());
+  EXPECT_THAT(d.detail, HasSubstr("no frame for 50.100 s"));
+  EXPECT_TRUE(arrives(60.2));
+  EXPECT_FALSE(arrives(10.1));
+}
+
 TEST_F(FrameGateTest, HoldsBackWhatComesDuringWork) {
   EXPECT_TRUE(arrives(10));
   gate.work(d.t, 0.2);

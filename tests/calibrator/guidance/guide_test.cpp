@@ -50,6 +50,20 @@ TEST(Guide, ACameraStageWhoseTimeIsOverEndsWithThatFrame) {
   EXPECT_NE(decisions[10].detail, "");
 }
 
+TEST(Guide, AWrongStampFarAheadDoesNotEndTheCameraStage) {
+  const test::LiveRig rig("euroc", 1, 0.2);
+  GuideOptions options;
+  options.camera_stage_s = 30;
+  Guide guide(rig.guideRig(), options);
+  for (int i = 0; i < 20; ++i) {
+    const double t = i / kRate;
+    const Decision d = guide.step(rig.frame(i, i == 10 ? 1000 : t, rig.wandering(t)));
+    EXPECT_EQ(d.reason == GuideReason::kTimeJump, i == 10) << i;
+    EXPECT_NE(d.mode, GuideMode::kFinished) << i;
+  }
+  EXPECT_FALSE(guide.cameraStageEnded());
+}
+
 TEST(Guide, ASuggestionThatIsOpenThenIsWithdrawn) {
   const auto free = endedAfter(0, 60);
   const std::size_t opened = openedAt(free);
