@@ -76,7 +76,7 @@ std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& c
     if (corners[c].empty()) continue;
     views.push_back({&cameras.intrinsics[c], packed[c].view(0), cameras.T_C0Ci[c].inverse()});
   }
-  const double width = cameras.intrinsics[0].resolution.width;
+  const double width = rmsWidth(views);
   PoseRefinementOptions rough;
   rough.gram.cauchy_px = kRoughLoss * width;
   const auto found = findPose(views, kGoodPose * width, rough);

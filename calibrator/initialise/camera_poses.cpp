@@ -195,6 +195,16 @@ class PoseSteps {
 
 }  // namespace
 
+double rmsWidth(const std::vector<FrameView>& views) {
+  double squares = 0, corners = 0;
+  for (const FrameView& v : views) {
+    const double width = v.camera->resolution.width;
+    squares += v.view.count * width * width;
+    corners += v.view.count;
+  }
+  return corners > 0 ? std::sqrt(squares / corners) : 0;
+}
+
 double PoseRefinement::errorPx() const { return corners > 0 ? std::sqrt(cost / corners) : 0; }
 
 double errorPx(const std::vector<FrameView>& views, const Transform& T_C0F,

@@ -28,6 +28,10 @@ struct FrameView {
   Transform T_CiC0;
 };
 
+/// RMS over the corners of the width of the image that they are in [px], for errors of a frame in
+/// shares of it; 0 without corners.
+double rmsWidth(const std::vector<FrameView>& views);
+
 struct PoseRefinement {
   Transform T_C0F;
   double cost = 0;     ///< sum of rho(|e|^2) [px^2]

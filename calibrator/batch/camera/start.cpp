@@ -70,10 +70,10 @@ struct MonoSolution {
 };
 
 /// Poses of a start: gross errors take little part.
-PoseRefinementOptions roughPose(const Resolution& resolution, int iterations) {
+PoseRefinementOptions roughPose(double width, int iterations) {
   PoseRefinementOptions options;
   options.max_iterations = iterations;
-  options.gram.cauchy_px = kStartLoss * resolution.width;
+  options.gram.cauchy_px = kStartLoss * width;
   return options;
 }
 
@@ -88,8 +88,8 @@ MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
   problem.gram.cauchy_px = kStartLoss * width;
   for (const int v : views) {
     // A few steps each: the lens is not right yet, and the solution below moves poses and lens.
-    const auto pose = findPose({{&plain, corners.view(v), Transform()}}, kPlainPose * width,
-                               roughPose(plain.resolution, 3));
+    const auto pose =
+        findPose({{&plain, corners.view(v), Transform()}}, kPlainPose * width, roughPose(width, 3));
     if (!pose || pose->errorPx() > kPlainPose * width) continue;
     problem.frames.push_back({0, {v}});
     estimate.T_C0F.push_back(pose->T_C0F);
@@ -169,8 +169,8 @@ CameraPoses ownPoses(const Intrinsics& camera, const PackedCorners& corners,
   const double width = camera.resolution.width;
   // As the homography has it, for the batch moves all poses; one of few corners is often so far off
   // that its frame would be left out, and one step brings it in.
-  const PoseRefinementOptions none = roughPose(camera.resolution, 0);
-  const PoseRefinementOptions one = roughPose(camera.resolution, 1);
+  const PoseRefinementOptions none = roughPose(width, 0);
+  const PoseRefinementOptions one = roughPose(width, 1);
   forChunks(static_cast<int>(frames.size()), kFrameChunk, options.threads, [&](const Chunk& chunk) {
     for (int f = chunk.begin; f < chunk.end; ++f) {
       const int v = frames[static_cast<std::size_t>(f)].view[c];
@@ -207,10 +207,9 @@ std::optional<Transform> bestPose(const Frame& frame, std::size_t f,
                                   const CameraEstimate& cameras,
                                   const std::vector<CameraPoses>& own, double max_error) {
   const std::vector<FrameView> views = frameViews(frame, corners, cameras);
-  const Resolution& resolution = cameras.intrinsics[0].resolution;
-  const double width = resolution.width;
+  const double width = rmsWidth(views);
   // One camera alone has refined its pose already.
-  const PoseRefinementOptions few = roughPose(resolution, views.size() > 1 ? 1 : 0);
+  const PoseRefinementOptions few = roughPose(width, views.size() > 1 ? 1 : 0);
   std::optional<PoseRefinement> best;
   for (const std::size_t c : camerasWithPose(frame, f, corners, own)) {
     const Transform T_C0F = cameras.T_C0Ci[c] * *own[c][f];

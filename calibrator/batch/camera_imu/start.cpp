@@ -132,7 +132,7 @@ class FramePoses {
   /// Some corners are wrong: parts of the views are tried as starts under a wide loss, and the best
   /// is refined under a narrow one, which the wrong corners no longer reach.
   std::optional<PoseRefinement> robustPose(const std::vector<FrameView>& views) const {
-    const double width = views.front().camera->resolution.width;
+    const double width = rmsWidth(views);
     PoseRefinementOptions options;
     options.max_iterations = kRobustIterations;
     options.gram.cauchy_px = kRoughLoss * width;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/frames.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
@@ -103,6 +104,30 @@ TEST(CameraRigs, TheOrderOfTheFramesDoesNotMatter) {
   ASSERT_TRUE(a.ok() && b.ok());
   EXPECT_NEAR(a->summary.cost, b->summary.cost, 1e-11 * a->summary.cost);
   EXPECT_LT(largest(errorOf(*a, b->cameras), *a), 1e-6);
+}
+
+// An error is a share of the width of the image that it is in, also where camera 0 has none of it.
+TEST(CameraRigs, NoFramesOfAWideImageAreLostBesideANarrowOne) {
+  SimulatedRig rig = simulatedRig("euroc");
+  Intrinsics& narrow = rig.calibration.cameras[0].intrinsics;
+  narrow.resolution = {narrow.resolution.width / 4, narrow.resolution.height / 4};
+  narrow.projection.head<2>() *= 0.25;
+  narrow.projection.tail<2>().array() = 0.25 * (narrow.projection.tail<2>().array() + 0.5) - 0.5;
+  SimulationOptions options = shortRecording(0);
+  options.border_px = 1;
+  options.min_tag_px = 2;
+  SimulatedSession s = simulateSession(rig, options);
+  options.corner_sigma_px = 7;  // 1.3 % of one width, 5 % of the other
+  CameraStream& wide = s.session.cameras[1];
+  for (std::size_t v = 0; v < wide.views.size(); ++v) {
+    disturbCorners(wide.views[v].corners, wide.resolution, 1, v, options);
+  }
+  std::erase_if(s.session.cameras[0].views,
+                [k = 0](const ImageView&) mutable { return ++k % 2 == 0; });
+  const std::size_t frames = pairFrames(s.session.cameras).size();
+  const auto result = calibrateCameras(s.session);
+  ASSERT_TRUE(result.ok()) << result.failure();
+  EXPECT_GT(10 * result->frames.size(), 9 * frames) << frames;
 }
 
 TEST(CameraRigs, StrayCornersAnywhereInTheImageCostNoFrames) {
