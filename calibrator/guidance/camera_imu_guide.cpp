@@ -168,12 +168,19 @@ void CameraImuGuide::State::tryStart(Decision& d) {
     return;
   }
   d.reason = GuideReason::kInitialised;
-  tracker.emplace(std::move(started).value(), options.max_frame_gap_s);
-  const TimeNs last_used = tracker->window().lastStamp();
-  const std::vector<PosedFrame> kept = recording.frames();  // of which drain() may drop some
+  auto [window, used] = std::move(started).value();
+  tracker.emplace(std::move(window), options.max_frame_gap_s);
+  const std::vector<PosedFrame> kept = recording.frames();  // of which some may be dropped
   for (const PosedFrame& frame : kept) {
+    if (std::binary_search(used.begin(), used.end(), frame.t)) continue;
     // The batch goes as far as the samples do; later frames queue until they are reached.
-    if (frame.t > last_used) tracker->add(frame);
+    if (frame.t > used.back()) {
+      tracker->add(frame);
+      continue;
+    }
+    // It was said to be accepted when it came.
+    recording.drop(frame.index);
+    withdraw(frame.index, "not used by the start", d);
   }
   beginEvaluator();
   tracker->drain(recording, d);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/frames.h"
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera_imu/stage.h"
@@ -210,9 +211,9 @@ Failure notConverged() { return {FailureCode::kFirstFramesNotConverged}; }
 
 }  // namespace
 
-Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,
-                                       const std::vector<CameraCalibration>& cameras,
-                                       const TrajectoryGuideOptions& options) {
+Result<ImuWindowStart> startImuWindow(const ImuStageRecording& recording,
+                                      const std::vector<CameraCalibration>& cameras,
+                                      const TrajectoryGuideOptions& options) {
   const Session session = recording.session();
   CameraImuOptions batch = recording.batchOptions();
   batch.noise_check = false;  // of no use to a start
@@ -230,7 +231,9 @@ Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,
   size.states = options.window;
   auto window = CameraImuWindow::fromBatch(problem, estimate, session.target, size);
   if (!window) return notConverged();
-  return std::move(*window);
+  ImuWindowStart start{std::move(*window), {}};
+  for (const Frame& frame : result->frames) start.stamps.push_back(frame.t);
+  return start;
 }
 
 }  // namespace plumbline

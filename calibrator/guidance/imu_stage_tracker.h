@@ -189,12 +189,18 @@ class NoiseWatch {
   std::optional<StageNoise> noise_;
 };
 
+/// A window, and the stamps of all frames in the batch that it began with, ascending.
+struct ImuWindowStart {
+  CameraImuWindow window;
+  std::vector<TimeNs> stamps;
+};
+
 /// The window on the first frames of the camera-IMU stage: their batch (the time offset by
 /// correlation and refined in it, then fixed), of which all but the last frames become the window's
-/// prior. Frames at the end that IMU samples do not cover yet are left out. Fails where
-/// calibrateCameraImu() does or where it did not converge.
-Result<CameraImuWindow> startImuWindow(const ImuStageRecording& recording,
-                                       const std::vector<CameraCalibration>& cameras,
-                                       const TrajectoryGuideOptions& options);
+/// prior. Frames at the end that IMU samples do not cover yet are left out, as are those that the
+/// batch has no use for. Fails where calibrateCameraImu() does or where it did not converge.
+Result<ImuWindowStart> startImuWindow(const ImuStageRecording& recording,
+                                      const std::vector<CameraCalibration>& cameras,
+                                      const TrajectoryGuideOptions& options);
 
 }  // namespace plumbline

@@ -48,6 +48,15 @@ int count(const std::vector<Decision>& decisions, GuideReason reason) {
                     [reason](const Decision& d) { return d.reason == reason; }));
 }
 
+/// Frames accepted, less those withdrawn later.
+int keptBy(const std::vector<Decision>& decisions) {
+  int kept = 0;
+  for (const Decision& d : decisions) {
+    kept += (d.accepted ? 1 : 0) - static_cast<int>(d.withdrawn.size());
+  }
+  return kept;
+}
+
 /// Frames used well after the fault, and the truth within the batch's covariance.
 void expectItWentOn(const Replay& r, std::size_t after) {
   int used = 0;
@@ -307,12 +316,24 @@ TEST(CameraImuGuideInput, AFrameBetweenTwoPausesIsWithdrawn) {
   ASSERT_NE(with, r.decisions.end());
   EXPECT_EQ(with->withdrawn, std::vector<int>{85});
   EXPECT_THAT(with->detail, HasSubstr("frame 85: "));
-  int kept = 0;
-  for (const Decision& d : r.decisions) {
-    kept += (d.accepted ? 1 : 0) - static_cast<int>(d.withdrawn.size());
-  }
-  EXPECT_EQ(kept, r.decisions.back().views_kept);
+  EXPECT_EQ(keptBy(r.decisions), r.decisions.back().views_kept);
   expectItWentOn(r, 112);
+}
+
+// The same before the start, whose batch has no use for it.
+TEST(CameraImuGuideInput, AFrameThatTheStartLeavesOutIsWithdrawn) {
+  auto paused = frames();
+  for (std::size_t i = 5; i < 55; ++i) {
+    if (i == 30) continue;
+    for (auto& corners : paused[i].corners) corners.clear();
+  }
+  const Replay r = replayed(paused);
+  EXPECT_TRUE(r.decisions[30].accepted);
+  const Decision* start = test::firstWith(r.decisions, GuideReason::kInitialised);
+  ASSERT_NE(start, nullptr);
+  EXPECT_EQ(start->withdrawn, std::vector<int>{30});
+  EXPECT_THAT(start->detail, HasSubstr("frame 30: not used by the start"));
+  EXPECT_EQ(keptBy(r.decisions), r.decisions.back().views_kept);
 }
 
 // A frame after a pause has no pose by the window: the one after it is as far from the last frame

@@ -101,9 +101,9 @@ TEST(CameraImuGuideEuroc, TheWindowEndsNearTheBatch) {
       tracker->add(std::move(*posed));
       tracker->drain(kept, decision);
     } else if (kept.frames().size() == 60) {
-      auto window = startImuWindow(kept, recording().published, {});
-      ASSERT_TRUE(window) << window.failure();
-      tracker.emplace(std::move(window).value(), GuideOptions().max_frame_gap_s);
+      auto start = startImuWindow(kept, recording().published, {});
+      ASSERT_TRUE(start) << start.failure();
+      tracker.emplace(std::move(start).value().window, GuideOptions().max_frame_gap_s);
     }
   }
   const CameraImuEstimate& e = tracker->window().estimate();
