@@ -154,6 +154,12 @@ FoldScores failedFold(FoldScores scores, const std::string& problem) {
   return scores;
 }
 
+/// Why a fold could not be calibrated. What a calibration of the recording itself would be told to
+/// do (textOf().cure) does not mend a fold of it.
+std::string problemOfFold(const Failure& failure) {
+  return textOf(failure).message + "; with more --folds each leaves out less of the recording";
+}
+
 /// Calibrates on the fold's training part, and scores the result on what was held out.
 FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
                      const ScoreOptions& options) {
@@ -162,7 +168,7 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
   out.in_sample.score = emptyScore(scored.label, fold.training);
   out.held_out.score = emptyScore(scored.label, fold.held_out);
   const auto cameras = calibrateCameras(fold.training, withModelsOf(calibration, options.camera));
-  if (!cameras) return failedFold(std::move(out), problemOf(cameras.failure()));
+  if (!cameras) return failedFold(std::move(out), problemOfFold(cameras.failure()));
   addCameraStage(*cameras, out.in_sample);
   out.in_sample.score.entropy_nats = cameras->summary.entropy_nats;
   out.in_sample.score.entropy_parameters = cameras->summary.covariance.names;
@@ -171,10 +177,10 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
   if (options.use_imu && calibration.imu && fold.training.imu) {
     const auto imu = calibrateCameraImu(fold.training, recalibrated.cameras, options.camera_imu);
     if (!imu) {
-      out = failedFold(std::move(out), "camera-IMU: " + problemOf(imu.failure()));
+      out = failedFold(std::move(out), "camera-IMU: " + problemOfFold(imu.failure()));
       // Held-out frames would else be scored by where it stopped.
     } else if (!imu->summary.converged) {
-      out = failedFold(std::move(out), "camera-IMU: " + problemOf(notConverged(*imu)));
+      out = failedFold(std::move(out), "camera-IMU: " + problemOfFold(notConverged(*imu)));
     } else {
       addImuStage(*imu, out.in_sample);
       recalibrated.imu = imu->imu;

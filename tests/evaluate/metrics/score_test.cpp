@@ -14,6 +14,7 @@ namespace plumbline {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr double kSigma = 0.2;  // [px], per axis
 
@@ -99,6 +100,19 @@ TEST(ScoreCalibration, FoldsScoreTheImuToo) {
     EXPECT_EQ(s.problem, "") << s.part;
     ASSERT_TRUE(s.camera_imu) << s.part;
     EXPECT_NEAR(s.camera_imu->rmse_px, kSigma * std::sqrt(2.0), 0.2 * kSigma) << s.part;
+  }
+}
+
+TEST(ScoreCalibration, AFoldThatCannotBeCalibratedIsNotToldWhatCalibrateIs) {
+  Case c;
+  for (CameraStream& camera : c.simulated.session.cameras) camera.views.resize(4);
+  c.options.folds = 2;
+  c.options.use_imu = false;
+  for (const CalibrationScore& s : c.run()) {
+    if (s.part == "all") continue;
+    EXPECT_THAT(s.problem, HasSubstr("2 views")) << s.part;
+    EXPECT_THAT(s.problem, HasSubstr("more --folds")) << s.part;
+    EXPECT_THAT(s.problem, Not(HasSubstr("target.yaml"))) << s.part;
   }
 }
 
