@@ -42,8 +42,10 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   OdometryRequest& r = o.request;
   app.add_option("sequence", r.sequences, "EuRoC or TUM-VI folders: images, IMU, ground truth")
       ->required();
-  app.add_option("--calibration", r.calibrations, "Calibrations to compare, in any format")
-      ->required();
+  app.add_option("--calibration", r.calibrations,
+                 "Calibration to compare, in any format; repeatable")
+      ->required()
+      ->allow_extra_args(false);
   app.add_option("--with", o.with,
                  "builtin, orbslam3, openvins, a runner's .yaml, or a command with {settings}, "
                  "{sequence}, {output}")

@@ -75,6 +75,20 @@ OnlineCalibration onlineOf(const YamlMap& map, const Runner& runner) {
   return online;
 }
 
+/// Of the tools of export those that an odometry may be: camera_info holds no transform.
+ExportTool settingsOf(const YamlMap& file) {
+  const std::string word = file.text("settings", "a tool of plumbline export");
+  std::vector<std::string> tools;
+  for (const ExportTool tool : exportTools()) {
+    if (tool == ExportTool::kCameraInfo) continue;
+    if (toString(tool) == word) return tool;
+    tools.push_back(toString(tool));
+  }
+  throw file.fault("settings", {InputFault::kUnknownWord,
+                                "'" + word + "' is not a tool of export for systems with an IMU",
+                                fmt::format("{}", fmt::join(tools, ", ")), ""});
+}
+
 Runner runnerFrom(const YamlMap& file) {
   checkKeys(file, kKeys);
   Runner runner;
@@ -96,13 +110,8 @@ Runner runnerFrom(const YamlMap& file) {
     runner.online = onlineOf(file.map("online", "changes, offset, extrinsics"), runner);
   }
   if (!file.has("settings")) return runner;
-  const std::string tool = file.text("settings", "a tool of plumbline export");
-  runner.settings = exportToolFrom(tool);
-  if (runner.settings) return runner;
-  std::vector<std::string> tools;
-  for (const ExportTool known : exportTools()) tools.push_back(toString(known));
-  throw file.fault("settings", {InputFault::kUnknownWord, "'" + tool + "' is not a tool of export",
-                                fmt::format("{}", fmt::join(tools, ", ")), ""});
+  runner.settings = settingsOf(file);
+  return runner;
 }
 
 }  // namespace

@@ -222,6 +222,22 @@ TEST_F(OtherOdometry, ARunnerConvertsClockAndBody) {
   EXPECT_THAT(outcome.text, HasSubstr("runner.yaml:4: the key 'clok' is not known"));
 }
 
+TEST_F(OtherOdometry, SettingsWithoutTransformsAreNotThoseOfAnOdometry) {
+  write(folder_ / "runner.yaml", "name: x\nexecutable: cp\narguments: a\nsettings: camera_info\n");
+  const Outcome outcome =
+      odometry((folder_ / "seq").string() + " --calibration " + kCalibration.string() + " --with " +
+               (folder_ / "runner.yaml").string());
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.text, HasSubstr("runner.yaml:4: 'camera_info' is not a tool"));
+}
+
+TEST_F(OtherOdometry, ACalibrationMayStandBeforeTheSequence) {
+  const Outcome outcome =
+      odometry("--calibration " + kCalibration.string() + " " + (folder_ / "none").string());
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.text, HasSubstr((folder_ / "none").string()));
+}
+
 /// Rotation of a JPL quaternion x, y, z, w (Trawny and Roumeliotis, 2005, eq. 62).
 Eigen::Matrix3d jplRotation(const Eigen::Vector4d& q) {
   const Eigen::Vector3d v = q.head<3>();
