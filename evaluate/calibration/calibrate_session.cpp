@@ -258,8 +258,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
     }
   }
   addViewImages(loaded, record);
-  record.verdict = with_imu ? judge(record, request.thresholds, loaded.session.imu->samples)
-                            : judge(record, request.thresholds);
+  record.verdict = judge(record, request.thresholds, &loaded.session);
   record.verdict.headline = calibrationHeadline(record);
   return record;
 }

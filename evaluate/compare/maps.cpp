@@ -15,7 +15,6 @@ namespace {
 // A border on either side and a centre between.
 constexpr int kFewestGridPoints = 3;
 constexpr int kMostGridPoints = 500;
-constexpr int kFewestOfFit = 3;  // as projectionDifference() needs them
 
 /// Ranges are compared exactly: both maps are made for the same list of options, infinity included.
 const ImageMap* find(const std::vector<ImageMap>& maps, const std::string& label,
@@ -29,7 +28,7 @@ const ImageMap* find(const std::vector<ImageMap>& maps, const std::string& label
 /// Whether weights leave enough points for a fit. Deviations of 0 and unknown ones leave none.
 bool canWeight(const std::vector<double>& weights) {
   return std::count_if(weights.begin(), weights.end(),
-                       [](double w) { return std::isfinite(w) && w > 0; }) >= kFewestOfFit;
+                       [](double w) { return std::isfinite(w) && w > 0; }) >= kFewestFitRays;
 }
 
 /// Undefined all over where too few pixels of the fit have a ray under both: without a map nobody
@@ -73,12 +72,12 @@ void MapOptions::checkFocus(const Resolution& image) const {
   unweighted.grid = grid;
   unweighted.focus_radius_px = focus_radius_px;
   const int points = pointsInFocus(image, unweighted);
-  if (points >= kFewestOfFit) return;
+  if (points >= kFewestFitRays) return;
   throw InputError(
       fmt::format("only {} of the {}x{} points over images of {}x{} pixels are within the focus "
                   "radius, and the alignment needs {}; choose a finer --grid or a larger "
                   "--focus-radius",
-                  points, grid.columns, grid.rows, image.width, image.height, kFewestOfFit));
+                  points, grid.columns, grid.rows, image.width, image.height, kFewestFitRays));
 }
 
 std::vector<double> differenceWeights(const std::vector<double>& std_A,

@@ -138,7 +138,7 @@ std::optional<ProjectionDifference> projectionDifference(const Intrinsics& A, co
         A.resolution.width, A.resolution.height, B.resolution.width, B.resolution.height));
   }
   const std::vector<RayPair> pairs = raysOfFocus(A, B, options);
-  if (pairs.size() < 3) return std::nullopt;
+  if (pairs.size() < kFewestFitRays) return std::nullopt;
   ProjectionDifference out;
   out.fitted = static_cast<int>(pairs.size());
   const Transform T = impliedTransform(pairs, options);

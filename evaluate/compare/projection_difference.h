@@ -30,6 +30,9 @@ struct DifferenceOptions {
   DifferenceFit fit = DifferenceFit::kSquares;
 };
 
+/// Rays that a fit needs.
+inline constexpr int kFewestFitRays = 3;
+
 /// Grid points that are near enough to the image's centre to take part in the fit.
 int pointsInFocus(const Resolution& image, const DifferenceOptions& options);
 
@@ -48,7 +51,7 @@ struct ProjectionDifference {
 /// rotation, at a finite range a full transform. At infinity with kSquares, T_AB is T_BA^-1 to
 /// rounding, and the vectors change their sign to first order in their size.
 /// Any pair of models; both images must have the same size (InputError). Empty where fewer than
-/// three rays of the focus region are defined in both.
+/// kFewestFitRays rays of the focus region are defined in both.
 std::optional<ProjectionDifference> projectionDifference(const Intrinsics& A, const Intrinsics& B,
                                                          const DifferenceOptions& options = {});
 

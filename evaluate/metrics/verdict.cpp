@@ -65,16 +65,19 @@ void append(std::vector<Finding>& to, std::vector<Finding> more,
   }
 }
 
-Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t,
-              const std::vector<ImuSample>& samples) {
+Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t, const Session* session) {
   Findings findings;
   // Cameras first: what is wrong with them shows again in the camera-IMU stage, and of findings
   // equally bad the first one is told.
   if (record.camera) append(findings, cameraFindings(record, t));
   if (record.camera_imu) append(findings, cameraImuFindings(record, t));
-  // Samples are not stored with a record: a verdict made from a record alone is without their rule.
-  if (record.camera_imu && !samples.empty()) {
-    append(findings, judgeSamples(samples, t), Subject::kRecording);
+  // A session is not stored with a record: a verdict made from a record alone is without its rules.
+  if (session && record.camera) {
+    append(findings, judgeFrameStamps(session->cameras, record.camera->frames, t),
+           Subject::kRecording);
+  }
+  if (session && session->imu && record.camera_imu) {
+    append(findings, judgeSamples(session->imu->samples, t), Subject::kRecording);
   }
   return makeVerdict(std::move(findings));
 }

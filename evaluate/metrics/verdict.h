@@ -40,6 +40,8 @@ struct VerdictThresholds {
   Bound lever_arm_m{0.5, 2.0};          ///< length of T_SC0's translation [m], above
   Bound offset_ms{100, 1000};           ///< size of the time offset [ms], above
   Bound camera_shift_ms{1, 100};        ///< largest time offset between cameras [ms], above
+  /// Between the views of a frame that only a wider --sync-tolerance-ms pairs [ms], above.
+  Bound frame_spread_ms{0, 100};
   Bound principal_point{0.1,
                         0.25};  ///< distance from the image's centre, relative to its side, above
   /// Strip without corners at the right or lower edge of an image that the rest says is smaller, as
@@ -80,8 +82,8 @@ struct VerdictThresholds {
 /// Applies every rule that the record has data for: the camera rules to each camera, the camera-IMU
 /// rules where that stage ran. The largest of formal, cluster-robust and bootstrap standard
 /// deviation is judged, since formal standard deviations are not accuracy.
-/// `samples`: the IMU's, where they are at hand.
+/// `session`: the recording's, where it is at hand.
 Verdict judge(const CalibrationRecord& record, const VerdictThresholds& thresholds = {},
-              const std::vector<ImuSample>& samples = {});
+              const Session* session = nullptr);
 
 }  // namespace plumbline

@@ -65,6 +65,7 @@ const ThresholdMembers& thresholdMembers() {
       {"offset_std_ms", &VerdictThresholds::offset_std_ms},
       {"lever_arm_m", &VerdictThresholds::lever_arm_m},
       {"offset_ms", &VerdictThresholds::offset_ms},
+      {"frame_spread_ms", &VerdictThresholds::frame_spread_ms},
       {"principal_point", &VerdictThresholds::principal_point},
       {"resolution", &VerdictThresholds::resolution},
       {"unseen_rows", &VerdictThresholds::unseen_rows},

@@ -2,9 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <map>
+#include <set>
 
 #include <fmt/core.h>
 
+#include "calibrator/base/frames.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/rules/rules.h"
@@ -117,6 +121,41 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
              "focal length from distance."},
             tilt, fmt::format("90 % of the views are tilted by up to {:.0f} degrees", tilt)));
   return findings;
+}
+
+Findings judgeFrameStamps(const std::vector<CameraStream>& cameras,
+                          const std::vector<Frame>& frames, const VerdictThresholds& t) {
+  const FrameOptions usual{FrameOptions().tolerance, 0};             // every view
+  std::vector<std::map<int, std::size_t>> frame_of(cameras.size());  // by view
+  const std::vector<Frame> usually = pairFrames(cameras, usual);
+  for (std::size_t f = 0; f < usually.size(); ++f) {
+    for (std::size_t c = 0; c < cameras.size(); ++c) frame_of[c][usually[f].view[c]] = f;
+  }
+  int wide = 0;
+  TimeNs largest = 0;
+  for (const Frame& frame : frames) {
+    std::set<std::size_t> apart;
+    TimeNs first = std::numeric_limits<TimeNs>::max(), last = std::numeric_limits<TimeNs>::min();
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      if (frame.view[c] < 0) continue;
+      apart.insert(frame_of[c].at(frame.view[c]));
+      const TimeNs stamp = cameras[c].views[static_cast<std::size_t>(frame.view[c])].t;
+      first = std::min(first, stamp);
+      last = std::max(last, stamp);
+    }
+    if (apart.size() < 2) continue;
+    ++wide;
+    largest = std::max(largest, last - first);
+  }
+  if (wide == 0) return {};
+  const double ms = 1e-6 * static_cast<double>(largest);
+  return {above({"Views of a frame exposed together", "ms", t.frame_spread_ms,
+                 "Lower --sync-tolerance-ms, or trigger the cameras together: the camera stage "
+                 "treats paired views as simultaneous."},
+                ms,
+                fmt::format("in {} of {} frames views are paired whose stamps differ by more than "
+                            "{:g} ms, by {:.3g} ms at most",
+                            wide, frames.size(), 1e-6 * static_cast<double>(usual.tolerance), ms))};
 }
 
 Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThresholds& t) {

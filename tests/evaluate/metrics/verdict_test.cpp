@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/frames.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/headline.h"
@@ -61,6 +62,31 @@ VerdictLevel levelOf(const Verdict& verdict, const std::string& rule) {
   }
   ADD_FAILURE() << "no finding " << rule;
   return VerdictLevel::kBad;
+}
+
+/// Two cameras whose stamps differ by so much, to and fro, and 40 frames under that tolerance.
+Verdict verdictOfStamps(TimeNs apart, TimeNs tolerance) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  Session session;
+  session.cameras.resize(2);
+  for (int f = 0; f < 40; ++f) {
+    const TimeNs t = f * 1'000'000'000LL;
+    session.cameras[0].views.push_back({t, {}});
+    session.cameras[1].views.push_back({f % 2 == 0 ? t + apart : t - apart, {}});
+  }
+  record.camera->frames = pairFrames(session.cameras, {tolerance, 0});
+  EXPECT_EQ(record.camera->frames.size(), 40U);
+  return judge(record, {}, &session);
+}
+
+TEST(Verdict, TellsFramesThatOnlyAWideToleranceMakes) {
+  const Verdict wide = verdictOfStamps(20'000'000, 25'000'000);
+  EXPECT_EQ(levelOf(wide, "Views of a frame"), VerdictLevel::kCaution);
+  EXPECT_THAT(wide.findings.back().evidence, HasSubstr("in 40 of 40 frames"));
+  EXPECT_DOUBLE_EQ(wide.findings.back().value, 20);
+  for (const Finding& finding : verdictOfStamps(1'500'000, 25'000'000).findings) {
+    EXPECT_EQ(finding.rule.find("Views of a frame"), std::string::npos);
+  }
 }
 
 TEST(Verdict, IsGoodForAGoodRecording) {
