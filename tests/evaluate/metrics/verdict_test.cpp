@@ -82,7 +82,7 @@ Verdict verdictOfStamps(TimeNs apart, TimeNs tolerance) {
 TEST(Verdict, TellsFramesThatOnlyAWideToleranceMakes) {
   const Verdict wide = verdictOfStamps(20'000'000, 25'000'000);
   EXPECT_EQ(levelOf(wide, "Views of a frame"), VerdictLevel::kCaution);
-  EXPECT_THAT(wide.findings.back().evidence, HasSubstr("in 40 of 40 frames"));
+  EXPECT_THAT(wide.findings.back().evidence, ::testing::HasSubstr("in 40 of 40 frames"));
   EXPECT_DOUBLE_EQ(wide.findings.back().value, 20);
   for (const Finding& finding : verdictOfStamps(1'500'000, 25'000'000).findings) {
     EXPECT_EQ(finding.rule.find("Views of a frame"), std::string::npos);
