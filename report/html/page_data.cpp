@@ -11,21 +11,21 @@
 namespace plumbline::html_internal {
 namespace {
 
-/// How value and threshold of a finding are shown: both in the unit that its evidence uses.
+/// How value and threshold of a finding are shown: both in the unit that people read.
 struct ShownUnit {
   double factor = 1;
   std::string name;
 };
 
 ShownUnit shownUnit(const Finding& f) {
-  // The evidence is a sentence in the unit that the rule's author chose; a value in another unit
-  // beside it would not be found there.
-  const auto has = [&](const char* words) { return f.evidence.find(words) != std::string::npos; };
-  // "-": a ratio or a share; "1": a count, also where its evidence tells of a share.
-  const bool plain = f.unit == "-" || f.unit == "1";
-  if (f.unit == "m" && has(" mm")) return {1e3, " mm"};
-  if (f.unit == "s" && has(" us")) return {1e6, " \u00b5s"};
-  if (f.unit == "-" && f.threshold < 1 && has(" %")) return {100, " %"};
+  // "-": a ratio, or a share, whose bound is below 1; "1": a count; "x": a factor.
+  const bool plain = f.unit == "-" || f.unit == "1" || f.unit == "x";
+  const bool small = f.threshold > 0 && f.threshold < 1;
+  if (f.unit == "m") return {1e3, " mm"};
+  // By the bound and not by the value, which may be anything: stops of the guide are judged in
+  // seconds, recovered offsets by microseconds.
+  if (f.unit == "s" && small && f.threshold < 1e-3) return {1e6, " \u00b5s"};
+  if (f.unit == "-" && small) return {100, " %"};
   return {1, plain ? "" : " " + f.unit};
 }
 

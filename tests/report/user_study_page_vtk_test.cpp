@@ -102,6 +102,16 @@ TEST(UserStudyPage, LeadsFromMediansToTheSessionNearestToThem) {
   EXPECT_THAT(nights.back(), HasSubstr("sessions/"));
 }
 
+TEST(UserStudyPage, LinksNoNightToTonightsPagesWhereTonightHasNoValue) {
+  StudyRecord record = test::syntheticUserStudy();
+  record.nights.push_back(record.nights.back());
+  ++record.nights.back().night;
+  record.nights.back().held_out_rmse_px.reset();
+  const auto nights = between(plot(renderStudyPage(record), "study-nights"), "<a ", ">");
+  ASSERT_EQ(nights.size(), record.nights.size() - 1);
+  for (const std::string& night : nights) EXPECT_THAT(night, HasSubstr("#sessions"));
+}
+
 TEST(UserStudyPage, StacksTheStagesOfASession) {
   const StudyRecord record = test::syntheticUserStudy();
   const std::string svg = plot(userStudyPage(), "study-stages");
@@ -124,6 +134,23 @@ TEST(UserStudyPage, SaysTheResultsFirstAndTheFailuresWithTheirMessages) {
 TEST(UserStudyPage, ShowsCountsOfTheVerdictWithoutAUnit) {
   EXPECT_THAT(userStudyPage(), HasSubstr("data-name=\"value\">1</td>"));
   EXPECT_THAT(userStudyPage(), HasSubstr("data-name=\"threshold\">0</td>"));
+}
+
+// The evidence may tell other figures in other units.
+TEST(VerdictOfAPage, ShowsFindingsInTheUnitOfTheirRule) {
+  StudyRecord record = test::syntheticUserStudy();
+  const auto finding = [](double value, double threshold, const char* unit) {
+    return Finding{"A rule", VerdictLevel::kGood, "3 us of 4 mm are 5 %", "", value, threshold,
+                   unit};
+  };
+  record.verdict =
+      makeVerdict({finding(0.123, 0.5, "m"), finding(3.5, 2, "s"), finding(2e-6, 1e-6, "s"),
+                   finding(0.25, 0.1, "-"), finding(2, 0, "1"), finding(0.15, 0.2, "x")});
+  std::string shown;
+  for (const std::string& cell : between(renderStudyPage(record), "data-name=\"value\">", "<")) {
+    shown += cell.substr(cell.find('>') + 1);
+  }
+  EXPECT_EQ(shown, "123 mm<3.5 s<2 \u00b5s<25 %<2<0.15<");
 }
 
 TEST(UserStudyPage, ShowsCountsAsCountsAndDriftsAsShares) {

@@ -43,7 +43,7 @@ Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
   Findings findings;
   // The factor's relative deviation is 1 / sqrt(2 redundancy): a tenth at the bound.
   if (check.redundancy < kLeastRedundancy) return findings;
-  Rule rule{"Noise density of the " + sensor, "-", t.imu_noise_factor, adviceOnDensity(record)};
+  Rule rule{"Noise density of the " + sensor, "x", t.imu_noise_factor, adviceOnDensity(record)};
   VerdictLevel level = levelAbove(check.factor, rule.bound);
   // Too large a density biases nothing, it wastes information: never bad.
   if (check.factor < kPessimisticFactor) {
@@ -129,7 +129,7 @@ Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThre
             fmt::format("{} of {:.0f} frames were not used because IMU samples are missing",
                         without_imu, posed)));
   findings.push_back(
-      above({"Gaps in the IMU's samples", "-", t.imu_gaps,
+      above({"Gaps in the IMU's samples", "1", t.imu_gaps,
              "Frames are not linked across a gap, which costs information only; find out why "
              "samples were lost (driver, bus load, disk)."},
             stage.imu_gaps,

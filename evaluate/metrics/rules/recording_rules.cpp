@@ -110,7 +110,7 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
     }
     const auto views = std::count(seen.begin(), seen.end(), 1);
     findings.push_back(below(
-        {fmt::format("Views of {}", camera.name), "-", t.views, adviceOnViews(record, i, views)},
+        {fmt::format("Views of {}", camera.name), "1", t.views, adviceOnViews(record, i, views)},
         static_cast<double>(views), fmt::format("{} views used", views)));
   }
   // The 90 % quantile: a tenth of the views has to be tilted, not a single one.
@@ -212,7 +212,7 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
     // Tags are numbered along rows from the bottom, so the largest id tells the topmost row seen.
     const int unseen = target.rows - 1 - shown.largest_tag / target.cols;
     findings.push_back(above(
-        {"Rows of the target", "-", t.unseen_rows,
+        {"Rows of the target", "1", t.unseen_rows,
          "Check tagRows and tagCols in target.yaml; if they are right, bring "
          "the whole target into view."},
         unseen,

@@ -101,7 +101,7 @@ Findings judgeSamples(const std::vector<ImuSample>& samples, const VerdictThresh
                         c.channel < 3 ? "gyroscope" : "accelerometer", "xyz"[c.channel % 3],
                         c.limit, c.samples.size());
   }
-  return {above({"Readings at the end of the sensor's range", "-", t.clipped_samples,
+  return {above({"Readings at the end of the sensor's range", "1", t.clipped_samples,
                  "Move more gently, or set the IMU to a wider range: these samples were excluded "
                  "(unless they are 40 % or more), since clipped readings bias T_SC0."},
                 static_cast<double>(worst),

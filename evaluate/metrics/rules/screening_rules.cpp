@@ -58,14 +58,14 @@ Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThreshol
   findings.push_back(
       // What was left out does no harm any more: the bounds make the first one a caution, and
       // hardly any number bad.
-      above({"Spikes of the IMU", "-", t.imu_spikes,
+      above({"Spikes of the IMU", "1", t.imu_spikes,
              "These samples were excluded. Single readings far from their neighbours come from "
              "errors of the bus or the driver: find the cause, because an estimator that runs on "
              "this IMU will see them too."},
             static_cast<double>(s.spikes.size()),
             counted(s.spikes.size(), "isolated readings", listed(s.spikes, spikeWords))));
   findings.push_back(above(
-      {"Views delivered twice", "-", t.repeated_views,
+      {"Views delivered twice", "1", t.repeated_views,
        "These views were excluded. The camera or its driver repeated an image under a new stamp: "
        "look for lost frames that were filled up, and a bus that is overloaded."},
       static_cast<double>(s.repeated_views.size()),
@@ -75,7 +75,7 @@ Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThreshol
                                    stage.cameras[static_cast<std::size_t>(r.camera)].name, r.t);
               }))));
   findings.push_back(
-      above({"Tags with another's id", "-", t.misplaced_tags,
+      above({"Tags with another's id", "1", t.misplaced_tags,
              "These tags were excluded. Look at the images there: a reflection, a second target, "
              "or a detector that accepts too many wrong bits."},
             static_cast<double>(s.misplaced_tags.size()),

@@ -82,10 +82,13 @@ Figure nightsFigure(const StudyRecord& record) {
     top = std::max(top, *n.held_out_rmse_px);
   }
   if (line.x.size() < 2) return {};
-  // Pages are this night's: its point leads to the session nearest to the median, an earlier one to
-  // the sessions as they are now.
-  const std::string tonight = pageNearest(record.sessions, line.y.back(),
-                                          [](const StudySession& s) { return s.held_out_rmse_px; });
+  // Pages are this night's, the last one's: its point, where it has one, leads to the session
+  // nearest to the median, an earlier one to the sessions as they are now.
+  std::string tonight;
+  if (record.nights.back().held_out_rmse_px) {
+    tonight = pageNearest(record.sessions, line.y.back(),
+                          [](const StudySession& s) { return s.held_out_rmse_px; });
+  }
   for (std::size_t i = 0; i < line.x.size(); ++i) {
     const bool last = i + 1 == line.x.size() && !tonight.empty();
     plot.points.push_back({line.x[i], line.y[i],
