@@ -39,7 +39,7 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
   append(findings, judgeRejected(stage.residuals, "camera-IMU", t), Subject::kRecording);
   append(findings, judgeFramesAndGaps(stage, t), Subject::kRecording);
   append(findings, judgeScreening(stage, t), Subject::kRecording);
-  append(findings, judgeFaults(stage, t), Subject::kExtrinsics);
+  append(findings, judgeFaults(record, t), Subject::kExtrinsics);
   append(findings, judgeStampJitter(stage, t), Subject::kRecording);
   append(findings, judgeFramePoses(stage, t), Subject::kExtrinsics);
   append(findings, judgeIsolatedResiduals(stage, t), Subject::kExtrinsics);

@@ -293,16 +293,22 @@ Failure notConverged(const CameraImuStageResult& stage) {
   return failure;
 }
 
-Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds& t) {
+Findings judgeFaults(const CalibrationRecord& record, const VerdictThresholds& t) {
   Findings findings;
-  if (!stage.faults) return findings;
+  const CameraImuStageResult& stage = *record.camera_imu;
+  const Rule rule{"Faults that the calibration does not model", "sigma", t.fault_sigma, ""};
+  if (!stage.faults) {
+    std::string evidence =
+        "not judged: the tests need at least 8 s of frames, and a system that has an inverse";
+    if (!record.camera) evidence += "; the given cameras were not tested on this recording either";
+    return {finding(rule, VerdictLevel::kGood, 0.0, std::move(evidence))};
+  }
   const FaultDiagnosis& diagnosis = *stage.faults;
   if (diagnosis.causes.empty()) {
     // The rule compares effects on the calibration, of which there are none: its value is 0, and
     // the largest significance is evidence alone.
     double worst = 0;
     for (const FaultTest& test : diagnosis.tests) worst = std::max(worst, test.significance);
-    Rule rule{"Faults that the calibration does not model", "sigma", t.fault_sigma, ""};
     findings.push_back(
         finding(rule, VerdictLevel::kGood, 0.0,
                 fmt::format("none of {} tested is significant (largest {:.1f} sigma)",

@@ -144,7 +144,8 @@ std::string sampleName(TimeNs t, int line);
 Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThresholds& t);
 
 // ---- faults that the calibration does not model (fault_rules.cpp)
-/// What the score tests name, and whether it moves the calibration by more than its deviations.
-Findings judgeFaults(const CameraImuStageResult& stage, const VerdictThresholds& t);
+/// What the score tests name, and whether it moves the calibration by more than its deviations;
+/// that nothing is judged where they were not made. `record` has a camera-IMU stage.
+Findings judgeFaults(const CalibrationRecord& record, const VerdictThresholds& t);
 
 }  // namespace plumbline

@@ -205,6 +205,19 @@ const Finding& findingOf(const Verdict& verdict, const std::string& rule) {
   throw std::runtime_error("no finding " + rule);
 }
 
+TEST(Verdict, SaysWhereFaultsAndGivenCamerasWereNotTested) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  record.camera_imu = CameraImuStageResult();
+  record.camera_imu->frames.push_back({0, {0}});
+  const char* const rule = "Faults that the calibration does not model";
+  const Finding calibrated = findingOf(judge(record), rule);
+  EXPECT_EQ(calibrated.evidence.find("not judged"), 0U) << calibrated.evidence;
+  EXPECT_EQ(calibrated.evidence.find("given cameras"), std::string::npos) << calibrated.evidence;
+  record.camera.reset();
+  const Finding given = findingOf(judge(record), rule);
+  EXPECT_NE(given.evidence.find("given cameras"), std::string::npos) << given.evidence;
+}
+
 TEST(Verdict, LinearFitIsJudgedOnlyWhereFaultsWereNotTestedAndNamesNoCause) {
   CalibrationRecord record = cameraRecord(0.3, 0.8);
   CameraImuStageResult stage;
