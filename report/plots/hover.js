@@ -24,7 +24,7 @@
     for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
     return made;
   };
-  const rounded = (value) => { const text = +value.toPrecision(4); return Object.is(text, -0) ? 0 : text; };
+  const rounded = (value) => { if (Number.isNaN(value)) return 'no value'; const text = +value.toPrecision(4); return Object.is(text, -0) ? 0 : text; };
   const plots = [];
   const axisOf = (svg) => [...svg.querySelectorAll('text')].find((t) => /\[(s|min|h)\]$/.test(t.textContent) && !/rotate/.test(t.getAttribute('transform') || ''))?.textContent || '';
   // The same moment in every plot over the same axis of time; null: no moment.
@@ -132,7 +132,8 @@
       cells: svg.dataset.cells ? JSON.parse(svg.dataset.cells) : null, dragged: false};
     plot.refresh = () => { plot.points = null; mark.style.display = 'none'; cursor.style.display = 'none'; markPicked(plot); };
     plot.isLog = (axis) => (svg.dataset.log || '').includes(axis);
-    plot.valueOf = (axis, place) => plot.isLog(axis) ? 10 ** place : place;
+    // NaN: the point has none.
+    plot.valueOf = (axis, place) => axis === 'y' && place > Number(svg.dataset.highest) ? NaN : plot.isLog(axis) ? 10 ** place : place;
     plot.shapes = () => drawn(svg).map((shape) => ({shape, name: plot.legend.get(colourOf(shape))?.textContent || '', points: pointsOf(shape)}));
     svg.plumbline = plot;
     plots.push(plot);

@@ -42,6 +42,8 @@ struct PlotAxis {
   bool inverted = false;        ///< values grow downwards, as image rows do (y axis only)
   bool upright_labels = false;  ///< tick labels turned by 90 degrees (x axis only)
   bool log10 = false;  ///< positions are log10 of the values, which the page's scripts tell
+  /// Points above this position have no value, and the page's scripts tell none (y axis only).
+  std::optional<double> highest = {};
 };
 
 /// What all plots share.

@@ -14,8 +14,8 @@ namespace plumbline {
 ///
 /// The element carries data-ax="x0 x1 y0 y1 px0 px1 py0 py1": the values at the ends of the axes
 /// and the pixels (of the viewBox) on which VTK put them; plotScripts() read it. data-log="x", "y"
-/// or "xy" names the axes on which these are log10 of the values. No text contains NaN: points
-/// that are not finite are left out.
+/// or "xy" names the axes on which these are log10 of the values, and data-highest the end of y
+/// above which a point has no value. No text contains NaN: points that are not finite are left out.
 ///
 /// VTK's text measuring is not thread-safe: call these from one thread at a time.
 std::string toSvg(const LinePlot& plot, const std::string& id);

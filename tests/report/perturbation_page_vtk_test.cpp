@@ -36,6 +36,12 @@ TEST(PerturbationPage, PutsErrorsOfTheBasinOnTheirPixels) {
   EXPECT_THAT(svg, HasSubstr(">failed<"));
   EXPECT_THAT(svg, HasSubstr("injected offset [ms]"));
   EXPECT_THAT(test::attributes(svg, "data-log"), ElementsAre("y"));
+  const auto highest = test::attributes(svg, "data-highest");
+  ASSERT_EQ(highest.size(), 1U) << "those that failed have no value";
+  for (const PerturbationCase& c : record.cases) {
+    if (c.kind != "imu-shift" || !c.problem.empty()) continue;
+    EXPECT_LT(std::log10(std::abs(c.offset_error_s)), std::stod(highest.front()));
+  }
 }
 
 TEST(PerturbationPage, GivesEverySeriesOfTheBasinItsOwnColour) {

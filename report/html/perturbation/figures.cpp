@@ -141,9 +141,8 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   const BasinScale scale = scaleOf(record, shifts);
   Series late = markers("overestimated", seriesColour(0));
   Series early = markers("underestimated", seriesColour(2));
-  // Their place is a line of its own: the name says so where a pointer or a CSV tells it as a
-  // value.
-  Series failed = markers("failed, no value: drawn at the top", kWarningColour);
+  // On a line of their own, above all values.
+  Series failed = markers("failed", kWarningColour);
   for (const PerturbationCase* c : shifts.cases) {
     // A solution without an offset is a failure here.
     const bool solved = c->problem.empty() && std::isfinite(c->offset_error_s);
@@ -165,6 +164,7 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
                   false,
                   false,
                   true};
+  if (any_failed) plot.frame.y.highest = scale.high;
   plot.series.push_back(
       level(fmt::format("bound of the basin, {:g} ms", 1e3 * record.offset_bound_s),
             record.offset_bound_s, scale, kBoundColour));

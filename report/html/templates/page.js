@@ -105,7 +105,7 @@
   };
   const cell = (value) => /[",\n]/.test(value) ? `"${value.replace(/"/g, '""')}"` : value;
   const line = (values) => values.map((v) => cell(String(v))).join(',') + '\n';
-  const digits = (value) => Number(value.toPrecision(6));
+  const digits = (value) => Number.isNaN(value) ? '' : Number(value.toPrecision(6));
   // The cells of a map have their values; everything else is read where it is drawn, to a tenth of a pixel or better.
   const cellRows = ({cells, home: [x0, x1, y0, y1]}) => {
     const at = (names, i, n, from, to) => names ? names[i] : digits(from + (i + 0.5) / n * (to - from));

@@ -407,16 +407,17 @@ std::string ChartPage::axisMapping() {
 }
 
 std::string ChartPage::root(const std::string& content) {
-  std::string logarithmic;
-  if (frame_.x.log10) logarithmic += 'x';
-  if (frame_.y.log10) logarithmic += 'y';
-  if (!logarithmic.empty()) logarithmic = " data-log=\"" + logarithmic + '"';
+  std::string values;
+  if (frame_.x.log10) values += 'x';
+  if (frame_.y.log10) values += 'y';
+  if (!values.empty()) values = " data-log=\"" + values + '"';
+  if (frame_.y.highest) values += fmt::format(" data-highest=\"{:.9g}\"", *frame_.y.highest);
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" id=\"{}\" viewBox=\"0 0 {} {}\" "
       "width=\"{}\" height=\"{}\" role=\"img\" aria-label=\"{}\" data-ax=\"{}\"{}{} "
       "font-family=\"Inter,'Helvetica Neue',Arial,'Liberation Sans',sans-serif\">{}</svg>",
       id_, frame_.width, frame_.height, frame_.width, frame_.height, escapeXml(frame_.title),
-      axisMapping(), logarithmic, cells_, content);
+      axisMapping(), values, cells_, content);
 }
 
 std::string ChartPage::svg() {

@@ -327,6 +327,11 @@ def check_basin(name, basin):
     rows = [line.rsplit(",", 3) for line in basin["csv"].splitlines() if "bound of the basin" in line]
     if len(rows) != 2 or any(abs(float(row[2]) - 2e-3) > 2e-5 for row in rows):
         fail("%s: the saved data of the bound of 2 ms are %s" % (name, rows))
+    failed = [line.rsplit(",", 3) for line in basin["csv"].splitlines() if line.startswith("failed")]
+    if not failed or any(row[2] != "" for row in failed):
+        fail("%s: the saved data of cases that failed are %s" % (name, failed))
+    if not any(re.match(r"failed: [-\d.]+, no value$", says) for says in basin["says"]):
+        fail("%s: hovering over a case that failed says none of %s" % (name, basin["says"]))
     if not re.match(r"# as drawn: x to within [\d.]+, y to within [\d.]+ %\n", basin["csv"]):
         fail("%s: the saved data begin with '%s'" % (name, basin["csv"].splitlines()[0]))
 
