@@ -110,14 +110,14 @@ TEST(CameraRigs, TheOrderOfTheFramesDoesNotMatter) {
 TEST(CameraRigs, NoFramesOfAWideImageAreLostBesideANarrowOne) {
   SimulatedRig rig = simulatedRig("euroc");
   Intrinsics& narrow = rig.calibration.cameras[0].intrinsics;
-  narrow.resolution = {narrow.resolution.width / 4, narrow.resolution.height / 4};
-  narrow.projection.head<2>() *= 0.25;
-  narrow.projection.tail<2>().array() = 0.25 * (narrow.projection.tail<2>().array() + 0.5) - 0.5;
+  narrow.resolution = {narrow.resolution.width / 8, narrow.resolution.height / 8};
+  narrow.projection.head<2>() *= 0.125;
+  narrow.projection.tail<2>().array() = 0.125 * (narrow.projection.tail<2>().array() + 0.5) - 0.5;
   SimulationOptions options = shortRecording(0);
   options.border_px = 1;
-  options.min_tag_px = 2;
+  options.min_tag_px = 1;
   SimulatedSession s = simulateSession(rig, options);
-  options.corner_sigma_px = 7;  // 1.3 % of one width, 5 % of the other
+  options.corner_sigma_px = 4;  // 0.8 % of one width, 6 % of the other
   CameraStream& wide = s.session.cameras[1];
   for (std::size_t v = 0; v < wide.views.size(); ++v) {
     disturbCorners(wide.views[v].corners, wide.resolution, 1, v, options);
