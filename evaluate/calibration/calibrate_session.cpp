@@ -258,7 +258,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
     }
   }
   addViewImages(loaded, record);
-  record.verdict = judge(record, request.thresholds, &loaded.session);
+  record.verdict = judge(record, request.thresholds, &loaded.session, request.camera.frames);
   record.verdict.headline = calibrationHeadline(record);
   return record;
 }

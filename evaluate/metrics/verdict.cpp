@@ -65,7 +65,8 @@ void append(std::vector<Finding>& to, std::vector<Finding> more,
   }
 }
 
-Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t, const Session* session) {
+Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t, const Session* session,
+              const FrameOptions& pairing) {
   Findings findings;
   // Cameras first: what is wrong with them shows again in the camera-IMU stage, and of findings
   // equally bad the first one is told.
@@ -73,7 +74,7 @@ Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t, const
   if (record.camera_imu) append(findings, cameraImuFindings(record, t));
   // A session is not stored with a record: a verdict made from a record alone is without its rules.
   if (session && record.camera) {
-    append(findings, judgeFrameStamps(session->cameras, record.camera->frames, t),
+    append(findings, judgeFrameStamps(session->cameras, record.camera->frames, pairing, t),
            Subject::kRecording);
   }
   if (session && session->imu && record.camera_imu) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "calibrator/base/frames.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {
@@ -82,8 +83,8 @@ struct VerdictThresholds {
 /// Applies every rule that the record has data for: the camera rules to each camera, the camera-IMU
 /// rules where that stage ran. The largest of formal, cluster-robust and bootstrap standard
 /// deviation is judged, since formal standard deviations are not accuracy.
-/// `session`: the recording's, where it is at hand.
+/// `session`: the recording's, where it is at hand, with how its views were paired.
 Verdict judge(const CalibrationRecord& record, const VerdictThresholds& thresholds = {},
-              const Session* session = nullptr);
+              const Session* session = nullptr, const FrameOptions& pairing = {});
 
 }  // namespace plumbline

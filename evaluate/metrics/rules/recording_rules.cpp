@@ -124,8 +124,10 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
 }
 
 Findings judgeFrameStamps(const std::vector<CameraStream>& cameras,
-                          const std::vector<Frame>& frames, const VerdictThresholds& t) {
-  const FrameOptions usual{FrameOptions().tolerance, 0};             // every view
+                          const std::vector<Frame>& frames, const FrameOptions& pairing,
+                          const VerdictThresholds& t) {
+  const FrameOptions usual{FrameOptions().tolerance, pairing.min_corners};
+  if (pairing.tolerance <= usual.tolerance) return {};
   std::vector<std::map<int, std::size_t>> frame_of(cameras.size());  // by view
   const std::vector<Frame> usually = pairFrames(cameras, usual);
   for (std::size_t f = 0; f < usually.size(); ++f) {

@@ -88,10 +88,11 @@ Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& 
 
 // ---- what the recording shows of the target and the image (recording_rules.cpp)
 Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t);
-/// Frames whose views are paired only because their stamps may be further apart than
+/// Frames whose views are paired only because `pairing` lets their stamps be further apart than
 /// FrameOptions().tolerance; no finding where there are none.
 Findings judgeFrameStamps(const std::vector<CameraStream>& cameras,
-                          const std::vector<Frame>& frames, const VerdictThresholds& t);
+                          const std::vector<Frame>& frames, const FrameOptions& pairing,
+                          const VerdictThresholds& t);
 /// An optical centre far from the image's middle: another resolution, or a cropped image.
 Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThresholds& t);
 /// A stated resolution that is larger than the image was: corners reach one edge and end well

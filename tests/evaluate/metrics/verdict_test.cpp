@@ -74,9 +74,10 @@ Verdict verdictOfStamps(TimeNs apart, TimeNs tolerance) {
     session.cameras[0].views.push_back({t, {}});
     session.cameras[1].views.push_back({f % 2 == 0 ? t + apart : t - apart, {}});
   }
-  record.camera->frames = pairFrames(session.cameras, {tolerance, 0});
+  const FrameOptions pairing{tolerance, 0};
+  record.camera->frames = pairFrames(session.cameras, pairing);
   EXPECT_EQ(record.camera->frames.size(), 40U);
-  return judge(record, {}, &session);
+  return judge(record, {}, &session, pairing);
 }
 
 TEST(Verdict, TellsFramesThatOnlyAWideToleranceMakes) {
