@@ -42,7 +42,8 @@ enum class GuideReason {
   kNoTarget,          ///< too few corners in every camera
   kNoPose,            ///< its corners give no plausible pose
   kBadFit,            ///< its corners leave far more error than those of the views kept
-  kTimeJump,          ///< its stamp is not after the frame before, or the window was cut loose here
+  kTimeJump,          ///< its stamp is not after the frame before, or far after it (not used);
+                      ///< or the window was cut loose here
   kNoImu,             ///< IMU samples do not cover it
   kImuGap,            ///< IMU samples are missing between it and the frame before
   kNotSolved,         ///< the window with it did not converge: left out
@@ -106,7 +107,8 @@ struct Decision {
   GuideMode mode = GuideMode::kInitialising;  ///< after the frame
   GuideReason reason = GuideReason::kInitialising;
   bool accepted = false;  ///< the frame entered the estimate
-  /// Frames accepted before that left the estimate with this one: no pose, or no solution.
+  /// Frames accepted before that left the estimate with this one: no pose, no solution, not used by
+  /// the start, or a first frame with a wrong stamp.
   std::vector<int> withdrawn;
   std::optional<double> mi_nats;  ///< its gain; infinite: the views before left parameters free
   std::optional<double> entropy_nats;  ///< of the calibration parameters, after the frame

@@ -41,6 +41,7 @@ struct CameraGuide::State {
   int unposed = 0;      // in a row without
   bool finished = false;
 
+  void withdrawFirst(Decision& d);
   void look(const GuideFrame& frame, Decision& d);
   void followSuggestion(const GuideFrame& frame, Decision& d);
   void initialise(const FrameCorners& corners, Decision& d);
@@ -92,10 +93,17 @@ Decision CameraGuide::step(const GuideFrame& frame) {
   if (s.finished) {
     d.reason = GuideReason::kFinished;
   } else if (s.gate.arrives(frame, s.open, d)) {
+    if (s.gate.replacesFirst()) s.withdrawFirst(d);
     s.look(frame, d);
   }
   s.fill(d);
   return d;
+}
+
+/// The only frame until now: there is no window yet, for a start needs two.
+void CameraGuide::State::withdrawFirst(Decision& d) {
+  for (const KeptFrame& frame : kept) withdraw(frame.index, kWrongFirstStamp, d);
+  kept.clear();
 }
 
 void CameraGuide::State::look(const GuideFrame& frame, Decision& d) {

@@ -37,7 +37,7 @@ struct CameraImuGuide::State {
         next_suggestion(begin.first_suggestion),
         next_attempt(options_.trajectories.start_frames),
         watch(cameras, options_.latency.imu_batch_s, options_.threads),
-        gate(options_, begin.busy_until),
+        gate(options_, begin.busy_until, begin.last_frame),
         first_trajectory(lissajousFirst(), rig_.target, Transform(),
                          lissajousOptions(options_.trajectories)) {}
 
@@ -49,6 +49,7 @@ struct CameraImuGuide::State {
 
   Decision decisionOn(const GuideFrame& frame) const;
   void takeSamples(const GuideFrame& frame);
+  void withdrawFirst(Decision& d);
   void look(const GuideFrame& frame, Decision& d);
   bool showsTarget(const GuideFrame& frame) const;
   TimeNs samplesReach() const;
@@ -373,7 +374,16 @@ void CameraImuGuide::State::takeSamples(const GuideFrame& frame) {
   if (tracker) tracker->addSamples(std::span(recording.samples()).last(taken));
 }
 
+/// The only frame until now: there is no window yet, for a start needs three.
+void CameraImuGuide::State::withdrawFirst(Decision& d) {
+  if (recording.frames().empty()) return;
+  const int first = recording.frames().front().index;
+  recording.drop(first);
+  withdraw(first, kWrongFirstStamp, d);
+}
+
 void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
+  if (gate.replacesFirst()) withdrawFirst(d);
   gate.work(frame.t, options.latency.imu_frame_s);
   if (isUsable(frame, d)) {
     auto posed = poseFrame(frame, rig.target, cameras, poseOptions());

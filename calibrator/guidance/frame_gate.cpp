@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/guidance/frame_gate.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,47 +10,71 @@
 namespace plumbline {
 namespace {
 
-// Pauses, in max_frame_gap_s, from which a stamp is doubted until the next frame confirms it.
+// A stamp so many max_frame_gap_s from the frame before is doubted until the next frame confirms
+// it.
 constexpr double kFarPauses = 10;
+// But not a nearer one [s]: frames of a slow camera are seconds apart where some are lost, also
+// where a short max_frame_gap_s is asked for.
+constexpr double kLeastFarS = 5;
 
 }  // namespace
 
-/// Whether a stamp is far after that of the frame before, and no frame that was held back for the
-/// same reason just before confirms it.
-bool FrameGate::isDoubtful(TimeNs t) {
-  const double far_s = kFarPauses * max_gap_s_;
+FrameGate::FrameGate(const GuideOptions& options, TimeNs busy_until, std::optional<TimeNs> last)
+    : lost_target_s_(options.lost_target_s),
+      max_gap_s_(options.max_frame_gap_s),
+      far_s_(std::max(kFarPauses * options.max_frame_gap_s, kLeastFarS)),
+      busy_until_(busy_until),
+      last_(last) {}
+
+/// Nothing that the first frame's stamp began goes on.
+void FrameGate::startAnew(TimeNs t, std::optional<OpenSuggestion>& open) {
+  busy_until_ = t;
+  lost_since_.reset();
+  lost_said_ = false;
+  if (open) open->restart(t);
+}
+
+/// Whether the frame's stamp is to be believed; says in `d` why not. `before` is the stamp of the
+/// frame before it.
+bool FrameGate::isInOrder(TimeNs t, TimeNs before, Decision& d) {
   const std::optional<TimeNs> held = std::exchange(doubted_, std::nullopt);
-  if (pause_s_ <= far_s) return false;
-  if (held && t > *held && secondsBetween(*held, t) <= far_s) return false;
-  doubted_ = t;
-  return true;
+  const bool far = std::abs(pause_s_) > far_s_;
+  const bool confirms = far && held && t > *held && secondsBetween(*held, t) <= far_s_;
+  replaces_first_ = confirms && is_only_ && t < before;
+  if (replaces_first_) {
+    pause_s_ = secondsBetween(*held, t);
+    return true;
+  }
+  if (t > before && (!far || confirms)) return true;
+  // Also far before the only frame, which may be the one that is wrong.
+  if (far && (t > before || is_only_)) doubted_ = t;
+  d.reason = GuideReason::kTimeJump;
+  if (t > before) {
+    note(d, fmt::format("its stamp is {:.6f} s after that of the frame before and may be wrong: "
+                        "not used",
+                        pause_s_));
+  } else {
+    note(d, t == before
+                ? "its stamp is not after that of the frame before: not used"
+                : fmt::format("its stamp is {:.6f} s before that of the frame before: not used",
+                              -pause_s_));
+  }
+  return false;
 }
 
 bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& open, Decision& d) {
   // The first frame comes 1 ns after nothing: neither a jump nor a pause.
   const TimeNs before = last_.value_or(frame.t - 1);
   pause_s_ = last_ ? secondsBetween(before, frame.t) : 0;
-  if (frame.t <= before) {
-    d.reason = GuideReason::kTimeJump;
-    note(d, frame.t == before
-                ? "its stamp is not after that of the frame before: not used"
-                : fmt::format("its stamp is {:.6f} s before that of the frame before: not used",
-                              -pause_s_));
-    return false;
-  }
-  if (isDoubtful(frame.t)) {
-    d.reason = GuideReason::kTimeJump;
-    note(d, fmt::format("its stamp is {:.6f} s after that of the frame before and may be wrong: "
-                        "not used",
-                        pause_s_));
-    return false;
-  }
+  if (!isInOrder(frame.t, before, d)) return false;
+  if (replaces_first_) startAnew(frame.t, open);
   // Before the answer: frames that come while the guide is busy are no pause of the camera.
+  is_only_ = !last_;
   last_ = frame.t;
   if (isAfterPause()) {
     note(d, fmt::format("no frame for {:.3f} s before it", pause_s_));
     // Nobody saw where the camera was meanwhile.
-    if (open) open->update(before, {});
+    if (open && !replaces_first_) open->update(before, {});
   }
   if (frame.t >= busy_until_) return true;
   d.reason = GuideReason::kBusy;

@@ -53,21 +53,26 @@ Result<CameraStageResult> scoreFrames(const GuideRig& rig, const std::vector<Kep
                                       const GuideOptions& options,
                                       const std::vector<CameraCalibration>& cameras);
 
+/// Why a first frame leaves the estimate (FrameGate::replacesFirst()).
+constexpr const char* kWrongFirstStamp = "its stamp is far after those of the frames after it";
+
 /// Which frames a stage of the guide looks at: those whose stamp is after all before, that come
-/// when it is not busy, and that show the target. A stamp ten times max_frame_gap_s and more after
-/// the one before holds its frame back; the next frame shows whether there was a pause or the stamp
-/// was wrong, and only a pause counts. What holds a frame back, a pause before it, and a target
-/// that is long out of view are said in the decision.
+/// when it is not busy, and that show the target. A stamp more than ten times max_frame_gap_s, and
+/// 5 s, after the one before holds its frame back; the next frame shows whether there was a pause
+/// or the stamp was wrong, and only a pause counts. Two frames in order that are so far before the
+/// only frame until then replace it. What holds a frame back, a pause before it, and a target that
+/// is long out of view are said in the decision.
 class FrameGate {
  public:
+  /// `last`: stamp of the frame before the first that will arrive.
   explicit FrameGate(const GuideOptions& options,
-                     TimeNs busy_until = std::numeric_limits<TimeNs>::min())
-      : lost_target_s_(options.lost_target_s),
-        max_gap_s_(options.max_frame_gap_s),
-        busy_until_(busy_until) {}
+                     TimeNs busy_until = std::numeric_limits<TimeNs>::min(),
+                     std::optional<TimeNs> last = std::nullopt);
 
   /// After a pause the time that the rig has been near `open` begins again.
   bool arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& open, Decision& d);
+  /// Of a frame that arrived: the only one before it had a wrong stamp, and is to be left out.
+  bool replacesFirst() const { return replaces_first_; }
   /// Of a frame that arrived: whether it `shows` the target.
   bool hasTarget(bool shows, Decision& d);
   /// Of the frames before the last one [s]; longer than max_frame_gap_s: a jump.
@@ -80,14 +85,17 @@ class FrameGate {
   TimeNs busyUntil() const { return busy_until_; }
 
  private:
-  bool isDoubtful(TimeNs t);
+  bool isInOrder(TimeNs t, TimeNs before, Decision& d);
+  void startAnew(TimeNs t, std::optional<OpenSuggestion>& open);
 
-  double lost_target_s_, max_gap_s_;
+  double lost_target_s_, max_gap_s_, far_s_;
   TimeNs busy_until_;
   std::optional<TimeNs> last_;        // frame, whatever it showed
-  std::optional<TimeNs> doubted_;     // stamp of the frame just before, held back as too late
+  std::optional<TimeNs> doubted_;     // stamp of the frame just before, held back as too far off
   std::optional<TimeNs> lost_since_;  // empty: the last frame looked at showed the target
   double pause_s_ = 0;
+  bool is_only_ = false;  // of all frames, only the last one has arrived
+  bool replaces_first_ = false;
   bool lost_said_ = false;
 };
 

@@ -147,9 +147,9 @@ void Guide::State::endCameraStage(Decision& last) {
     }
     // The batch's cameras, not the window's: they are what the operator is given.
     // Ids have no hole: that of a suggestion that was never shown is given again.
-    camera_imu.emplace(
-        rig, camera_batch->value().cameras, options,
-        CameraImuGuide::Begin{camera->nextSuggestion() - (never_shown ? 1 : 0), busy_until});
+    camera_imu.emplace(rig, camera_batch->value().cameras, options,
+                       CameraImuGuide::Begin{camera->nextSuggestion() - (never_shown ? 1 : 0),
+                                             busy_until, last.t});
   }
 }
 
@@ -169,11 +169,12 @@ void Guide::State::endByTime(Decision& last) {
 }
 
 Decision Guide::State::stepCamera(const GuideFrame& frame) {
-  if (!camera_since) camera_since = frame.t;
   Decision decision = camera->step(frame);
   // A frame whose stamp is held to be wrong does not say that the time is over.
-  const bool limited = options.camera_stage_s > 0 && decision.reason != GuideReason::kTimeJump;
-  if (limited && !camera->finished() &&
+  const bool in_order = decision.reason != GuideReason::kTimeJump;
+  // Before it is only where the first one's stamp was wrong.
+  if (in_order && (!camera_since || frame.t < *camera_since)) camera_since = frame.t;
+  if (options.camera_stage_s > 0 && in_order && !camera->finished() &&
       secondsBetween(*camera_since, frame.t) >= options.camera_stage_s) {
     endByTime(decision);
   }

@@ -95,6 +95,8 @@ class CameraImuGuide {
     int first_suggestion = 0;  ///< suggestions are numbered from it
     /// Frames before it are dropped (their IMU samples are not).
     TimeNs busy_until = std::numeric_limits<TimeNs>::min();
+    /// Stamp of the last frame of the stage before.
+    std::optional<TimeNs> last_frame = std::nullopt;
   };
   /// Needs rig.imu. Throws InputError for options out of range.
   CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,

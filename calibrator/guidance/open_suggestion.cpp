@@ -48,4 +48,9 @@ OpenSuggestion::Progress OpenSuggestion::update(TimeNs t, const std::vector<Corn
   return now;
 }
 
+void OpenSuggestion::restart(TimeNs t) {
+  suggestion_.t = t;
+  near_since_.reset();
+}
+
 }  // namespace plumbline

@@ -35,6 +35,9 @@ class OpenSuggestion {
   /// With every frame: what the suggestion's camera saw (empty: nothing).
   Progress update(TimeNs t, const std::vector<Corner>& seen);
 
+  /// It is taken to have been shown at `t`.
+  void restart(TimeNs t);
+
   const Suggestion& suggestion() const { return suggestion_; }
 
  private:

@@ -336,6 +336,20 @@ TEST(CameraImuGuideInput, AFrameThatTheStartLeavesOutIsWithdrawn) {
   EXPECT_EQ(keptBy(r.decisions), r.decisions.back().views_kept);
 }
 
+TEST(CameraImuGuideInput, AFirstFrameStampedFarAheadIsWithdrawn) {
+  auto ahead = frames();
+  ahead.resize(40);
+  ahead[0].t += 1'000'000'000'000;
+  const Replay r = replayed(ahead);
+  EXPECT_TRUE(r.decisions[0].accepted);
+  EXPECT_EQ(r.decisions[1].reason, GuideReason::kTimeJump);
+  EXPECT_TRUE(r.decisions[2].accepted);
+  EXPECT_EQ(r.decisions[2].withdrawn, std::vector<int>{0});
+  EXPECT_THAT(r.decisions[2].detail, HasSubstr("frame 0: its stamp is far after"));
+  EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 1);
+  EXPECT_EQ(keptBy(r.decisions), r.decisions.back().views_kept);
+}
+
 // A frame after a pause has no pose by the window: the one after it is as far from the last frame
 // that is in the window, however near the two are.
 TEST(CameraImuGuideInput, TheFirstFrameAfterAPauseIsWrong) {

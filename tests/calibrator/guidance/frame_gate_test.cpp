@@ -56,6 +56,59 @@ TEST_F(FrameGateTest, OneStampFarAheadDoesNotHoldBackTheFramesAfterIt) {
   EXPECT_FALSE(gate.isAfterPause());
 }
 
+TEST_F(FrameGateTest, OnlyTheFrameJustBeforeConfirmsAStampFarAhead) {
+  EXPECT_TRUE(arrives(10));
+  EXPECT_FALSE(arrives(1000));
+  EXPECT_FALSE(arrives(9.9));
+  EXPECT_FALSE(arrives(1001)) << "the one before was in its time";
+  EXPECT_TRUE(arrives(10.2));
+  EXPECT_FALSE(gate.isAfterPause());
+}
+
+TEST_F(FrameGateTest, TwoFramesInOrderReplaceAFirstOneFarAfterThem) {
+  EXPECT_FALSE(shows(1000, false));
+  gate.work(d.t, 0.2);
+  EXPECT_FALSE(arrives(10));
+  EXPECT_FALSE(gate.replacesFirst());
+  EXPECT_TRUE(arrives(10.1)) << d.detail;
+  EXPECT_TRUE(gate.replacesFirst());
+  EXPECT_FALSE(gate.isAfterPause());
+  EXPECT_FALSE(gate.hasTarget(false, d));
+  EXPECT_TRUE(d.detail.empty()) << "nothing was seen for 10 s: " << d.detail;
+  EXPECT_TRUE(arrives(10.2));
+  EXPECT_FALSE(gate.replacesFirst());
+  EXPECT_FALSE(arrives(1000.1)) << "the first one confirms nothing";
+  EXPECT_TRUE(arrives(10.3));
+}
+
+TEST_F(FrameGateTest, OneFrameDoesNotReplaceTheFirstAndTwoNotAnyLater) {
+  EXPECT_TRUE(arrives(1000));
+  EXPECT_FALSE(arrives(10));
+  EXPECT_TRUE(arrives(1000.1));
+  EXPECT_FALSE(arrives(10.1));
+  EXPECT_FALSE(arrives(10.2));
+  EXPECT_TRUE(arrives(1000.2));
+}
+
+TEST_F(FrameGateTest, KnowsTheFrameOfTheStageBefore) {
+  gate = FrameGate(GuideOptions(), 0, toNanoseconds(10));
+  EXPECT_FALSE(arrives(1000));
+  EXPECT_TRUE(arrives(10.1));
+  EXPECT_FALSE(arrives(9.9));
+  EXPECT_FALSE(arrives(9.95));
+}
+
+TEST_F(FrameGateTest, ASlowCameraIsNotDoubtedForAShortGap) {
+  GuideOptions options;
+  options.max_frame_gap_s = 0.05;
+  gate = FrameGate(options);
+  EXPECT_TRUE(arrives(10));
+  EXPECT_TRUE(arrives(11));
+  EXPECT_TRUE(gate.isAfterPause());
+  EXPECT_TRUE(arrives(14));
+  EXPECT_FALSE(arrives(20));
+}
+
 TEST_F(FrameGateTest, ALongPauseIsOneOnceASecondFrameConfirmsIt) {
   EXPECT_TRUE(arrives(10));
   EXPECT_FALSE(arrives(60));

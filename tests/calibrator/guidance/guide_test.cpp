@@ -64,6 +64,21 @@ TEST(Guide, AWrongStampFarAheadDoesNotEndTheCameraStage) {
   EXPECT_FALSE(guide.cameraStageEnded());
 }
 
+TEST(Guide, AWrongStampOfTheFirstFrameLeavesOutThatFrameAlone) {
+  const test::LiveRig rig("euroc", 1, 0.2);
+  GuideOptions options;
+  options.camera_stage_s = 1;
+  Guide guide(rig.guideRig(), options);
+  for (int i = 0; i < 20; ++i) {
+    const double t = i / kRate;
+    const Decision d = guide.step(rig.frame(i, i == 0 ? 1000 : t, rig.wandering(t)));
+    EXPECT_EQ(d.reason == GuideReason::kTimeJump, i == 1) << i;
+    EXPECT_EQ(d.withdrawn, i == 2 ? std::vector<int>{0} : std::vector<int>{}) << i;
+    // A second after the first that is in order.
+    EXPECT_EQ(d.mode == GuideMode::kFinished, i >= 12) << i;
+  }
+}
+
 TEST(Guide, ASuggestionThatIsOpenThenIsWithdrawn) {
   const auto free = endedAfter(0, 60);
   const std::size_t opened = openedAt(free);
