@@ -51,10 +51,12 @@
     const [error, bar] = apart(withIt[f], bound[f], 4);
     return `with it the predicted error is ${error} px, ${withIt[f] > bound[f] ? 'above' : 'not above'} the bound of ${bar} px`;
   };
+  /** Of the first frames, which the start may leave out. */
+  const toStart = (f) => (data.leftAt(f) === undefined ? 'Kept: one of the first frames, from which the estimate starts.' : 'Kept as one of the first frames, and removed from the estimate again.');
   /** In the camera-IMU stage a frame after a pause is used, but not joined by the IMU. */
   const afterPause = (f, pause, not) => (data.table.accepted[f] ? `Kept, but linked to the frames before by the random walk of the biases alone: ${pause}.` : `Not kept: ${not}.`);
   const reasons = {
-    initialising: (f) => (data.table.accepted[f] ? 'Kept: one of the first frames, from which the estimate starts.' : 'Not kept: hardly moved since the frame kept before it.'),
+    initialising: (f) => (data.table.accepted[f] ? toStart(f) : 'Not kept: hardly moved since the frame kept before it.'),
     initialised: () => 'Kept: the estimate starts with it.',
     'initialise-failed': () => 'The estimate could not be started, or not from these frames.',
     informative: (f) => `Kept: ${byCriterion(f)}.`,
@@ -64,7 +66,7 @@
     'no-target': () => 'Not kept: no camera saw enough corners of the target.',
     'no-pose': () => 'Not kept: its corners give no plausible pose.',
     'bad-fit': () => 'Not kept: the error of its corners is more than three times that of the views kept.',
-    'time-jump': (f) => afterPause(f, 'the pause before it is too long', 'its stamp is not after that of the frame before'),
+    'time-jump': (f) => afterPause(f, 'the pause before it is too long', 'its stamp is not after that of the frame before, or far after it'),
     'no-imu': () => 'Not kept: IMU samples do not cover it.',
     'imu-gap': (f) => afterPause(f, 'IMU samples are missing before it', 'IMU samples are missing before it'),
     'not-solved': () => 'Not kept: the estimate with it did not converge.',
