@@ -73,9 +73,8 @@ Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t, const
   if (record.camera) append(findings, cameraFindings(record, t));
   if (record.camera_imu) append(findings, cameraImuFindings(record, t));
   // A session is not stored with a record: a verdict made from a record alone is without its rules.
-  if (session && record.camera) {
-    append(findings, judgeFrameStamps(session->cameras, record.camera->frames, pairing, t),
-           Subject::kRecording);
+  if (session && (record.camera || record.camera_imu)) {
+    append(findings, judgeFrameStamps(record, session->cameras, pairing, t), Subject::kRecording);
   }
   if (session && session->imu && record.camera_imu) {
     append(findings, judgeSamples(session->imu->samples, t), Subject::kRecording);

@@ -123,13 +123,16 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
   return findings;
 }
 
-Findings judgeFrameStamps(const std::vector<CameraStream>& cameras,
-                          const std::vector<Frame>& frames, const FrameOptions& pairing,
-                          const VerdictThresholds& t) {
+Findings judgeFrameStamps(const CalibrationRecord& record, const std::vector<CameraStream>& cameras,
+                          const FrameOptions& pairing, const VerdictThresholds& t) {
   const FrameOptions usual{FrameOptions().tolerance, pairing.min_corners};
   if (pairing.tolerance <= usual.tolerance) return {};
+  const std::vector<Frame>& frames =
+      record.camera ? record.camera->frames : record.camera_imu->frames;
   std::vector<std::map<int, std::size_t>> frame_of(cameras.size());  // by view
   const std::vector<Frame> usually = pairFrames(cameras, usual);
+  // A constant shift of a camera's stamps does not count: such cameras have one trigger.
+  const std::vector<TimeNs> shifts = stampShifts(cameras, usually);
   for (std::size_t f = 0; f < usually.size(); ++f) {
     for (std::size_t c = 0; c < cameras.size(); ++c) frame_of[c][usually[f].view[c]] = f;
   }
@@ -141,7 +144,7 @@ Findings judgeFrameStamps(const std::vector<CameraStream>& cameras,
     for (std::size_t c = 0; c < cameras.size(); ++c) {
       if (frame.view[c] < 0) continue;
       apart.insert(frame_of[c].at(frame.view[c]));
-      const TimeNs stamp = cameras[c].views[static_cast<std::size_t>(frame.view[c])].t;
+      const TimeNs stamp = cameras[c].views[static_cast<std::size_t>(frame.view[c])].t - shifts[c];
       first = std::min(first, stamp);
       last = std::max(last, stamp);
     }
@@ -151,13 +154,16 @@ Findings judgeFrameStamps(const std::vector<CameraStream>& cameras,
   }
   if (wide == 0) return {};
   const double ms = 1e-6 * static_cast<double>(largest);
-  return {above({"Views of a frame exposed together", "ms", t.frame_spread_ms,
-                 "Lower --sync-tolerance-ms, or trigger the cameras together: the camera stage "
-                 "treats paired views as simultaneous."},
-                ms,
-                fmt::format("in {} of {} frames views are paired whose stamps differ by more than "
-                            "{:g} ms, by {:.3g} ms at most",
-                            wide, frames.size(), 1e-6 * static_cast<double>(usual.tolerance), ms))};
+  const char* const who = record.camera ? "the camera stage treats paired views as simultaneous."
+                                        : "the frames' poses that the camera-IMU stage starts from "
+                                          "treat paired views as simultaneous.";
+  return {
+      above({"Views of a frame exposed together", "ms", t.frame_spread_ms,
+             fmt::format("Lower --sync-tolerance-ms, or trigger the cameras together: {}", who)},
+            ms,
+            fmt::format("in {} of {} frames views are paired whose stamps differ by more than "
+                        "{:g} ms, by {:.3g} ms at most",
+                        wide, frames.size(), 1e-6 * static_cast<double>(usual.tolerance), ms))};
 }
 
 Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThresholds& t) {

@@ -88,11 +88,11 @@ Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& 
 
 // ---- what the recording shows of the target and the image (recording_rules.cpp)
 Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t);
-/// Frames whose views are paired only because `pairing` lets their stamps be further apart than
-/// FrameOptions().tolerance; no finding where there are none.
-Findings judgeFrameStamps(const std::vector<CameraStream>& cameras,
-                          const std::vector<Frame>& frames, const FrameOptions& pairing,
-                          const VerdictThresholds& t);
+/// Frames, of the camera stage or else of the camera-IMU stage, whose views are paired only because
+/// `pairing` lets their stamps be further apart than FrameOptions().tolerance, and by how much,
+/// beyond a constant shift of a camera; no finding where there are none. Needs one of the stages.
+Findings judgeFrameStamps(const CalibrationRecord& record, const std::vector<CameraStream>& cameras,
+                          const FrameOptions& pairing, const VerdictThresholds& t);
 /// An optical centre far from the image's middle: another resolution, or a cropped image.
 Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThresholds& t);
 /// A stated resolution that is larger than the image was: corners reach one edge and end well
