@@ -154,10 +154,22 @@ FoldScores failedFold(FoldScores scores, const std::string& problem) {
   return scores;
 }
 
-/// Why a fold could not be calibrated. What a calibration of the recording itself would be told to
-/// do (textOf().cure) does not mend a fold of it.
+/// Whether the frames that a fold leaves out may be what is missing.
+bool isForLackOfFrames(const Failure& failure) {
+  return failure.input() == FaultyInput::kSession &&
+         failure.reason() != FailureReason::kNotConverged &&
+         failure.reason() != FailureReason::kImplausible;
+}
+
+/// Why a fold could not be calibrated, and what to do. To record more, as a calibration of the
+/// recording itself would be told to (textOf().cure), does not mend a fold of it, and options of
+/// `calibrate` are not at hand.
 std::string problemOfFold(const Failure& failure) {
-  return textOf(failure).message + "; with more --folds each leaves out less of the recording";
+  const FailureText text = textOf(failure);
+  if (isForLackOfFrames(failure)) {
+    return text.message + "; with more --folds each leaves out less of the recording";
+  }
+  return text.cure.find("--") == std::string::npos ? problemOf(failure) : text.message;
 }
 
 /// Calibrates on the fold's training part, and scores the result on what was held out.

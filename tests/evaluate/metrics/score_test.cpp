@@ -116,6 +116,17 @@ TEST(ScoreCalibration, AFoldThatCannotBeCalibratedIsNotToldWhatCalibrateIs) {
   }
 }
 
+TEST(ScoreCalibration, AFoldOfABadImuIsToldItsCureAndNotMoreFolds) {
+  Case c;
+  for (ImuSample& sample : c.simulated.session.imu->samples) sample.accel /= 9.80665;
+  c.options.folds = 2;
+  for (const CalibrationScore& s : c.run()) {
+    if (s.part == "all") continue;
+    EXPECT_THAT(s.problem, HasSubstr("multiply its columns by 9.80665")) << s.part;
+    EXPECT_THAT(s.problem, Not(HasSubstr("more --folds"))) << s.part;
+  }
+}
+
 TEST(ScoreCalibration, ModelsThatAreOnlyScoredHaveNoFolds) {
   Case c;
   for (CameraCalibration& camera : c.scored.calibration.cameras) {
