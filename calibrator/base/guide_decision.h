@@ -108,7 +108,7 @@ struct Decision {
   GuideReason reason = GuideReason::kInitialising;
   bool accepted = false;  ///< the frame entered the estimate
   /// Frames accepted before that left the estimate with this one: no pose, no solution, not used by
-  /// the start, or a first frame with a wrong stamp.
+  /// the start, a start that was given up, or a first frame with a wrong stamp.
   std::vector<int> withdrawn;
   std::optional<double> mi_nats;  ///< its gain; infinite: the views before left parameters free
   std::optional<double> entropy_nats;  ///< of the calibration parameters, after the frame

@@ -154,7 +154,7 @@ CameraSolution solveFromAfar(const AprilGrid& target, std::vector<PackedCorners>
   // Roughly: it only leads to where the loss that was asked for takes over.
   MinimiserOptions rough = solver;
   rough.cost_tolerance = 1e-3;
-  const double wide_px = kWideLoss * start.intrinsics[0].resolution.width;
+  const double wide_px = kWideLoss * rmsWidth(problem, start);
   problem.gram.cauchy_px = std::max(wide_px, options.cauchy_px);
   CameraSolution wide{start, {}, false, 0};
   // A squared error without corners to be spared is solved for at once.

@@ -26,6 +26,14 @@ std::vector<FrameView> frameViews(const Frame& frame, std::span<const PackedCorn
   return views;
 }
 
+double rmsWidth(const CameraProblem& problem, const CameraEstimate& cameras) {
+  std::vector<FrameView> all;
+  for (const Frame& frame : problem.frames) {
+    for (const FrameView& view : frameViews(frame, problem.corners, cameras)) all.push_back(view);
+  }
+  return rmsWidth(all);
+}
+
 double RefinedPoses::total(double pixel_sigma) const {
   return 0.5 * std::accumulate(cost.begin(), cost.end(), 0.) / (pixel_sigma * pixel_sigma);
 }

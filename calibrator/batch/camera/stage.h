@@ -65,6 +65,9 @@ void addResiduals(const Session& session, const CameraProblem& problem,
 std::vector<FrameView> frameViews(const Frame& frame, std::span<const PackedCorners> corners,
                                   const CameraEstimate& cameras);
 
+/// rmsWidth() of all corners in the problem's frames.
+double rmsWidth(const CameraProblem& problem, const CameraEstimate& cameras);
+
 /// Every frame's pose where its own corners want it, cameras and board fixed.
 struct RefinedPoses {
   std::vector<double> cost;  ///< per frame: sum of rho(|e|^2) [px^2]

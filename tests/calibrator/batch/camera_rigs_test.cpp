@@ -8,6 +8,7 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/resample.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/simulate/simulate_session.h"
@@ -128,6 +129,18 @@ TEST(CameraRigs, NoFramesOfAWideImageAreLostBesideANarrowOne) {
   const auto result = calibrateCameras(s.session);
   ASSERT_TRUE(result.ok()) << result.failure();
   EXPECT_GT(10 * result->frames.size(), 9 * frames) << frames;
+}
+
+TEST(CameraRigs, WidthIsThatOfTheImagesThatTheCornersAreIn) {
+  SimulatedSession s = simulateSession(simulatedRig("euroc"), shortRecording(0));
+  const std::vector<PackedCorners> corners = packCorners(s.session);
+  const CameraProblem problem = problemOf(corners, pairFrames(s.session.cameras), {});
+  CameraEstimate cameras = estimateOf(s.truth.cameras);
+  const int width = cameras.intrinsics[0].resolution.width;
+  EXPECT_EQ(rmsWidth(problem, cameras), width);
+  cameras.intrinsics[0].resolution.width = width / 8;
+  EXPECT_GT(rmsWidth(problem, cameras), 0.6 * width);
+  EXPECT_LT(rmsWidth(problem, cameras), width);
 }
 
 TEST(CameraRigs, StrayCornersAnywhereInTheImageCostNoFrames) {
