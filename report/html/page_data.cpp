@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
@@ -17,15 +18,16 @@ struct ShownUnit {
   std::string name;
 };
 
+/// By the larger of value and bound, either of which may be 0.
 ShownUnit shownUnit(const Finding& f) {
+  const double larger = std::max(std::abs(f.threshold), std::abs(f.value));
+  if (f.unit == "m" && larger < 1) return {1e3, " mm"};
+  // Stops of the guide are judged in seconds, recovered offsets by microseconds.
+  if (f.unit == "s" && larger > 0 && larger < 1e-3) return {1e6, " \u00b5s"};
+  if (f.unit == "s" && larger > 0 && larger < 1) return {1e3, " ms"};
   // "-": a ratio, or a share, whose bound is below 1; "1": a count; "x": a factor.
+  if (f.unit == "-" && f.threshold > 0 && f.threshold < 1) return {100, " %"};
   const bool plain = f.unit == "-" || f.unit == "1" || f.unit == "x";
-  const bool small = f.threshold > 0 && f.threshold < 1;
-  if (f.unit == "m") return {1e3, " mm"};
-  // By the bound and not by the value, which may be anything: stops of the guide are judged in
-  // seconds, recovered offsets by microseconds.
-  if (f.unit == "s" && small && f.threshold < 1e-3) return {1e6, " \u00b5s"};
-  if (f.unit == "-" && small) return {100, " %"};
   return {1, plain ? "" : " " + f.unit};
 }
 
