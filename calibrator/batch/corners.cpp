@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/initialise/camera_poses.h"
@@ -79,6 +80,18 @@ double kalibrLimit(const std::vector<double>& used) {
   double variance = 0;
   for (const double e : used) variance += (e - mean) * (e - mean) / n;
   return std::max(mean + kKalibrSigmas * std::sqrt(variance), kKalibrLeast);
+}
+
+/// Positions of a view's corners that CornerFilter::kKalibr rejects.
+std::vector<int> kalibrOutliers(const Intrinsics& camera, const PackedView& view,
+                                const Transform& start) {
+  PoseRefinementOptions options;
+  // Squared errors, as in Kalibr: outliers pull the pose, and widen their own limit.
+  options.max_iterations = kKalibrIterations;
+  // The camera by itself: it takes the place of camera 0, and the pose found is its own.
+  const Transform T_CF = refinePose({{&camera, view, Transform()}}, start, options).T_C0F;
+  const std::vector<double> errors = errorNorms(camera, T_CF, view);
+  return above(kalibrLimit(usedOnly(errors, view)), errors, view);
 }
 
 }  // namespace
@@ -194,15 +207,22 @@ std::size_t rejectAboveSigma(PackedCorners& corners, const Intrinsics& camera,
   return count;
 }
 
-std::vector<int> kalibrOutliers(const Intrinsics& camera, const PackedView& view,
-                                const Transform& start) {
-  PoseRefinementOptions options;
-  // Squared errors, as in Kalibr: outliers pull the pose, and widen their own limit.
-  options.max_iterations = kKalibrIterations;
-  // The camera by itself: it takes the place of camera 0, and the pose found is its own.
-  const Transform T_CF = refinePose({{&camera, view, Transform()}}, start, options).T_C0F;
-  const std::vector<double> errors = errorNorms(camera, T_CF, view);
-  return above(kalibrLimit(usedOnly(errors, view)), errors, view);
+std::size_t rejectLikeKalibr(PackedCorners& corners, const Intrinsics& camera,
+                             const std::vector<PosedView>& starts, int threads) {
+  std::vector<std::vector<int>> rejected(starts.size());
+  forChunks(static_cast<int>(starts.size()), 16, threads, [&](const Chunk& chunk) {
+    for (int i = chunk.begin; i < chunk.end; ++i) {
+      const PosedView& start = starts[static_cast<std::size_t>(i)];
+      rejected[static_cast<std::size_t>(i)] =
+          kalibrOutliers(camera, corners.view(start.view), start.T_CF);
+    }
+  });
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    for (const int k : rejected[i]) corners.setWeight(starts[i].view, k, 0);
+    count += rejected[i].size();
+  }
+  return count;
 }
 
 }  // namespace plumbline

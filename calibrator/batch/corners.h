@@ -86,10 +86,10 @@ struct PosedView {
 std::size_t rejectAboveSigma(PackedCorners& corners, const Intrinsics& camera,
                              const std::vector<PosedView>& views, double sigmas);
 
-/// CornerFilter::kKalibr for one view: positions of its used corners with |e| above mean + 2 std of
-/// the view's used corners and above 0.2 px, with the pose refined from `start` on this view alone
-/// and the camera held.
-std::vector<int> kalibrOutliers(const Intrinsics& camera, const PackedView& view,
-                                const Transform& start);
+/// CornerFilter::kKalibr for one camera: gives weight 0 to every used corner with |e| above mean +
+/// 2 std of its view's used corners and above 0.2 px, with each pose refined from where it starts
+/// on its view alone and the camera held. Returns how many it rejected.
+std::size_t rejectLikeKalibr(PackedCorners& corners, const Intrinsics& camera,
+                             const std::vector<PosedView>& starts, int threads);
 
 }  // namespace plumbline

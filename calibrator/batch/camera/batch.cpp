@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/parallel.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/board/target.h"
@@ -16,113 +15,21 @@
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
-#include "calibrator/camera/camera.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/screening.h"
 
 namespace plumbline {
 namespace {
 
-/// Camera c's views in the problem's frames, at an estimate.
-std::vector<PosedView> posedViews(const CameraProblem& problem, const CameraEstimate& estimate,
-                                  std::size_t c) {
-  const Transform T_CiC0 = estimate.T_C0Ci[c].inverse();
-  std::vector<PosedView> views;
-  for (std::size_t f = 0; f < problem.frames.size(); ++f) {
-    const int view = problem.frames[f].view[c];
-    if (view >= 0) views.push_back({view, T_CiC0 * estimate.T_C0F[f]});
-  }
-  return views;
-}
-
-constexpr int kMinUsedCorners = 4;  // what a frame needs for a pose
 constexpr int kFilterRounds = 3;    // of CornerFilter::kSigma
 constexpr double kWideLoss = 0.01;  // scale over the image's width
 constexpr double kNearGrazing = 86 * kDegree;
-
-void checkSession(const Session& session) {
-  if (session.cameras.empty()) throw InputError("the session has no cameras to calibrate");
-  for (const CameraStream& camera : session.cameras) {
-    if (camera.resolution.width > 0 && camera.resolution.height > 0) continue;
-    throw InputError(camera.name +
-                     ": the image's resolution is unknown; state it in the camera's sensor.yaml");
-  }
-}
 
 /// Throws InputError for a model that can be scored only.
 void refuseModel(const std::string& camera, const CameraModelPair& model) {
   if (canBeCalibrated(model.projection, model.distortion)) return;
   throw InputError(camera + ": " +
                    unsupportedModelText(toString(model.projection), toString(model.distortion)));
-}
-
-/// Corners that an estimate puts beyond an angle from the optical axis, of lenses that end there.
-std::vector<CornerPlace> cornersBeyond(const CameraProblem& problem, const CameraEstimate& estimate,
-                                       double angle_rad) {
-  std::vector<CornerPlace> places;
-  for (std::size_t c = 0; c < problem.corners.size(); ++c) {
-    if (!endsAtRightAngle(estimate.intrinsics[c])) continue;
-    for (const PosedView& posed : posedViews(problem, estimate, c)) {
-      for (const int k : beyondAngle(problem.corners[c].view(posed.view), posed.T_CF, angle_rad)) {
-        places.push_back({c, posed.view, k});
-      }
-    }
-  }
-  return places;
-}
-
-/// Corners of tags that do not stand where their ids belong.
-std::vector<CornerPlace> misplacedCorners(const AprilGrid& target, const CameraProblem& problem,
-                                          const CameraEstimate& estimate) {
-  std::vector<CornerPlace> places;
-  for (std::size_t c = 0; c < problem.corners.size(); ++c) {
-    const Intrinsics& lens = estimate.intrinsics[c];
-    for (const PosedView& posed : posedViews(problem, estimate, c)) {
-      const PackedView view = problem.corners[c].view(posed.view);
-      // The tags are looked through only where something is wrong.
-      if (falseCorners(lens, view, posed.T_CF).empty()) continue;
-      for (const MisplacedTag& tag : findMisplacedTags(target, lens, view, posed.T_CF)) {
-        for (const int k : cornersOfTag(view, tag.tag)) places.push_back({c, posed.view, k});
-      }
-    }
-  }
-  return places;
-}
-
-/// The problem and estimate with only the frames that `keep` names (ascending).
-void keepFrames(const std::vector<int>& keep, CameraProblem& problem, CameraEstimate& estimate) {
-  std::vector<Frame> frames;
-  std::vector<double> weights;
-  std::vector<Transform> poses;
-  for (const int f : keep) {
-    const auto i = static_cast<std::size_t>(f);
-    frames.push_back(problem.frames[i]);
-    poses.push_back(estimate.T_C0F[i]);
-    if (!problem.weights.empty()) weights.push_back(problem.weights[i]);
-  }
-  problem.frames = std::move(frames);
-  problem.weights = std::move(weights);
-  estimate.T_C0F = std::move(poses);
-}
-
-/// Frames whose corners were not all but rejected.
-std::vector<int> framesWithCorners(const CameraProblem& problem) {
-  std::vector<int> keep;
-  for (int f = 0; f < problem.frameCount(); ++f) {
-    const Frame& frame = problem.frames[static_cast<std::size_t>(f)];
-    double most = 0;
-    for (std::size_t c = 0; c < frame.view.size(); ++c) {
-      if (frame.view[c] < 0) continue;
-      most = std::max(most, problem.corners[c].view(frame.view[c]).used());
-    }
-    if (most >= kMinUsedCorners) keep.push_back(f);
-  }
-  return keep;
-}
-
-void dropBareFrames(CameraProblem& problem, CameraEstimate& estimate) {
-  const std::vector<int> keep = framesWithCorners(problem);
-  if (static_cast<int>(keep.size()) < problem.frameCount()) keepFrames(keep, problem, estimate);
 }
 
 /// Solves over the frames that have corners; the others stay where they are.
@@ -169,31 +76,6 @@ CameraSolution solveFromAfar(const AprilGrid& target, std::vector<PackedCorners>
   CameraSolution robust = solveCameraProblem(problem, wide.estimate, solver);
   robust.iterations += wide.iterations;
   return robust;
-}
-
-std::size_t rejectAboveSigma(std::vector<PackedCorners>& corners, const CameraProblem& problem,
-                             const CameraEstimate& estimate, double sigmas) {
-  std::size_t count = 0;
-  for (std::size_t c = 0; c < corners.size(); ++c) {
-    count += rejectAboveSigma(corners[c], estimate.intrinsics[c], posedViews(problem, estimate, c),
-                              sigmas);
-  }
-  return count;
-}
-
-/// Each view by its own pose, refined alone: the joint solution is only where that starts.
-std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners, const CameraProblem& problem,
-                             const CameraEstimate& estimate) {
-  std::size_t count = 0;
-  for (std::size_t c = 0; c < corners.size(); ++c) {
-    for (const PosedView& posed : posedViews(problem, estimate, c)) {
-      const auto rejected =
-          kalibrOutliers(estimate.intrinsics[c], corners[c].view(posed.view), posed.T_CF);
-      for (const int k : rejected) corners[c].setWeight(posed.view, k, 0);
-      count += rejected.size();
-    }
-  }
-  return count;
 }
 
 /// A solution, with the lens models chosen where that is asked for.
@@ -272,13 +154,10 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
   };
   // After model and board: under wrong ones the corners to cut off would be those at the border of
   // the image and of the board, which tell most.
-  if (options.filter == CornerFilter::kKalibr) {
-    if (rejectLikeKalibr(corners, problem, solution.estimate) > 0) again();
-  } else if (options.filter == CornerFilter::kSigma) {
-    for (int round = 0; round < kFilterRounds; ++round) {
-      if (rejectAboveSigma(corners, problem, solution.estimate, options.filter_sigmas) == 0) break;
-      again();
-    }
+  const int rounds = options.filter == CornerFilter::kSigma ? kFilterRounds : 1;
+  for (int round = 0; round < rounds; ++round) {
+    if (rejectCorners(problem, solution.estimate, options, corners) == 0) break;
+    again();
   }
   if (options.select_views && !problem.frames.empty()) {
     keepFrames(selectFrames(problem, solution.estimate, *options.select_views), problem,
@@ -289,32 +168,36 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
   return stage;
 }
 
-/// From a start to all that is reported; `corners` by value, for their weights change. `choices`
-/// become those of the lens models, also where it fails.
-Result<CameraStageResult> solveAndReport(const Session& session, std::vector<PackedCorners> corners,
-                                         const CameraStart& start,
-                                         const CameraStageOptions& options, int most_parameters,
-                                         std::vector<ModelChoice>& choices) {
+/// All that is reported, and the choices of lens models also where it fails.
+struct CameraAttempt {
+  Result<CameraStageResult> result;
+  std::vector<ModelChoice> choices;
+};
+
+/// From a start; `corners` by value, for their weights change.
+CameraAttempt solveAndReport(const Session& session, std::vector<PackedCorners> corners,
+                             const CameraStart& start, const CameraStageOptions& options,
+                             int most_parameters = kMaxIntrinsics) {
   Stopwatch watch;
   CameraProblem problem = problemOf(corners, start.frames, options);
   StageSolution solved =
       solveStage(session, corners, problem, start.estimate, options, most_parameters);
   const double solve_s = watch.lap();
-  choices = std::move(solved.models);
   if (problem.frames.empty()) {
     const bool filtered = options.filter != CornerFilter::kNone || options.select_views;
-    return Failure{filtered ? FailureCode::kFilterLeftNoFrame : FailureCode::kNoFramePose,
-                   {{"frames", start.frames.size()}}};
+    return {Failure{filtered ? FailureCode::kFilterLeftNoFrame : FailureCode::kNoFramePose,
+                    {{"frames", start.frames.size()}}},
+            std::move(solved.models)};
   }
   auto result = stageResult(session, problem, solved.solution, ResidualList::kKeep);
-  if (!result) return result;
+  if (!result) return {std::move(result), std::move(solved.models)};
   result.value().target_fit = solved.fit;
-  result.value().models = choices;
+  result.value().models = solved.models;
   StageSeconds& seconds = result.value().summary.seconds;
   seconds.solve = solve_s - solved.choice_s;
   seconds.checks = solved.choice_s;
   seconds.covariance = watch.lap();
-  return result;
+  return {std::move(result), std::move(solved.models)};
 }
 
 /// Whether the recording may yet determine other lens models.
@@ -339,8 +222,7 @@ std::optional<CameraStageResult> solveAsStated(const Session& session,
   }
   const auto start = startFromViews(session, corners, frames, options.models, options);
   if (!start) return std::nullopt;
-  std::vector<ModelChoice> none;
-  auto result = solveAndReport(session, corners, *start, options, kMaxIntrinsics, none);
+  auto result = solveAndReport(session, corners, *start, options).result;
   if (!result) return std::nullopt;
   for (std::size_t c = 0; c < choices.size(); ++c) {
     choices[c].projection = options.models[c].projection;
@@ -359,13 +241,12 @@ Result<CameraStageResult> chooseAndReport(const Session& session,
                                           const std::vector<Frame>& frames,
                                           const CameraStart& start,
                                           const CameraStageOptions& options) {
-  std::vector<ModelChoice> first, usual;
-  auto result = solveAndReport(session, corners, start, options, kMaxIntrinsics, first);
+  CameraAttempt first = solveAndReport(session, corners, start, options);
+  if (first.result.ok() || !isUndetermined(first.result.failure())) return first.result;
+  auto result = solveAndReport(session, corners, start, options, kUsualParameters).result;
+  if (result.ok()) addCandidates(first.choices, result.value().models);
   if (result.ok() || !isUndetermined(result.failure())) return result;
-  result = solveAndReport(session, corners, start, options, kUsualParameters, usual);
-  if (result.ok()) addCandidates(first, result.value().models);
-  if (result.ok() || !isUndetermined(result.failure())) return result;
-  auto stated = solveAsStated(session, corners, frames, options, std::move(first));
+  auto stated = solveAsStated(session, corners, frames, options, std::move(first.choices));
   return stated ? Result<CameraStageResult>(std::move(*stated)) : result;
 }
 
@@ -436,55 +317,12 @@ Result<CameraStageResult> calibrateCameras(const Session& session,
                                      : startFromCameras(options.start, corners, frames, options);
   if (!start) return start.failure();
   const double initialise_s = watch.lap();
-  std::vector<ModelChoice> none;
   auto result = choose ? chooseAndReport(session, corners, frames, *start, options)
-                       : solveAndReport(session, corners, *start, options, kMaxIntrinsics, none);
+                       : solveAndReport(session, corners, *start, options).result;
   if (!result) return result;
   StageSeconds& seconds = result.value().summary.seconds;
   seconds.initialise = initialise_s;
   seconds.total = total.seconds();
-  return result;
-}
-
-Result<CameraStageResult> scoreCameras(const Session& session,
-                                       const std::vector<CameraCalibration>& cameras,
-                                       const CameraStageOptions& options) {
-  options.check();
-  checkSession(session);
-  checkCameras(session, cameras);
-  Stopwatch watch;
-  std::vector<PackedCorners> corners = packCorners(session);
-  auto start =
-      startFromCameras(cameras, corners, pairFrames(session.cameras, options.frames), options);
-  if (!start) return start.failure();
-  CameraProblem problem = problemOf(corners, std::move(start.value().frames), options);
-  CameraEstimate estimate = std::move(start.value().estimate);
-  const double initialise_s = watch.lap();
-  RefinedPoses poses = refinePoses(problem, estimate);
-  // Not those beyond kGrazing: which they are depends on the lens, and a bad one would gain by it.
-  const auto misplaced = misplacedCorners(session.target, problem, estimate);
-  weigh(misplaced, 0, corners);
-  if (!misplaced.empty()) poses = refinePoses(problem, estimate);
-  std::size_t rejected = 0;
-  if (options.filter == CornerFilter::kKalibr) {
-    rejected = rejectLikeKalibr(corners, problem, estimate);
-  } else if (options.filter == CornerFilter::kSigma) {
-    rejected = rejectAboveSigma(corners, problem, estimate, options.filter_sigmas);
-  }
-  if (rejected > 0) {
-    // Few corners are left where a filter took nearly all of them: no pose follows from those.
-    const int frames = problem.frameCount();
-    dropBareFrames(problem, estimate);
-    if (problem.frames.empty()) return Failure{FailureCode::kNoFramePose, {{"frames", frames}}};
-    poses = refinePoses(problem, estimate);
-  }
-  CameraStageResult result = resultFrom(session, problem, estimate);
-  addResiduals(session, problem, estimate, ResidualList::kKeep, result);
-  result.summary.converged = poses.converged;
-  result.summary.cost = poses.total(problem.pixel_sigma);
-  result.summary.seconds.initialise = initialise_s;
-  result.summary.seconds.solve = watch.lap();
-  result.summary.seconds.total = initialise_s + result.summary.seconds.solve;
   return result;
 }
 

@@ -36,6 +36,15 @@ void CameraStageOptions::check() const {
   requirePositive("tolerance", tolerance);
 }
 
+void checkSession(const Session& session) {
+  if (session.cameras.empty()) throw InputError("the session has no cameras to calibrate");
+  for (const CameraStream& camera : session.cameras) {
+    if (camera.resolution.width > 0 && camera.resolution.height > 0) continue;
+    throw InputError(camera.name +
+                     ": the image's resolution is unknown; state it in the camera's sensor.yaml");
+  }
+}
+
 void checkCameras(const Session& session, const std::vector<CameraCalibration>& cameras) {
   if (cameras.size() == session.cameras.size()) return;
   throw InputError(fmt::format("calibrations of {} cameras were given, but the session has {}",

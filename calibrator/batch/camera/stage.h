@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,10 +11,13 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/corners.h"
 #include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {
 
+/// Throws InputError for a session without cameras, or whose resolution is unknown.
+void checkSession(const Session& session);
 /// Throws InputError unless there is one calibration for each camera of the session.
 void checkCameras(const Session& session, const std::vector<CameraCalibration>& cameras);
 
@@ -76,6 +80,23 @@ struct RefinedPoses {
   double total(double pixel_sigma) const;  ///< 0.5 sum / pixel_sigma^2
 };
 RefinedPoses refinePoses(const CameraProblem& problem, CameraEstimate& estimate);
+
+/// Corners that an estimate puts beyond an angle from the optical axis, of lenses that end there.
+std::vector<CornerPlace> cornersBeyond(const CameraProblem& problem, const CameraEstimate& estimate,
+                                       double angle_rad);
+/// Corners of tags that do not stand where their ids belong.
+std::vector<CornerPlace> misplacedCorners(const AprilGrid& target, const CameraProblem& problem,
+                                          const CameraEstimate& estimate);
+/// One round of options.filter; returns how many corners it rejected.
+std::size_t rejectCorners(const CameraProblem& problem, const CameraEstimate& estimate,
+                          const CameraStageOptions& options, std::vector<PackedCorners>& corners);
+
+/// The problem and estimate with only the frames that `keep` names (ascending).
+void keepFrames(const std::vector<int>& keep, CameraProblem& problem, CameraEstimate& estimate);
+/// Frames whose corners were not all but rejected.
+std::vector<int> framesWithCorners(const CameraProblem& problem);
+/// Keeps only those.
+void dropBareFrames(CameraProblem& problem, CameraEstimate& estimate);
 
 /// Moves the corners onto the board that an estimate has terms of; nothing where it has none.
 void placeCorners(AprilGrid board, const CameraEstimate& estimate,

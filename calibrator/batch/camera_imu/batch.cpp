@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/parallel.h"
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera_imu/diagnosis.h"
 #include "calibrator/batch/camera_imu/problem.h"
@@ -99,64 +98,6 @@ int pausesWithin(const CameraImuProblem& problem, const CameraImuOptions& option
   }));
 }
 
-/// Chooses the frames under the first guess of the offset and solves; again with more margin should
-/// the offset leave the samples.
-Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFrames& posed,
-                                        const CameraImuStart& start,
-                                        const std::vector<CameraCalibration>& cameras,
-                                        const CameraImuOptions& options) {
-  const auto gaps = imuGaps(problem.samples, options.max_gap_intervals);
-  const auto stamps = posed.stamps();
-  FrameSelectionOptions choice = selectionOptions(options, start.time_offsets.front().s);
-  SelectedSolution out;
-  // A wider margin leaves out the frames at the ends, which an offset that moved takes off the
-  // samples: better a few frames less than no result.
-  for (int attempt = 0; attempt < kMostSelections; ++attempt) {
-    if (attempt > 0) choice.margin_s = 4 * std::max(choice.margin_s, kLeastMargin);
-    const FrameSelection selection = selectFrames(stamps, problem.samples, gaps, choice);
-    if (selection.chosen.size() < kFewestFrames) {
-      return tooFewSelected(selection, stamps.size(), choice);
-    }
-    const auto poses = take(selection, posed, problem);
-    // Of frames that have a pose; the others are counted by without_pose.
-    out.frames_without_imu = static_cast<int>(stamps.size() - selection.chosen.size());
-    out.gaps = pausesWithin(problem, options, start.time_offsets.front().s);
-    out.solution = solveFrom(problem,
-                             {startStates(poses, start), start.T_SC0, start.gravity_direction,
-                              start.time_offsets, cameras},
-                             options);
-    if (out.solution.end != MinimiserEnd::kLeftDomain) break;
-  }
-  return out;
-}
-
-/// By every view's own pose, that of the homography, before anything is refined.
-std::size_t rejectLikeKalibr(std::vector<PackedCorners>& corners,
-                             const std::vector<CameraCalibration>& cameras,
-                             const std::vector<Frame>& frames, int threads) {
-  std::size_t count = 0;
-  const int n = static_cast<int>(frames.size());
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    std::vector<std::vector<int>> rejected(frames.size());
-    forChunks(n, 16, threads, [&](const Chunk& chunk) {
-      for (int i = chunk.begin; i < chunk.end; ++i) {
-        const int view = frames[static_cast<std::size_t>(i)].view[c];
-        if (view < 0) continue;
-        const PackedView packed = corners[c].view(view);
-        const auto start = homographyPose(cameras[c].intrinsics, packed);
-        if (!start) continue;
-        rejected[static_cast<std::size_t>(i)] =
-            kalibrOutliers(cameras[c].intrinsics, packed, *start);
-      }
-    });
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      for (const int k : rejected[i]) corners[c].setWeight(frames[i].view[c], k, 0);
-      count += rejected[i].size();
-    }
-  }
-  return count;
-}
-
 std::size_t rejectAboveSigma(CameraImuProblem& problem, const CameraImuEstimate& estimate,
                              double sigmas) {
   std::size_t count = 0;
@@ -183,6 +124,54 @@ void filterAndSolve(CameraImuProblem& problem, CameraImuSolution& solution,
   }
 }
 
+/// Chooses the frames under the first guess of the offset and solves; again with more margin should
+/// the offset leave the samples; then the rounds of CornerFilter::kSigma.
+Result<SelectedSolution> selectAndSolve(CameraImuProblem& problem, const PosedFrames& posed,
+                                        const CameraImuStart& start,
+                                        const std::vector<CameraCalibration>& cameras,
+                                        const CameraImuOptions& options) {
+  const auto gaps = imuGaps(problem.samples, options.max_gap_intervals);
+  const auto stamps = posed.stamps();
+  FrameSelectionOptions choice = selectionOptions(options, start.time_offsets.front().s);
+  SelectedSolution out;
+  // A wider margin leaves out the frames at the ends, which an offset that moved takes off the
+  // samples: better a few frames less than no result.
+  for (int attempt = 0; attempt < kMostSelections; ++attempt) {
+    if (attempt > 0) choice.margin_s = 4 * std::max(choice.margin_s, kLeastMargin);
+    const FrameSelection selection = selectFrames(stamps, problem.samples, gaps, choice);
+    if (selection.chosen.size() < kFewestFrames) {
+      return tooFewSelected(selection, stamps.size(), choice);
+    }
+    const auto poses = take(selection, posed, problem);
+    // Of frames that have a pose; the others are counted by without_pose.
+    out.frames_without_imu = static_cast<int>(stamps.size() - selection.chosen.size());
+    out.gaps = pausesWithin(problem, options, start.time_offsets.front().s);
+    out.solution = solveFrom(problem,
+                             {startStates(poses, start), start.T_SC0, start.gravity_direction,
+                              start.time_offsets, cameras},
+                             options);
+    if (out.solution.end != MinimiserEnd::kLeftDomain) break;
+  }
+  if (options.filter == CornerFilter::kSigma) filterAndSolve(problem, out.solution, options);
+  return out;
+}
+
+/// By every view's own pose, that of the homography, before anything is refined.
+void rejectLikeKalibr(std::vector<PackedCorners>& corners,
+                      const std::vector<CameraCalibration>& cameras,
+                      const std::vector<Frame>& frames, int threads) {
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const Intrinsics& lens = cameras[c].intrinsics;
+    std::vector<PosedView> starts;
+    for (const Frame& frame : frames) {
+      if (frame.view[c] < 0) continue;
+      const auto start = homographyPose(lens, corners[c].view(frame.view[c]));
+      if (start) starts.push_back({frame.view[c], *start});
+    }
+    rejectLikeKalibr(corners[c], lens, starts, threads);
+  }
+}
+
 /// What the session tells of the calibration that was held.
 void addInformation(CameraImuProblem problem, const CameraImuSolution& solution, double cauchy_px,
                     StageSummary& summary) {
@@ -201,15 +190,20 @@ std::optional<FaultDiagnosis> faultsUnder(const CameraImuOptions& options,
 }
 
 /// All that was left out of the recording, with stamps as recorded.
-Screening screeningOf(const PosedFrames& posed, const CameraImuProblem& problem,
-                      const CameraImuOptions& options) {
-  Screening screening = posed.screening;
-  screening.spikes = problem.spikes;
+void addLeftOut(const PosedFrames& posed, const CameraImuProblem& problem,
+                const SelectedSolution& selected, const CameraImuOptions& options,
+                CameraImuStageResult& result) {
+  result.imu_rate_hz = 1 / medianSampleInterval(problem.samples);
+  result.frames_without_pose = posed.without_pose;
+  result.frames_without_imu = selected.frames_without_imu;
+  result.imu_gaps = selected.gaps;
+  result.screening = posed.screening;
+  result.screening.spikes = problem.spikes;
   for (const ImuGap& gap : imuGaps(problem.recorded, options.max_gap_intervals)) {
     // The samples are shifted, the page speaks of the recording's stamps.
-    screening.pauses.push_back({gap.from - options.imu_shift_ns, secondsBetween(gap.from, gap.to)});
+    result.screening.pauses.push_back(
+        {gap.from - options.imu_shift_ns, secondsBetween(gap.from, gap.to)});
   }
-  return screening;
 }
 
 }  // namespace
@@ -227,7 +221,6 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
   const PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
   if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
   weigh(posed.rejected, 0, problem.corners);
-  const Screening screening = screeningOf(posed, problem, options);
   const CameraImuStart start = startFromCalibration(posed.poses, problem.samples, imu);
   if (options.filter == CornerFilter::kKalibr) {
     rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
@@ -237,18 +230,13 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
   auto selected = selectAndSolve(problem, posed, start, cameras, options);
   if (!selected) return selected.failure();
   CameraImuSolution& solution = selected.value().solution;
-  if (options.filter == CornerFilter::kSigma) filterAndSolve(problem, solution, options);
   seconds.solve = watch.lap();
   seconds.total = total.seconds();
   auto result = scoreResult(problem, solution, session);
   if (!result) return result;
   result.value().imu.T_SC0 = imu.T_SC0;  // steps of length zero round
-  result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
+  addLeftOut(posed, problem, *selected, options, result.value());
   result.value().summary.seconds = seconds;
-  result.value().frames_without_pose = posed.without_pose;
-  result.value().frames_without_imu = selected->frames_without_imu;
-  result.value().imu_gaps = selected->gaps;
-  result.value().screening = screening;
   if (options.score_information_px) {
     addInformation(std::move(problem), solution, *options.score_information_px,
                    result.value().summary);
@@ -267,7 +255,6 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
   // Before any filter: what stands in the wrong place would spoil its limits.
   weigh(posed.rejected, 0, problem.corners);
-  const Screening screening = screeningOf(posed, problem, options);
   CameraImuOptions with_noise = options;
   // The alignment with gravity judges its residuals by the densities, the session's if the options
   // have none.
@@ -284,7 +271,6 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   auto selected = selectAndSolve(problem, posed, *start, cameras, options);
   if (!selected) return selected.failure();
   CameraImuSolution& solution = selected.value().solution;
-  if (options.filter == CornerFilter::kSigma) filterAndSolve(problem, solution, options);
   seconds.solve = watch.lap();
 
   // Before the residuals are listed: no other step takes as much memory.
@@ -302,7 +288,7 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
   seconds.covariance = watch.lap();
-  result.value().imu_rate_hz = 1 / medianSampleInterval(problem.samples);
+  addLeftOut(posed, problem, *selected, options, result.value());
   result.value().faults = std::move(faults);
   // Last: the check takes problem and solution over.
   if (options.noise_check) {
@@ -312,10 +298,6 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   seconds.checks += watch.lap();
   seconds.total = total.seconds();
   result.value().summary.seconds = seconds;
-  result.value().frames_without_pose = posed.without_pose;
-  result.value().frames_without_imu = selected->frames_without_imu;
-  result.value().imu_gaps = selected->gaps;
-  result.value().screening = screening;
   result.value().inertial_check = start->check;
   return result;
 }
