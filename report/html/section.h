@@ -71,11 +71,11 @@ struct Cell {
 inline constexpr auto kNumber = Cell::Kind::kNumber;
 inline constexpr const char* kDash = "\u2013";  ///< in the cell of a value that there is not
 
-inline Cell number(std::string text) { return {std::move(text), Cell::Kind::kNumber, {}}; }
+inline Cell number(std::string text) { return {std::move(text), Cell::Kind::kNumber}; }
 /// A number of this format (fmt's), or a dash where there is none.
 Cell orDash(const std::optional<double>& value, double factor, const char* format);
-inline Cell tight(std::string text) { return {std::move(text), Cell::Kind::kTight, {}}; }
-inline Cell code(std::string text) { return {std::move(text), Cell::Kind::kCode, {}}; }
+inline Cell tight(std::string text) { return {std::move(text), Cell::Kind::kTight}; }
+inline Cell code(std::string text) { return {std::move(text), Cell::Kind::kCode}; }
 
 struct Column {
   std::string name;  ///< with the unit: "RMSE [px]"
@@ -84,7 +84,7 @@ struct Column {
 
 struct Table {
   std::vector<Column> columns;
-  std::vector<std::vector<Cell>> rows;
+  std::vector<std::vector<Cell>> rows = {};
 };
 
 struct NamedTransform {
@@ -97,21 +97,21 @@ struct NamedTransform {
 struct Block {
   std::string heading;
   std::string text;
-  std::optional<Table> table;
-  std::vector<NamedTransform> matrices;
-  std::vector<Figure> figures;
+  std::optional<Table> table = {};
+  std::vector<NamedTransform> matrices = {};
+  std::vector<Figure> figures = {};
   std::string html = {};  ///< markup of its own, after the table
 };
 
 struct Section {
   std::string id, title, lead;
-  std::vector<std::string> remarks;
-  std::vector<Block> blocks;
+  std::vector<std::string> remarks = {};
+  std::vector<Block> blocks = {};
 };
 
 /// `section` with a block of the table alone; as it is where the table has no rows.
 inline Section withTable(Section section, Table table) {
-  if (!table.rows.empty()) section.blocks.push_back({"", "", std::move(table), {}, {}});
+  if (!table.rows.empty()) section.blocks.push_back({"", "", std::move(table)});
   return section;
 }
 

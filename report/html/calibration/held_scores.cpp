@@ -68,7 +68,7 @@ std::vector<Cell> rowOf(const CalibrationScore& s, const std::vector<std::string
 Block blockOf(const std::string& heading, const std::string& text, const Scores& scores) {
   const bool with_imu = anyImu(scores);
   const std::vector<std::string> cameras = cameraNames(scores);
-  Block block{heading, text, Table{columnsOf(cameras, with_imu), {}}, {}, {}};
+  Block block{heading, text, Table{columnsOf(cameras, with_imu)}};
   for (const CalibrationScore& s : scores) {
     block.table->rows.push_back(rowOf(s, cameras, with_imu));
   }
@@ -122,13 +122,10 @@ Scores chosen(const Scores& scores, ScoredPart part) {
 }  // namespace
 
 Section heldScoresSection(const HeldCalibration& held) {
-  Section section{"scores",
-                  "Scores",
+  Section section{"scores", "Scores",
                   fmt::format("{} is fixed; only the target's poses, and with an IMU the states "
                               "and gravity's direction, are estimated.",
-                              held.file),
-                  {},
-                  {}};
+                              held.file)};
   for (const CalibrationScore& s : held.scores) {
     if (!s.problem.empty()) {
       section.remarks.push_back(

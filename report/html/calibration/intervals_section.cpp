@@ -28,8 +28,7 @@ Table sensorTable(const std::vector<SampleIntervals>& sensors) {
                {"Longest [ms]", kNumber},
                {"1 to 99 % [ms]", kNumber},
                {"Gaps", kNumber},
-               {"Missing", kNumber}},
-              {}};
+               {"Missing", kNumber}}};
   for (const SampleIntervals& s : sensors) {
     table.rows.push_back({tight(s.sensor), number(grouped(s.samples)),
                           // By the median, which gaps leave as it is.
@@ -67,8 +66,7 @@ Table gapTable(const std::vector<NamedGap>& gaps, TimeNs origin) {
                {"After [s]", kNumber},
                {"Stamp [ns]", kNumber},
                {"Interval [ms]", kNumber},
-               {"Missing", kNumber}},
-              {}};
+               {"Missing", kNumber}}};
   for (const NamedGap& g : gaps) {
     table.rows.push_back({tight(g.sensor),
                           number(fmt::format("{:.3f}", secondsBetween(origin, g.gap.t))),
@@ -149,17 +147,14 @@ std::vector<Figure> intervalFigures(const CalibrationRecord& record) {
 }  // namespace
 
 Section intervalsSection(const CalibrationRecord& record) {
-  Section section{"sample-intervals",
-                  "Sample intervals",
-                  "By the sensors' own stamps. A gap is an interval above 1.5 times the median.",
-                  {},
-                  {}};
-  section.blocks.push_back({"", "", sensorTable(record.sample_intervals), {}, {}});
+  Section section{"sample-intervals", "Sample intervals",
+                  "By the sensors' own stamps. A gap is an interval above 1.5 times the median."};
+  section.blocks.push_back({"", "", sensorTable(record.sample_intervals)});
   std::vector<Figure> figures = intervalFigures(record);
   if (!figures.empty()) section.blocks.push_back({"", "", {}, {}, std::move(figures)});
   const std::vector<NamedGap> gaps = longestGaps(record.sample_intervals);
   if (!gaps.empty()) {
-    section.blocks.push_back({"The longest gaps", "", gapTable(gaps, timeOrigin(record)), {}, {}});
+    section.blocks.push_back({"The longest gaps", "", gapTable(gaps, timeOrigin(record))});
   }
   return section;
 }

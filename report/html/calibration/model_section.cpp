@@ -55,8 +55,7 @@ Table candidateTable(const ModelChoice& choice) {
                {"Frames", kNumber},
                {"Held-out frames, RMS after the loss [px]", kNumber},
                {"Above the best [px\u00b2]", kNumber},
-               {"Std error [px\u00b2]", kNumber}},
-              {}};
+               {"Std error [px\u00b2]", kNumber}}};
   for (const ModelCandidate& c : choice.candidates) {
     // NaN: no solution, or none that the recording determines; the other figures say nothing
     // either.
@@ -81,8 +80,7 @@ Table halvesTable(const HalvesCheck& check) {
                {"99 % bound", kNumber},
                {"Largest difference", Cell::Kind::kCode},
                {"Second half minus first", kNumber},
-               {"Std", kNumber}},
-              {}};
+               {"Std", kNumber}}};
   for (const HalvesBlock& b : check.blocks) {
     const auto [shown, factor] = readable(b.unit);
     const std::string unit = b.unit == "-" ? "" : " " + shown;
@@ -102,29 +100,23 @@ Table halvesTable(const HalvesCheck& check) {
 
 Section modelSection(const CameraStageResult& stage) {
   Section section{
-      "models",
-      "Lens models",
+      "models", "Lens models",
       "Each model was fitted to one half of the recording's blocks of time and scored on the "
       "other, with only poses estimated. Models with fewer frames were rejected early, by "
-      "the best model on those frames.",
-      {},
-      {}};
+      "the best model on those frames."};
   for (const ModelChoice& choice : stage.models) {
-    section.blocks.push_back({choice.camera, reasonText(choice), candidateTable(choice), {}, {}});
+    section.blocks.push_back({choice.camera, reasonText(choice), candidateTable(choice)});
   }
   return section;
 }
 
 Section halvesSection(const CalibrationRecord& record) {
-  Section section{"halves",
-                  "Halves of the recording",
+  Section section{"halves", "Halves of the recording",
                   "Each half is solved separately, with cluster-robust standard deviations; the "
-                  "camera-IMU stage uses the cameras of the whole recording.",
-                  {},
-                  {}};
+                  "camera-IMU stage uses the cameras of the whole recording."};
   const auto add = [&](const char* heading, const StageSummary& summary) {
     if (!summary.halves) return;
-    section.blocks.push_back({heading, "", halvesTable(*summary.halves), {}, {}});
+    section.blocks.push_back({heading, "", halvesTable(*summary.halves)});
   };
   if (record.camera) add("Cameras", record.camera->summary);
   if (record.camera_imu) add("Camera-IMU", record.camera_imu->summary);

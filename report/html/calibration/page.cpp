@@ -52,15 +52,12 @@ Section reprojectionSection(const StageView& stage, const std::string& id) {
 
 Section correlationSection(const CalibrationRecord& record) {
   Section section{
-      "correlations",
-      "Correlations",
+      "correlations", "Correlations",
       fmt::format(
           "Correlations of the estimates, for a corner noise of {:g} px per coordinate and with "
           "all poses and states marginalised. Their entropy is 0.5 log((2\u03c0e)\u207f |\u03a3|); "
           "compare it only under the same parameters, units and noise.",
-          record.assumptions.pixel_sigma_px),
-      {},
-      {}};
+          record.assumptions.pixel_sigma_px)};
   std::vector<FigureGroup> groups;
   if (record.camera) groups.push_back(correlationFigures(cameraView(record)));
   if (record.camera_imu) groups.push_back(correlationFigures(cameraImuView(record)));
@@ -107,16 +104,13 @@ Section uncertaintySection(const CalibrationRecord& record) {
   // The maps are then made of the cluster-robust covariance.
   const bool robust = record.camera && record.camera->summary.robust_std;
   Section section{
-      "projection-uncertainty",
-      "Projection uncertainty",
+      "projection-uncertainty", "Projection uncertainty",
       "One standard deviation, in the worst direction, of the projection of a far point if the "
       "recording were repeated; a rotation of the camera frame is removed. Large values mark "
       "regions where the recording does not determine the lens. " +
           std::string(robust ? "Errors of a model that does not fit are included only as far as "
                                "they vary over the recording."
-                             : "Errors of a model that does not fit are not included."),
-      {},
-      {}};
+                             : "Errors of a model that does not fit are not included.")};
   std::vector<HeatMap> maps;
   std::vector<std::string> methods;
   for (const ImageMap& map : record.projection_uncertainty) {
@@ -217,7 +211,7 @@ std::string parametersLead(const CalibrationRecord& record) {
 }
 
 Block parameterBlock(const ParameterGroup& group) {
-  Table table{{{"Parameter", Cell::Kind::kCode}, {"Estimate", kNumber}, {"Std", kNumber}}, {}};
+  Table table{{{"Parameter", Cell::Kind::kCode}, {"Estimate", kNumber}, {"Std", kNumber}}};
   // A column that some parameter of the group needs, all of them have.
   if (group.has_interval) table.columns.push_back({"90 % interval, \u00b1", kNumber});
   if (group.has_formal) table.columns.push_back({"Formal std", kNumber});
@@ -234,11 +228,11 @@ Block parameterBlock(const ParameterGroup& group) {
     if (group.has_spread) row.insert(row.end(), {number(r.spread), number(r.ratio)});
     table.rows.push_back(std::move(row));
   }
-  return {group.heading, "", std::move(table), {}, {}};
+  return {group.heading, "", std::move(table)};
 }
 
 Section parametersSection(const CalibrationRecord& record) {
-  Section section{"parameters", "Parameters", parametersLead(record), {}, {}};
+  Section section{"parameters", "Parameters", parametersLead(record)};
   for (const ParameterGroup& group : parameterGroups(record)) {
     section.blocks.push_back(parameterBlock(group));
   }
@@ -264,20 +258,16 @@ Section offsetSection(const CalibrationRecord& record) {
                {"Field", Cell::Kind::kCode},
                {"As written", kNumber},
                {"Value", kNumber},
-               {"Note"}},
-              {}};
+               {"Note"}}};
   // Camera 0's; where the others have their own, the block's text says by how much they differ.
   for (const OffsetRow& r :
        offsetRows(record.camera_imu->imu.timeOffset(), shownOffsetStd(record))) {
     table.rows.push_back({{r.tool}, code(r.field), number(r.number), number(r.value), {r.note}});
   }
   Section section = withTable(
-      {"time-offset",
-       "Time offset in every tool's sign",
+      {"time-offset", "Time offset in every tool's sign",
        "The convention here is t_imu = t_cam + t_d: a camera stamp plus the offset is the same "
-       "instant on the IMU's clock.",
-       {},
-       {}},
+       "instant on the IMU's clock."},
       std::move(table));
   section.blocks.front().text =
       unlikeOffsetsText(record.camera_imu->cameras, record.camera_imu->imu);
@@ -327,7 +317,7 @@ std::vector<Cell> timingRow(const std::string& stage, const StageSeconds& s) {
 }
 
 std::vector<Block> timings(const CalibrationRecord& record) {
-  Table table{{{"Stage"}}, {}};
+  Table table{{{"Stage"}}};
   for (const char* part :
        {"load", "detect", "initialise", "solve", "checks", "covariance", "total"}) {
     table.columns.push_back({part, kNumber});
@@ -337,7 +327,7 @@ std::vector<Block> timings(const CalibrationRecord& record) {
     table.rows.push_back(timingRow("camera-IMU", record.camera_imu->summary.seconds));
   }
   if (table.rows.empty()) return {};
-  return {{"Seconds", "", std::move(table), {}, {}}};
+  return {{"Seconds", "", std::move(table)}};
 }
 
 std::vector<Section> sectionsOf(const CalibrationRecord& record) {

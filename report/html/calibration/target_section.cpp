@@ -111,7 +111,7 @@ std::string foundText(const TargetFit& fit, bool kept) {
 
 Table termTable(const TargetFit& fit) {
   Table table{
-      {{"Term", Cell::Kind::kCode}, {"RMS displacement [mm]", kNumber}, {"Std [mm]", kNumber}}, {}};
+      {{"Term", Cell::Kind::kCode}, {"RMS displacement [mm]", kNumber}, {"Std [mm]", kNumber}}};
   for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
     table.rows.push_back({code(kTargetTermNames[j]),
@@ -187,14 +187,13 @@ VectorField displacementField(const AprilGrid& grid, const std::vector<Eigen::Ve
 Section targetSection(const AprilGrid& grid, const CameraStageResult& stage) {
   const TargetFit& fit = *stage.target_fit;
   // Whether the calibration uses the estimated shape shows by the terms of its board.
-  Section section{
-      "target", "Target", foundText(fit, stage.target.terms == fit.shape.terms), {}, {}};
+  Section section{"target", "Target", foundText(fit, stage.target.terms == fit.shape.terms)};
   // None: there was no solution whose terms could be shown.
   if (!fit.shape.covariance) return section;
   const bool has_picture =
       fit.finding == TargetFinding::kBent || fit.finding == TargetFinding::kOther;
   if (!has_picture) {  // a picture of noise says nothing
-    section.blocks.push_back({"", kTermsText, termTable(fit), {}, {}});
+    section.blocks.push_back({"", kTermsText, termTable(fit)});
     return section;
   }
   AprilGrid board = grid;

@@ -115,8 +115,7 @@ Table worstTable(const StageView& stage, const std::vector<ViewErrors>& views,
                {"RMSE [px]", kNumber},
                {"Largest error [px]", kNumber},
                {"Corners used", kNumber},
-               {"Rejected", kNumber}},
-              {}};
+               {"Rejected", kNumber}}};
   const std::vector<double> seconds = frameSeconds(stage);
   for (std::size_t i = 0; i < std::min(kWorstViews, order.size()); ++i) {
     const ViewErrors& v = views[order[i]];
@@ -160,8 +159,7 @@ Block rejectedBlock(const StageView& stage, const std::vector<ViewErrors>& views
                {"v [px]", kNumber},
                {"Error u [px]", kNumber},
                {"Error v [px]", kNumber},
-               {"Length [px]", kNumber}},
-              {}};
+               {"Length [px]", kNumber}}};
   const std::vector<double> seconds = frameSeconds(stage);
   for (std::size_t k = 0; k < std::min(kMostRejected, list.size()); ++k) {
     const CornerResidual& r = *list[k].corner;
@@ -177,21 +175,18 @@ Block rejectedBlock(const StageView& stage, const std::vector<ViewErrors>& views
       "{} of {} corners took no part in the solution. Errors are measured minus projected.",
       list.size(), stage.residuals.size());
   if (list.size() > kMostRejected) text += fmt::format(" The {} largest:", kMostRejected);
-  return {"Rejected corners", std::move(text), std::move(table), {}, {}};
+  return {"Rejected corners", std::move(text), std::move(table)};
 }
 
 }  // namespace
 
 Section viewsSection(const StageView& stage, const std::vector<Transform>& T_FC0,
                      const std::vector<ViewImage>& images) {
-  Section section{"views",
-                  "Single views",
+  Section section{"views", "Single views",
                   "Pick a view: click a moment in any plot over time, a camera in the scene, a row "
                   "of the worst views, or move the slider. Arrows are errors, measured minus "
                   "projected, magnified; rejected corners are crosses. Drag to zoom, double-click "
-                  "to see all.",
-                  {},
-                  {}};
+                  "to see all."};
   if (!images.empty()) section.lead += " The worst views have their images.";
   const std::vector<ViewErrors> views = viewErrors(stage.residuals);
   if (views.empty()) return section;
@@ -208,7 +203,7 @@ Section viewsSection(const StageView& stage, const std::vector<Transform>& T_FC0
   Block block;
   block.html = renderTemplate(embedded::views(), values);
   section.blocks.push_back(std::move(block));
-  section.blocks.push_back({"The worst views", "", worstTable(stage, views, order), {}, {}});
+  section.blocks.push_back({"The worst views", "", worstTable(stage, views, order)});
   const std::vector<Rejected> rejected = rejectedOf(views);
   if (!rejected.empty()) section.blocks.push_back(rejectedBlock(stage, views, rejected));
   return section;

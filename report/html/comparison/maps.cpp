@@ -115,13 +115,10 @@ Block differenceBlock(const ScaledMaps& scaled, std::size_t i) {
 }  // namespace
 
 Section differenceSection(const ComparisonRecord& record) {
-  Section section{"differences",
-                  "Projection differences",
+  Section section{"differences", "Projection differences",
                   "Difference between the projections of one point under two calibrations, after "
                   "one rotation and translation aligned the camera frames: what remains is a real "
-                  "difference of the lens models, not of conventions.",
-                  {},
-                  {}};
+                  "difference of the lens models, not of conventions."};
   const ScaledMaps maps = scaled(record.differences, "|d| [px]", false);
   for (std::size_t i = 0; i < maps.maps.size(); ++i) {
     section.blocks.push_back(differenceBlock(maps, i));
@@ -131,14 +128,11 @@ Section differenceSection(const ComparisonRecord& record) {
 
 Section uncertaintySection(const ComparisonRecord& record) {
   Section section{
-      "uncertainties",
-      "Projection uncertainty",
+      "uncertainties", "Projection uncertainty",
       fmt::format("Standard deviation of the projection of a point at the stated range, from the "
                   "covariance of the calibration under a corner noise of {:g} px. It includes "
                   "noise only, not the error of a model that does not fit.",
-                  record.assumptions.pixel_sigma_px),
-      {},
-      {}};
+                  record.assumptions.pixel_sigma_px)};
   Block block;
   const ScaledMaps maps = scaled(record.uncertainties, "std [px]", true);
   for (std::size_t i = 0; i < maps.maps.size(); ++i) {

@@ -57,8 +57,7 @@ Table scoresTable(const std::vector<CalibrationScore>& scores) {
                {"With IMU [px]", kNumber},
                {"Gyro [mrad/s]", kNumber},
                {"Accel [m/s\u00b2]", kNumber},
-               {"Problem"}},
-              {}};
+               {"Problem"}}};
   for (const CalibrationScore& s : scores) table.rows.push_back(scoreRow(s));
   return table;
 }
@@ -133,8 +132,7 @@ Table pairedTable(const ComparisonRecord& record) {
                {"Views", kNumber},
                {"Mean difference [px\u00b2]", kNumber},
                {"Std error [px\u00b2]", kNumber},
-               {"Reading"}},
-              {}};
+               {"Reading"}}};
   const std::string first = record.calibrations.empty() ? "" : record.calibrations[0].label;
   for (const PairedPrediction& p : record.paired) {
     // Negative: the calibration that is compared with the first predicts better.
@@ -170,8 +168,7 @@ Table entropyTable(const std::vector<CalibrationScore>& scores,
                {"Part"},
                {"Entropy [nats]", kNumber},
                {"Parameters", kNumber},
-               {"Of"}},
-              {}};
+               {"Of"}}};
   bool any = false;
   for (const CalibrationScore& s : scores) {
     const std::optional<double>& value = s.*entropy;
@@ -207,13 +204,10 @@ std::string imuAssumed(const Assumptions& a) {
 }  // namespace
 
 Section scoresSection(const ComparisonRecord& record) {
-  Section section{"scores",
-                  "Scores on recordings",
+  Section section{"scores", "Scores on recordings",
                   "Every calibration is fixed; only the target's poses (and with an IMU the states "
                   "and gravity) are estimated. Corners and rule are the same for all, unlike the "
-                  "in-sample errors that the tools report.",
-                  {},
-                  {}};
+                  "in-sample errors that the tools report."};
   if (record.scores.empty()) return section;
   Block block;
   block.table = scoresTable(record.scores);
@@ -226,23 +220,18 @@ Section scoresSection(const ComparisonRecord& record) {
         {"Which predicts better, view by view",
          "Mean over views of the difference in mean squared error; negative means that the first "
          "one is better. The standard error is computed from blocks of consecutive views.",
-         pairedTable(record),
-         {},
-         {}});
+         pairedTable(record)});
   }
   return section;
 }
 
 Section entropySection(const ComparisonRecord& record) {
   Section section{
-      "entropy",
-      "Entropy",
+      "entropy", "Entropy",
       fmt::format("0.5 log((2\u03c0e)\u207f |\u03a3|) of the parameters on that recording, in "
                   "nats, for a corner noise of {:g} px; lower is better determined. Compare it "
                   "only under the same parameters, units and noise.",
-                  record.assumptions.pixel_sigma_px),
-      {},
-      {}};
+                  record.assumptions.pixel_sigma_px)};
   Table cameras = entropyTable(record.scores, &CalibrationScore::entropy_nats,
                                &CalibrationScore::entropy_parameters);
   Table imu = entropyTable(record.scores, &CalibrationScore::camera_imu_entropy_nats,
@@ -250,13 +239,10 @@ Section entropySection(const ComparisonRecord& record) {
   if (!cameras.rows.empty()) {
     section.blocks.push_back({"Cameras",
                               "All corners have the same weight; poses are marginalised.",
-                              std::move(cameras),
-                              {},
-                              {}});
+                              std::move(cameras)});
   }
   if (!imu.rows.empty()) {
-    section.blocks.push_back(
-        {"Camera-IMU", imuAssumed(record.assumptions), std::move(imu), {}, {}});
+    section.blocks.push_back({"Camera-IMU", imuAssumed(record.assumptions), std::move(imu)});
   }
   return section;
 }

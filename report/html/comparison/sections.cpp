@@ -107,7 +107,7 @@ std::vector<Block> parameterBlocks(const std::vector<ComparedParameter>& paramet
     auto block = std::find_if(blocks.begin(), blocks.end(),
                               [&](const Block& b) { return b.heading == owner; });
     if (block == blocks.end()) {
-      block = blocks.insert(block, {owner, "", Table{parameterColumns(labels, shown), {}}, {}, {}});
+      block = blocks.insert(block, {owner, "", Table{parameterColumns(labels, shown)}});
     }
     block->table->rows.push_back(parameterRow(p, labels.size(), shown));
   }
@@ -133,7 +133,7 @@ std::string notHeldOut(const ComparisonRecord& record) {
 
 /// One column a calibration: camera 0's offset as a tool writes it.
 Table offsetTable(const ComparisonRecord& record) {
-  Table table{{{"Tool"}, {"Field", Cell::Kind::kCode}}, {}};
+  Table table{{{"Tool"}, {"Field", Cell::Kind::kCode}}};
   std::vector<std::vector<OffsetRow>> rows;
   for (const OffsetSummary& o : record.offsets) {
     table.columns.push_back({o.label, kNumber});
@@ -171,9 +171,10 @@ std::string unlikeOffsets(const ComparisonRecord& record) {
 
 /// Offset, deviation and, where cameras have one each, theirs; all in Kalibr's sign.
 Table offsetDetails(const ComparisonRecord& record) {
-  Table table{
-      {{"Calibration"}, {"t_d [ms]", kNumber}, {"Std [ms]", kNumber}, {"Per camera [ms]", kNumber}},
-      {}};
+  Table table{{{"Calibration"},
+               {"t_d [ms]", kNumber},
+               {"Std [ms]", kNumber},
+               {"Per camera [ms]", kNumber}}};
   for (const OffsetSummary& o : record.offsets) {
     std::string each;
     for (const double t : o.per_camera_s) {
@@ -192,9 +193,8 @@ Table offsetDetails(const ComparisonRecord& record) {
 }  // namespace
 
 Section calibrationsSection(const ComparisonRecord& record) {
-  Section section{
-      "calibrations", "Calibrations", "Differences below are relative to the first.", {}, {}};
-  Table table{{{"Label"}, {"Tool"}, {"File"}, {"Cameras"}, {"IMU"}, {"Conventions"}}, {}};
+  Section section{"calibrations", "Calibrations", "Differences below are relative to the first."};
+  Table table{{{"Label"}, {"Tool"}, {"File"}, {"Cameras"}, {"IMU"}, {"Conventions"}}};
   for (const ComparedCalibration& c : record.calibrations) {
     table.rows.push_back({{c.label},
                           {c.tool.empty() ? kDash : c.tool},
@@ -207,28 +207,23 @@ Section calibrationsSection(const ComparisonRecord& record) {
 }
 
 Section comparedParametersSection(const ComparisonRecord& record) {
-  Section section{"parameters",
-                  "Parameters",
-                  "In one convention: p_A = T_AB p_B, rotations as rotation vectors, t_imu = t_cam "
-                  "+ t_d. Significance is |difference| over the combined standard deviation of "
-                  "both; from 2 \u03c3 it is notable, from 3 \u03c3 the two differ by more than "
-                  "their stated noise explains. Without standard deviations of both there is none.",
-                  {},
-                  {}};
+  Section section{
+      "parameters", "Parameters",
+      "In one convention: p_A = T_AB p_B, rotations as rotation vectors, t_imu = t_cam "
+      "+ t_d. Significance is |difference| over the combined standard deviation of "
+      "both; from 2 \u03c3 it is notable, from 3 \u03c3 the two differ by more than "
+      "their stated noise explains. Without standard deviations of both there is none."};
   section.blocks = parameterBlocks(record.parameters, labelsOf(record), Shown::kValues);
   return section;
 }
 
 Section sessionEstimateSection(const ComparisonRecord& record) {
-  Section section{"session-estimate",
-                  "Comparison with the session's own estimate",
+  Section section{"session-estimate", "Comparison with the session's own estimate",
                   "The session itself was calibrated, with the first calibration's camera models. "
-                  "\u0394 is each calibration minus that estimate.",
-                  {},
-                  {}};
+                  "\u0394 is each calibration minus that estimate."};
   if (!record.session_estimate) return section;
   const SessionEstimate& own = *record.session_estimate;
-  if (!own.problem.empty()) section.blocks.push_back({"", "None: " + own.problem, {}, {}, {}});
+  if (!own.problem.empty()) section.blocks.push_back({"", "None: " + own.problem});
   const std::string same = notHeldOut(record);
   if (!same.empty()) {
     section.lead +=
@@ -244,7 +239,7 @@ Section sessionEstimateSection(const ComparisonRecord& record) {
 }
 
 Section transformsSection(const ComparisonRecord& record) {
-  Section section{"transforms", "Transforms", "Metres; p_A = T_AB p_B.", {}, {}};
+  Section section{"transforms", "Transforms", "Metres; p_A = T_AB p_B."};
   for (const ComparedCalibration& c : record.calibrations) {
     Block block;
     block.heading = c.label;
@@ -262,16 +257,12 @@ Section transformsSection(const ComparisonRecord& record) {
 }
 
 Section offsetsSection(const ComparisonRecord& record) {
-  Section section{"time-offset",
-                  "Time offset in every tool's sign",
+  Section section{"time-offset", "Time offset in every tool's sign",
                   "The convention here, and Kalibr's, is t_imu = t_cam + t_d: a camera stamp plus "
-                  "the offset is the same instant on the IMU's clock.",
-                  {},
-                  {}};
+                  "the offset is the same instant on the IMU's clock."};
   if (record.offsets.empty()) return section;
-  section.blocks.push_back({"", "", offsetDetails(record), {}, {}});
-  section.blocks.push_back(
-      {"As written by each tool", unlikeOffsets(record), offsetTable(record), {}, {}});
+  section.blocks.push_back({"", "", offsetDetails(record)});
+  section.blocks.push_back({"As written by each tool", unlikeOffsets(record), offsetTable(record)});
   return section;
 }
 

@@ -91,13 +91,10 @@ Table casesTable(const PerturbationRecord& record, const CaseGroup& group) {
 
 Section basinSection(const PerturbationRecord& record, const std::vector<CaseGroup>& groups) {
   Section section{
-      "basin",
-      "Convergence basin",
+      "basin", "Convergence basin",
       "Every IMU stamp is shifted by a known offset, and the calibration runs again from its own "
       "initial guess. Since t_imu = t_cam + t_d, the recovered offset must grow by exactly what "
-      "was injected: error = recovered \u2212 injected \u2212 base.",
-      {},
-      {}};
+      "was injected: error = recovered \u2212 injected \u2212 base."};
   for (const CaseGroup& group : groups) {
     if (group.kind == kShift)
       section.blocks.push_back({"", "", {}, {}, {basinFigure(record, group)}});
@@ -106,13 +103,10 @@ Section basinSection(const PerturbationRecord& record, const std::vector<CaseGro
 }
 
 Section changeSection(const PerturbationRecord& record, const std::vector<CaseGroup>& groups) {
-  Section section{"changes",
-                  "Other changes",
+  Section section{"changes", "Other changes",
                   "The change of every parameter in standard deviations of the base calibration; "
                   "for the time offset, minus the injected offset. White: unchanged; colours end "
-                  "at 3 \u03c3, numbers are given from 0.05 \u03c3.",
-                  {},
-                  {}};
+                  "at 3 \u03c3, numbers are given from 0.05 \u03c3."};
   if (record.parameters.empty()) return section;
   for (const CaseGroup& group : groups) {
     // A map of blank rows would show nothing.
@@ -126,15 +120,12 @@ Section changeSection(const PerturbationRecord& record, const std::vector<CaseGr
 }
 
 Section casesSection(const PerturbationRecord& record, const std::vector<CaseGroup>& groups) {
-  Section section{"cases",
-                  "All cases",
+  Section section{"cases", "All cases",
                   "One calibration a row, the first of each table without any change. Error is "
                   "recovered \u2212 injected \u2212 base; where no offset was injected it is the "
-                  "change of the offset. \u03c3 is the base's standard deviation.",
-                  {},
-                  {}};
+                  "change of the offset. \u03c3 is the base's standard deviation."};
   for (const CaseGroup& group : groups) {
-    section.blocks.push_back({titleOf(group.kind), "", casesTable(record, group), {}, {}});
+    section.blocks.push_back({titleOf(group.kind), "", casesTable(record, group)});
   }
   return section;
 }
@@ -143,8 +134,7 @@ Section baseSection(const PerturbationRecord& record) {
   Table table{{{"Parameter", Cell::Kind::kCode},
                {"Estimate", Cell::Kind::kNumber},
                {"Std", Cell::Kind::kNumber},
-               {"Unit"}},
-              {}};
+               {"Unit"}}};
   for (std::size_t i = 0; i < std::min(record.parameters.size(), record.base.values.size()); ++i) {
     const auto [unit, factor] = readable(i < record.units.size() ? record.units[i] : "");
     const double std = i < record.base_std.size() ? record.base_std[i] : 0;
@@ -153,7 +143,7 @@ Section baseSection(const PerturbationRecord& record) {
                           number(twoDigits(factor * std)),
                           {unit}});
   }
-  Section section{"base", "Base calibration", "The reference of all cases.", {}, {}};
+  Section section{"base", "Base calibration", "The reference of all cases."};
   return withTable(std::move(section), std::move(table));
 }
 

@@ -167,8 +167,7 @@ Table strategyTable(const Bands& bands) {
                {"Views to come within 10 %", kNumber},
                {"Median regret [px]", kNumber},
                {"Last entropy [nats]", kNumber},
-               {"Last held-out RMSE [px]", kNumber}},
-              {}};
+               {"Last held-out RMSE [px]", kNumber}}};
   for (const CounterfactualBand& b : bands) {
     table.rows.push_back({tight(b.strategy), number(std::to_string(b.seeds)),
                           number(b.views.empty() ? kDash : std::to_string(b.views.back())),
@@ -205,15 +204,12 @@ void addFigures(Section& section, const Counterfactuals& c) {
 
 Section counterfactualsSection(const ReplayRecord& record) {
   Section section{
-      "counterfactuals",
-      "Counterfactuals",
-      "The same frames in other orders: how many views would have been enough for the same error?",
-      {},
-      {}};
+      "counterfactuals", "Counterfactuals",
+      "The same frames in other orders: how many views would have been enough for the same error?"};
   if (!record.counterfactuals) return section;
   const Counterfactuals& c = *record.counterfactuals;
   section.remarks = c.remarks;
-  if (!c.problem.empty()) section.blocks.push_back({"", c.problem, {}, {}, {}});
+  if (!c.problem.empty()) section.blocks.push_back({"", c.problem});
   if (c.bands.empty()) return section;
   section.lead += fmt::format(
       " The pool contains {} frames, {} others are held out; with all of the pool the entropy is "

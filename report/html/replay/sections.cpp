@@ -66,8 +66,7 @@ Table stageTable(const ReplayRecord& record) {
                {"Reached", kNumber},
                {"Started [s]", kNumber},
                {"Finish [s]", kNumber},
-               {"Gained after it", kNumber}},
-              {}};
+               {"Gained after it", kNumber}}};
   for (const ReplayStageSummary& s : record.stages) table.rows.push_back(stageRow(record, s));
   return table;
 }
@@ -93,8 +92,7 @@ Table batchTable(const ReplayRecord& record) {
                {"RMSE [px]", kNumber},
                {"Entropy [nats]", kNumber},
                {"Entropy [bits]", kNumber},
-               {"Converged"}},
-              {}};
+               {"Converged"}}};
   for (const ReplayStageSummary& s : record.stages) {
     if (s.kept_batch) table.rows.push_back(batchRow(s, "views kept", *s.kept_batch));
     if (s.full_batch) table.rows.push_back(batchRow(s, "all frames", *s.full_batch));
@@ -146,8 +144,7 @@ Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutco
                {"Closest [px]", kNumber},
                {"Mean [px]", kNumber},
                {"Position [mm]", kNumber},
-               {"Rotation [\u00b0]", kNumber}},
-              {}};
+               {"Rotation [\u00b0]", kNumber}}};
   for (const SuggestionOutcome& o : outcomes) table.rows.push_back(outcomeRow(record, o));
   return table;
 }
@@ -191,13 +188,10 @@ std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
 
 Section replayStagesSection(const ReplayRecord& record) {
   Section section{
-      "stages",
-      "Stages",
+      "stages", "Stages",
       "Used: in the estimate. Redundant: used, but in hindsight below the threshold; missed: not "
       "used, but in hindsight above it. Times count from the first frame. Gained after \"finish\": "
-      "information that the rest of the recording would have added.",
-      {},
-      {}};
+      "information that the rest of the recording would have added."};
   if (!record.target.shape.isFlat()) {
     section.remarks.push_back("The board's shape is known and used, so it causes no misfit.");
   }
@@ -207,35 +201,28 @@ Section replayStagesSection(const ReplayRecord& record) {
   section = withTable(std::move(section), stageTable(record));
   Table batches = batchTable(record);
   if (batches.rows.empty()) return section;
-  section.blocks.push_back(
-      {"Batch over the views kept, and over all", "", std::move(batches), {}, {}});
+  section.blocks.push_back({"Batch over the views kept, and over all", "", std::move(batches)});
   return section;
 }
 
 Section replaySuggestionsSection(const ReplayRecord& record) {
-  return withTable({"suggestions",
-                    "Suggestions",
+  return withTable({"suggestions", "Suggestions",
                     "What the guide suggested, and how close the recording came to it while the "
                     "suggestion was open: mean distance of the corners, and the distance of the "
                     "camera at the closest frame. In an unguided recording nobody followed the "
-                    "suggestions. Withdrawn: the stage finished or restarted while it was open.",
-                    {},
-                    {}},
+                    "suggestions. Withdrawn: the stage finished or restarted while it was open."},
                    outcomeTable(record, record.suggestions));
 }
 
 Section stopAuditSection(const ReplayRecord& record) {
   Section section{
-      "stop-audit",
-      "Stopping rule",
+      "stop-audit", "Stopping rule",
       "The guide's \"finish\" compared with the first instant at which the views kept were "
       "sufficient, judged by the held-out error of the batch over them. Saved: the part of the "
       "recording after it. Excess: relative increase of the error with the views kept over that "
       "with all frames, as predicted by the guide and as measured on held-out frames. Points by "
       "the IMU: by how much points that it predicts are off, as expected by the guide and against "
-      "the calibration of all frames. Ended: without a stop, so that the other stage is replayed.",
-      {},
-      {}};
+      "the calibration of all frames. Ended: without a stop, so that the other stage is replayed."};
   Table table{{{"Stage"},
                {"Judgement"},
                {"Finish [s]", kNumber},
@@ -247,8 +234,7 @@ Section stopAuditSection(const ReplayRecord& record) {
                {"Points by the IMU, expected [px]", kNumber},
                {"Measured [px]", kNumber},
                {"Entropy then [nats]", kNumber},
-               {"Of all frames [nats]", kNumber}},
-              {}};
+               {"Of all frames [nats]", kNumber}}};
   for (const StopAudit& a : record.stop_audits) {
     table.rows.push_back(auditRow(record, a));
     if (!a.explanation.empty()) section.remarks.push_back(titleOf(a.stage) + ": " + a.explanation);
@@ -257,12 +243,9 @@ Section stopAuditSection(const ReplayRecord& record) {
 }
 
 Section complianceSection(const ReplayRecord& record) {
-  Section section{"compliance",
-                  "Operator compliance",
+  Section section{"compliance", "Operator compliance",
                   "What the guide showed to the operator during the recording, and how close and "
-                  "how fast the operator came.",
-                  {},
-                  {}};
+                  "how fast the operator came."};
   if (!record.compliance) return section;
   const OperatorCompliance& c = *record.compliance;
   if (c.suggestions.empty()) {

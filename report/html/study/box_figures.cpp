@@ -113,11 +113,8 @@ BoxPlot groupedBoxes(const StudyRecord& record, const std::vector<Row>& rows, Gr
 }  // namespace
 
 Section trajectorySection(const StudyRecord& record) {
-  Section section{"trajectories",
-                  "Absolute trajectory errors",
-                  "Odometry under every calibration: one value per calibration and run.",
-                  {},
-                  {}};
+  Section section{"trajectories", "Absolute trajectory errors",
+                  "Odometry under every calibration: one value per calibration and run."};
   if (record.trajectories.empty()) return section;
   int incomplete = 0;
   for (const StudyTrajectory& t : record.trajectories) incomplete += t.ate_m ? 0 : 1;
@@ -135,11 +132,8 @@ Section trajectorySection(const StudyRecord& record) {
 
 Section heldOutSection(const StudyRecord& record) {
   Section section{
-      "held-out",
-      "Held-out errors",
-      "Every calibration, fixed, on held-out recordings of the rig; only poses are estimated.",
-      {},
-      {}};
+      "held-out", "Held-out errors",
+      "Every calibration, fixed, on held-out recordings of the rig; only poses are estimated."};
   if (record.held_out.empty()) return section;
   const BoxPlot plot = groupedBoxes(record, record.held_out, &StudyHeldOut::recording,
                                     &StudyHeldOut::rmse_px, "{:.4f} px");
@@ -156,12 +150,9 @@ Section heldOutSection(const StudyRecord& record) {
 }
 
 Section entropySection(const StudyRecord& record) {
-  Section section{"entropies",
-                  "Entropies",
+  Section section{"entropies", "Entropies",
                   "Of the calibrations' parameters; lower: better determined. Compare them only "
-                  "under the same noise and parameters.",
-                  {},
-                  {}};
+                  "under the same noise and parameters."};
   const BoxPlot cameras = methodBoxes(
       record, [](const StudySession& s) { return s.camera_entropy_nats; }, "{:.2f} nat");
   const BoxPlot imu = methodBoxes(

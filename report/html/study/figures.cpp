@@ -160,8 +160,7 @@ Table offsetTable(const StudyRecord& record) {
                {"Sessions", kNumber},
                {"Mean [ms]", kNumber},
                {"Std over sessions [ms]", kNumber},
-               {"Median formal std [ms]", kNumber}},
-              {}};
+               {"Median formal std [ms]", kNumber}}};
   for (const StudyMethod& m : record.statistics.methods) {
     std::vector<double> stated;
     std::size_t count = 0;
@@ -218,13 +217,13 @@ Figure offsetFigure(const StudyRecord& record) {
 }  // namespace
 
 Section timeSection(const StudyRecord& record) {
-  Section section{"time", "Time", "", {}, {}};
+  Section section{"time", "Time", ""};
   section = withFigure(std::move(section), stagesFigure(record));
   return withFigure(std::move(section), survivalFigure(record));
 }
 
 Section offsetSection(const StudyRecord& record) {
-  Section section{"offsets", "Time offset", "", {}, {}};
+  Section section{"offsets", "Time offset", ""};
   Table table = offsetTable(record);
   if (table.rows.empty()) return section;
   section.blocks.push_back({"", "", std::move(table), {}, {offsetFigure(record)}});

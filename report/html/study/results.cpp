@@ -44,8 +44,7 @@ Table effectsTable(const StudyRecord& record) {
                {"p", kNumber},
                {"p (Holm)", kNumber},
                {"Participants", kNumber},
-               {"Design"}},
-              {}};
+               {"Design"}}};
   for (const StudyEffect& e : record.statistics.effects) {
     if (e.design == StudyDesign::kTooFew) continue;
     table.rows.push_back({code(comparison(e)),
@@ -67,8 +66,7 @@ Table besideTable(const StudyRecord& record) {
                {"BCa interval", kNumber},
                {"Hodges\u2013Lehmann", kNumber},
                {"95 % interval", kNumber},
-               {"Wilcoxon p", kNumber}},
-              {}};
+               {"Wilcoxon p", kNumber}}};
   for (const StudyEffect& e : record.statistics.effects) {
     if (e.design == StudyDesign::kTooFew) continue;
     table.rows.push_back({code(comparison(e)),
@@ -90,8 +88,7 @@ Table methodsTable(const StudyRecord& record) {
                {"Caution", kNumber},
                {"Bad", kNumber},
                {"Median time [s]", kNumber},
-               {"Median held-out RMSE [px]", kNumber}},
-              {}};
+               {"Median held-out RMSE [px]", kNumber}}};
   const auto& methods = record.statistics.methods;
   const bool guided = std::any_of(methods.begin(), methods.end(),
                                   [](const StudyMethod& m) { return m.compliance.has_value(); });
@@ -118,11 +115,8 @@ struct Recovered {
 }  // namespace
 
 Section resultsSection(const StudyRecord& record) {
-  Section section{"results",
-                  "Results",
-                  "The participant is the unit; the first method is the baseline.",
-                  {},
-                  {}};
+  Section section{"results", "Results",
+                  "The participant is the unit; the first method is the baseline."};
   section.remarks = record.statistics.sentences;
   // The sentences may hold it already.
   for (const StudyQuade& q : record.statistics.quade) {
@@ -131,7 +125,7 @@ Section resultsSection(const StudyRecord& record) {
       section.remarks.push_back(q.sentence);
     }
   }
-  section.blocks.push_back({"Methods", "", methodsTable(record), {}, {}});
+  section.blocks.push_back({"Methods", "", methodsTable(record)});
   Table effects = effectsTable(record);
   if (effects.rows.empty()) return section;
   section.blocks.push_back(
@@ -140,15 +134,11 @@ Section resultsSection(const StudyRecord& record) {
        "others as differences. In a crossover the effect of the period is removed, the p-value "
        "permutes the orders over the participants, and the interval contains the effects that this "
        "test does not reject. Holm's correction is over the declared endpoints.",
-       std::move(effects),
-       {},
-       {}});
+       std::move(effects)});
   section.blocks.push_back(
       {"Further intervals and tests",
        "The same effects by the BCa bootstrap, and by signed ranks, which ignore the period.",
-       besideTable(record),
-       {},
-       {}});
+       besideTable(record)});
   return section;
 }
 
@@ -160,8 +150,7 @@ Section orderSection(const StudyRecord& record) {
                {"Second session", kNumber},
                {"95 % interval", kNumber},
                {"Carry-over", kNumber},
-               {"95 % interval", kNumber}},
-              {}};
+               {"95 % interval", kNumber}}};
   for (const StudyEffect& e : record.statistics.effects) {
     if (!e.period) continue;
     table.rows.push_back({code(comparison(e)),
@@ -174,13 +163,10 @@ Section orderSection(const StudyRecord& record) {
                           intervalCell(e.carry_over, e.ratio)});
   }
   return withTable(
-      {"order",
-       "Order effects",
+      {"order", "Order effects",
        "Difference of the second session with the effect of the method removed (practice, "
        "fatigue), and the difference between the two orders' sums, which shows a lasting effect of "
-       "the first session. An estimate only: no decision depends on it.",
-       {},
-       {}},
+       "the first session. An estimate only: no decision depends on it."},
       std::move(table));
 }
 
@@ -202,8 +188,7 @@ Section perturbationSection(const StudyRecord& record) {
                {"Failed", kNumber},
                {"Recovered [ms]", kNumber},
                {"Std [ms]", kNumber},
-               {"Largest error [ms]", kNumber}},
-              {}};
+               {"Largest error [ms]", kNumber}}};
   for (const auto& [key, group] : groups) {
     const SampleStatistics all = sampleStatistics(group.ms, 1);
     double worst = 0;
@@ -220,12 +205,9 @@ Section perturbationSection(const StudyRecord& record) {
          number(any ? fmt::format("{:.2g}", worst) : kDash)});
   }
   return withTable(
-      {"perturbations",
-       "Perturbed time offsets",
+      {"perturbations", "Perturbed time offsets",
        "Every IMU stamp is shifted by a known offset and the calibration runs again from its own "
-       "initial guess; recovered: the offset found minus the one found without the shift.",
-       {},
-       {}},
+       "initial guess; recovered: the offset found minus the one found without the shift."},
       std::move(table));
 }
 

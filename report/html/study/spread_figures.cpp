@@ -25,8 +25,7 @@ Table spreadTable(const StudyRecord& record) {
                {"Stated", kNumber},
                {"Unit"},
                {"Ratio", kNumber},
-               {"95 % interval", kNumber}},
-              {}};
+               {"95 % interval", kNumber}}};
   for (const StudySpread& s : record.statistics.spread) {
     const auto [unit, factor] = readable(s.unit);
     Cell ratio = number(fmt::format("{:.2f}", s.ratio));
@@ -110,27 +109,21 @@ Figure spreadFigure(const StudyRecord& record) {
 }  // namespace
 
 Section spreadSection(const StudyRecord& record) {
-  Section section{"spread",
-                  "Stated deviations and the spread over sessions",
+  Section section{"spread", "Stated deviations and the spread over sessions",
                   "Sessions of one rig should spread as much as each of them states. Ratio: "
                   "sqrt(chi\u00b2 / (n \u2212 1)) about the weighted mean; above its interval the "
-                  "deviations are too small, below too large.",
-                  {},
-                  {}};
+                  "deviations are too small, below too large."};
   Table table = spreadTable(record);
   if (table.rows.empty()) return section;
   section.blocks.push_back({"", "", {}, {}, {spreadFigure(record)}});
-  section.blocks.push_back({"Every parameter", "", std::move(table), {}, {}});
+  section.blocks.push_back({"Every parameter", "", std::move(table)});
   return section;
 }
 
 Section boardSection(const StudyRecord& record) {
-  Section section{"board",
-                  "The board over the sessions",
+  Section section{"board", "The board over the sessions",
                   "Terms of the target's shape as each calibration estimated it: a drift means "
-                  "that the board changes.",
-                  {},
-                  {}};
+                  "that the board changes."};
   LinePlot plot;
   // 0, the board as stated, is always in view.
   std::vector<double> ends{0};

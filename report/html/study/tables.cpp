@@ -18,13 +18,11 @@ Cell offsetCell(const StudySession& s) {
 
 Cell verdictCell(const StudySession& s) {
   if (s.status == StudyStatus::kFailed) {
-    return {"failed at " + s.failed_step, Cell::Kind::kText, VerdictLevel::kBad, {}};
+    return {"failed at " + s.failed_step, Cell::Kind::kText, VerdictLevel::kBad};
   }
   const std::string level = s.verdict ? toString(*s.verdict) : kDash;
-  return {s.verdict_rule.empty() ? level : level + ": " + s.verdict_rule,
-          Cell::Kind::kText,
-          s.verdict,
-          {}};
+  return {s.verdict_rule.empty() ? level : level + ": " + s.verdict_rule, Cell::Kind::kText,
+          s.verdict};
 }
 
 /// A link, or the name alone of a session that the record does not have (any more, or of the study
@@ -111,8 +109,7 @@ Table nightsTable(const StudyRecord& record) {
                {"Sessions", kNumber},
                {"Failed", kNumber},
                {"Alarms", kNumber},
-               {"Time [s]", kNumber}},
-              {}};
+               {"Time [s]", kNumber}}};
   for (const StudyNight& n : record.nights) {
     table.rows.push_back({number(std::to_string(n.night)), tight(n.date), tight(n.version),
                           number(std::to_string(n.sessions)), number(std::to_string(n.failed)),
@@ -129,8 +126,7 @@ Table alarmsTable(const StudyRecord& record) {
                {"By"},
                {"Was", kNumber},
                {"Is", kNumber},
-               {"To run again", Cell::Kind::kCode}},
-              {}};
+               {"To run again", Cell::Kind::kCode}}};
   for (const StudyAlarm& a : record.alarms) {
     Cell figure = code(a.metric);
     figure.level = VerdictLevel::kBad;
@@ -162,8 +158,7 @@ Section othersSection(const StudyRecord& record) {
                {"Tool"},
                {"Held-out RMSE [px]", kNumber},
                {"Plumbline [px]", kNumber},
-               {"Largest differences from Plumbline"}},
-              {}};
+               {"Largest differences from Plumbline"}}};
   for (const StudyOther& o : record.others) {
     const StudySession* s = sessionOf(record, o.session);
     Cell differences{o.failure.empty() ? largestDifferences(o) : "failed: " + o.failure};
@@ -174,26 +169,20 @@ Section othersSection(const StudyRecord& record) {
                           orDash(s ? s->held_out_rmse_px : std::nullopt, 1, "{:.4f}"),
                           differences});
   }
-  return withTable({"tools",
-                    "Other tools",
+  return withTable({"tools", "Other tools",
                     "Their calibrations of the same recordings, scored on the same held-out ones; "
-                    "differences in Plumbline's formal standard deviations.",
-                    {},
-                    {}},
+                    "differences in Plumbline's formal standard deviations."},
                    std::move(table));
 }
 
 Section nightsSection(const StudyRecord& record) {
-  Section section{"nights",
-                  "Nights and alarms",
+  Section section{"nights", "Nights and alarms",
                   "Figures of the same inputs and version must repeat; others are compared with "
-                  "the nights before.",
-                  {},
-                  {}};
+                  "the nights before."};
   Table alarms = alarmsTable(record);
-  if (!alarms.rows.empty()) section.blocks.push_back({"Alarms", "", std::move(alarms), {}, {}});
+  if (!alarms.rows.empty()) section.blocks.push_back({"Alarms", "", std::move(alarms)});
   if (record.nights.empty()) return section;
-  Block nights{"Nights", "", nightsTable(record), {}, {}};
+  Block nights{"Nights", "", nightsTable(record)};
   Figure figure = nightsFigure(record);
   if (!figure.svg.empty()) nights.figures.push_back(std::move(figure));
   section.blocks.push_back(std::move(nights));
@@ -201,7 +190,7 @@ Section nightsSection(const StudyRecord& record) {
 }
 
 Section failuresSection(const StudyRecord& record) {
-  Table table{{{"Session"}, {"Participant"}, {"Method"}, {"What"}, {"Why"}}, {}};
+  Table table{{{"Session"}, {"Participant"}, {"Method"}, {"What"}, {"Why"}}};
   for (const StudySession& s : record.sessions) {
     const Problem problem = problemOf(s);
     if (problem.what.empty()) continue;
@@ -209,12 +198,9 @@ Section failuresSection(const StudyRecord& record) {
     if (problem.why != kDash) why.level = VerdictLevel::kBad;
     table.rows.push_back({linkTo(s), {s.participant}, {s.method}, {problem.what}, why});
   }
-  return withTable({"failures",
-                    "Failures and bad verdicts",
+  return withTable({"failures", "Failures and bad verdicts",
                     "Sessions without a calibration, with a bad verdict, or whose participant gave "
-                    "up.",
-                    {},
-                    {}},
+                    "up."},
                    std::move(table));
 }
 
@@ -226,8 +212,7 @@ Section sessionsSection(const StudyRecord& record) {
                {"Time [s]", kNumber},
                {"Camera [px]", kNumber},
                {"Held out [px]", kNumber},
-               {"Offset [ms]", kNumber}},
-              {}};
+               {"Offset [ms]", kNumber}}};
   const bool guided = std::any_of(record.sessions.begin(), record.sessions.end(),
                                   [](const StudySession& s) { return s.compliance.has_value(); });
   if (guided) table.columns.push_back({"Suggestions reached", kNumber});
@@ -246,11 +231,8 @@ Section sessionsSection(const StudyRecord& record) {
     if (guided) table.rows.back().push_back(orDash(s.compliance, 100, "{:.0f} %"));
     table.rows.back().push_back(verdictCell(s));
   }
-  return withTable({"sessions",
-                    "All sessions",
-                    "A name links to the session's page; a click on a heading sorts.",
-                    {},
-                    {}},
+  return withTable({"sessions", "All sessions",
+                    "A name links to the session's page; a click on a heading sorts."},
                    std::move(table));
 }
 

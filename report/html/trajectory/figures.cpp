@@ -313,12 +313,9 @@ void frameBoxes(BoxPlot& plot, const std::string& title, const std::string& labe
 }
 
 Section errorSection(const std::vector<TrajectoryRun>& runs) {
-  Section section{"ate",
-                  "Absolute errors",
+  Section section{"ate", "Absolute errors",
                   "Distance between the aligned estimate and the truth, per sequence and "
-                  "calibration.",
-                  {},
-                  {}};
+                  "calibration."};
   Block block;
   for (Figure figure : {repeatsFigure(runs), alongFigure(runs)}) {
     if (!figure.svg.empty()) block.figures.push_back(std::move(figure));
@@ -329,15 +326,12 @@ Section errorSection(const std::vector<TrajectoryRun>& runs) {
 
 Section overlaySection(const std::vector<TrajectoryRun>& runs) {
   Section section{
-      "overlays",
-      "Overlays",
+      "overlays", "Overlays",
       "The aligned estimate in the colour of its position error (one scale for the "
       "runs of a sequence, which ends at their largest 99th percentile), the truth in "
       "thin grey. Both axes of a view have the same "
       "scale; z points up where the truth's frame does. Roll, pitch and yaw are those of "
-      "R = Rz(yaw) Ry(pitch) Rx(roll), body to the truth's world.",
-      {},
-      {}};
+      "R = Rz(yaw) Ry(pitch) Rx(roll), body to the truth's world."};
   // Up to four figures a run; tables and boxes have all runs, drawn here or not.
   std::size_t drawn = 0, more = 0;
   for (const TrajectoryRun& run : runs) {
@@ -356,11 +350,8 @@ Section overlaySection(const std::vector<TrajectoryRun>& runs) {
 }
 
 Section timeSection(const std::vector<TrajectoryRun>& runs) {
-  Section section{"error-time",
-                  "Errors over time",
-                  "A sudden step is a relocalisation or a lost track; a slow rise is drift.",
-                  {},
-                  {}};
+  Section section{"error-time", "Errors over time",
+                  "A sudden step is a relocalisation or a lost track; a slow rise is drift."};
   Block block;
   std::size_t index = 0;
   for (const std::string& sequence : sequencesOf(runs)) {

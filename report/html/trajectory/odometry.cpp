@@ -30,7 +30,7 @@ Cell hintCell(const OdometryRunRecord& o) {
 
 /// What the odometry would change of T_SC0, by component.
 Table extrinsicsTable(const std::vector<TrajectoryRun>& runs) {
-  Table table{{{"Run"}}, {}};
+  Table table{{{"Run"}}};
   for (const char* axis : {"x", "y", "z"})
     table.columns.push_back({std::string("t") + axis + " [mm]", kNumber});
   for (const char* axis : {"x", "y", "z"})
@@ -131,8 +131,7 @@ Table parametersTable(const CalibrationSensitivity& s) {
                {"Step", kNumber},
                {"+ step [mm]", kNumber},
                {"\u2212 step [mm]", kNumber},
-               {"Change of the ATE [mm]", kNumber}},
-              {}};
+               {"Change of the ATE [mm]", kNumber}}};
   for (const ParameterSensitivity& p : s.parameters) {
     Cell mean = change(s, p.change_m);
     if (p.above_chance) mean.level = VerdictLevel::kCaution;
@@ -146,8 +145,7 @@ Table parametersTable(const CalibrationSensitivity& s) {
 
 Section selfSection(const std::vector<TrajectoryRun>& runs) {
   Section section{
-      "self",
-      "Self-consistency of the odometry",
+      "self", "Self-consistency of the odometry",
       "Needs no ground truth. Epipolar: median distance of observations by the other cameras from "
       "the epipolar lines of the first. Innovation: median error of observations at the pose that "
       "the IMU predicts. Closure: the last pose relative to the first; an error only if the rig "
@@ -155,9 +153,7 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
       "tracks best, with its standard deviation; estimated alone, it is biased by wrong "
       "extrinsics. For other systems it is the final value of their online calibration, with its "
       "change over the second half. Lower is better between calibrations on one recording, but "
-      "none of these is a trajectory error.",
-      {},
-      {}};
+      "none of these is a trajectory error."};
   Table table{{{"Run"},
                {"Epipolar [px]", kNumber},
                {"Innovation [px]", kNumber},
@@ -168,8 +164,7 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
                {"Frame, median [ms]", kNumber},
                {"95 % [ms]", kNumber},
                {"99 % [ms]", kNumber},
-               {"Longest [ms]", kNumber}},
-              {}};
+               {"Longest [ms]", kNumber}}};
   for (const TrajectoryRun& run : runs) {
     if (!run.odometry) continue;
     const OdometryRunRecord& o = *run.odometry;
@@ -193,26 +188,21 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
        "The change of T_SC0 (camera 0 in the IMU) that, with the hint of t_d, "
        "lets the IMU predict the tracks best, with its standard deviations "
        "where they are known. No evaluated run uses it; wrong intrinsics bias it.",
-       std::move(extrinsics),
-       {},
-       {}});
+       std::move(extrinsics)});
   return section;
 }
 
 Section sensitivitySection(const std::vector<CalibrationSensitivity>& list) {
-  Section section{"sensitivity",
-                  "Sensitivity",
+  Section section{"sensitivity", "Sensitivity",
                   "The built-in odometry, run again with one parameter of the calibration changed "
                   "at a time: by plus and minus its standard deviation (the mean of both is "
-                  "shown), or to the value of another calibration.",
-                  {},
-                  {}};
+                  "shown), or to the value of another calibration."};
   for (const CalibrationSensitivity& s : list) {
     const std::string heading =
         s.towards.empty()
             ? fmt::format("{}, {}: by its standard deviations", s.sequence, s.calibration)
             : fmt::format("{}, {}: to the values of {}", s.sequence, s.calibration, s.towards);
-    section.blocks.push_back({heading, sentenceOf(s), parametersTable(s), {}, {}});
+    section.blocks.push_back({heading, sentenceOf(s), parametersTable(s)});
   }
   return section;
 }

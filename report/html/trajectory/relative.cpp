@@ -104,8 +104,7 @@ Table relativeTable(const std::vector<TrajectoryRun>& runs) {
                {"Runs", kNumber},
                {"Pairs", kNumber},
                {"Translation RMSE [m]", kNumber},
-               {"Rotation RMSE [\u00b0]", kNumber}},
-              {}};
+               {"Rotation RMSE [\u00b0]", kNumber}}};
   for (const Distance& distance : distancesOf(runs)) {
     for (const std::string& name : calibrationsOf(runs)) {
       auto row = relativeRow(runs, name, distance);
@@ -119,14 +118,11 @@ Table relativeTable(const std::vector<TrajectoryRun>& runs) {
 
 Section relativeSection(const std::vector<TrajectoryRun>& runs) {
   Section section{
-      "rpe",
-      "Relative errors by distance",
+      "rpe", "Relative errors by distance",
       "Error of the motion over segments of each length: whiskers at 5 and 95 %, box from 25 to 75 "
-      "%, line at the median over the segments; for several runs the median of each of these.",
-      {},
-      {}};
+      "%, line at the median over the segments; for several runs the median of each of these."};
   if (Table table = relativeTable(runs); !table.rows.empty()) {
-    section.blocks.push_back({"", "", std::move(table), {}, {}});
+    section.blocks.push_back({"", "", std::move(table)});
   }
   Block block;
   BoxPlot translation = relativeBoxes(runs, &RelativeErrorRecord::translation_m);

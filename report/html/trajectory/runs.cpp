@@ -57,8 +57,7 @@ Table runsTable(const std::vector<TrajectoryRun>& runs) {
                {"Median [m]", kNumber},
                {"Max [m]", kNumber},
                {"Rotation RMSE [\u00b0]", kNumber},
-               {"Reason"}},
-              {}};
+               {"Reason"}}};
   for (const TrajectoryRun& run : runs) table.rows.push_back(runRow(run));
   return withoutEmptyColumns(std::move(table));
 }
@@ -72,8 +71,7 @@ Table completionTable(const TrajectoryStudy& study) {
                {"Completed"},
                {"Partial", kNumber},
                {"Failed", kNumber},
-               {"Median ATE RMSE [m]", kNumber}},
-              {}};
+               {"Median ATE RMSE [m]", kNumber}}};
   for (const RunsSummary& s : overAll(study)) {
     table.rows.push_back(
         {{s.calibration.empty() ? kDash : s.calibration},
@@ -88,7 +86,7 @@ Table completionTable(const TrajectoryStudy& study) {
 /// Sequences by calibrations; the smallest median of a row of several is set off.
 Table sequencesTable(const TrajectoryStudy& study) {
   const std::vector<std::string> calibrations = calibrationsOf(study.runs);
-  Table table{{{"Sequence"}}, {}};
+  Table table{{{"Sequence"}}};
   for (const std::string& c : calibrations) table.columns.push_back({c + " [m]", kNumber});
   for (const std::string& sequence : sequencesOf(study.runs)) {
     std::vector<std::optional<double>> medians;
@@ -126,7 +124,7 @@ Table remarksTable(const std::vector<TrajectoryRun>& runs) {
       known->second.push_back(runName(run));
     }
   }
-  Table table{{{"Remark"}, {"Runs"}}, {}};
+  Table table{{{"Remark"}, {"Runs"}}};
   for (const auto& [text, names] : remarks) {
     std::string list;
     for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) {
@@ -166,39 +164,30 @@ std::vector<Card> trajectoryCards(const TrajectoryStudy& study) {
 
 Section runsSection(const TrajectoryStudy& study) {
   const std::vector<TrajectoryRun>& runs = study.runs;
-  Section section{"runs",
-                  runs.size() > 1 ? "Runs" : "Run",
+  Section section{"runs", runs.size() > 1 ? "Runs" : "Run",
                   runs.size() > 1 ? "Every run counts: those that failed or cover only a part of "
                                     "the truth's span are listed and counted in the completion."
-                                  : "",
-                  {},
-                  {}};
+                                  : ""};
   if (runs.empty()) return section;
   if (runs.size() > 1) {
     section.blocks.push_back(
         {"Completion",
          "In the median a run that is not complete counts as larger than any; none where half or "
          "more of those with a ground truth are not.",
-         completionTable(study),
-         {},
-         {}});
+         completionTable(study)});
   }
   if (calibrationsOf(runs).size() > 1) {
     section.blocks.push_back({"Sequences and calibrations",
                               "Median ATE RMSE, as above; the smallest of a sequence is bold, even "
                               "if it is not significant (paired differences, below).",
-                              sequencesTable(study),
-                              {},
-                              {}});
+                              sequencesTable(study)});
   }
   section.blocks.push_back(
       {runs.size() > 1 ? "All runs" : "",
        "ATE is the distance between the aligned estimate and the truth at paired stamps.",
-       runsTable(runs),
-       {},
-       {}});
+       runsTable(runs)});
   if (Table remarks = remarksTable(runs); !remarks.rows.empty()) {
-    section.blocks.push_back({"Remarks", "", std::move(remarks), {}, {}});
+    section.blocks.push_back({"Remarks", "", std::move(remarks)});
   }
   return section;
 }

@@ -113,8 +113,7 @@ std::string runName(const TrajectoryRun& run) {
 
 Section pairedSection(const std::vector<PairedDifference>& differences) {
   Section section{
-      "paired",
-      "Paired differences",
+      "paired", "Paired differences",
       "ATE RMSE under one calibration minus that under the other, for the same sequence and run; "
       "negative means that the first one is better. Runs of one sequence are alike: mean, "
       "interval (Student\u2019s t) and the exact two-sided sign test (p) are of the "
@@ -124,9 +123,7 @@ Section pairedSection(const std::vector<PairedDifference>& differences) {
       "the calibration. With \u201csequences needed\u201d, a pair each, such a mean difference "
       "would "
       "be significant at 95 % in four of five studies, given the spread of the sequences\u2019 "
-      "means; fewer than three give no spread, fewer than five no interval.",
-      {},
-      {}};
+      "means; fewer than three give no spread, fewer than five no interval."};
   Table table{{{"Difference"},
                {"Pairs", kNumber},
                {"Left out", kNumber},
@@ -136,20 +133,15 @@ Section pairedSection(const std::vector<PairedDifference>& differences) {
                {"Better", kNumber},
                {"p (sign test)", kNumber},
                {"Sequences needed", kNumber},
-               {"Reading"}},
-              {}};
+               {"Reading"}}};
   for (const PairedDifference& d : differences) table.rows.push_back(pairedRow(d));
   return withTable(std::move(section), std::move(table));
 }
 
 Section clockSection(const std::vector<TrajectoryRun>& runs) {
-  Section section{"clock-offset",
-                  "Clock offset",
-                  "t_truth = t_estimate + offset, from correlating the angular rates of both.",
-                  {},
-                  {}};
-  Table table{{{"Run"}, {"Offset [ms]", kNumber}, {"Std [ms]", kNumber}, {"Correlation", kNumber}},
-              {}};
+  Section section{"clock-offset", "Clock offset",
+                  "t_truth = t_estimate + offset, from correlating the angular rates of both."};
+  Table table{{{"Run"}, {"Offset [ms]", kNumber}, {"Std [ms]", kNumber}, {"Correlation", kNumber}}};
   for (const TrajectoryRun& run : runs) {
     if (!run.clock_offset) continue;
     const ClockOffsetRecord& c = *run.clock_offset;
@@ -162,20 +154,16 @@ Section clockSection(const std::vector<TrajectoryRun>& runs) {
 }
 
 Section handEyeSection(const std::vector<TrajectoryRun>& runs) {
-  Section section{"hand-eye",
-                  "Hand-eye",
+  Section section{"hand-eye", "Hand-eye",
                   "T_SM maps points of the marker body M into the IMU frame S, estimated from the "
-                  "trajectories themselves, with the residuals after it.",
-                  {},
-                  {}};
+                  "trajectories themselves, with the residuals after it."};
   Table table{{{"Run"},
                {"t_SM [mm]", kNumber},
                {"Std [mm]", kNumber},
                {"Angle [\u00b0]", kNumber},
                {"Std [\u00b0]", kNumber},
                {"RMS residual [mm]", kNumber},
-               {"RMS residual [\u00b0]", kNumber}},
-              {}};
+               {"RMS residual [\u00b0]", kNumber}}};
   Block matrices;
   for (const TrajectoryRun& run : runs) {
     if (!run.hand_eye) continue;
@@ -184,25 +172,21 @@ Section handEyeSection(const std::vector<TrajectoryRun>& runs) {
         {"T_SM, " + runName(run), run.hand_eye->T_SM, "p_S = T_SM p_M [m]"});
   }
   if (table.rows.empty()) return section;
-  section.blocks = {{"", "", std::move(table), {}, {}}, std::move(matrices)};
+  section.blocks = {{"", "", std::move(table)}, std::move(matrices)};
   return section;
 }
 
 Section neesSection(const std::vector<TrajectoryRun>& runs) {
-  Section section{"nees",
-                  "Consistency (NEES)",
+  Section section{"nees", "Consistency (NEES)",
                   "Mean normalised estimation error squared against its two-sided chi-square "
-                  "bounds: are the estimate's covariances consistent with its errors?",
-                  {},
-                  {}};
+                  "bounds: are the estimate's covariances consistent with its errors?"};
   Table table{{{"Run"},
                {"Part"},
                {"Dof", kNumber},
                {"Mean", kNumber},
                {"Bounds", kNumber},
                {"Confidence [%]", kNumber},
-               {"Reading"}},
-              {}};
+               {"Reading"}}};
   for (const TrajectoryRun& run : runs) {
     for (const NeesRecord& n : run.nees) table.rows.push_back(neesRow(run, n));
   }
@@ -210,12 +194,9 @@ Section neesSection(const std::vector<TrajectoryRun>& runs) {
 }
 
 Section associationSection(const std::vector<TrajectoryRun>& runs) {
-  Section section{"association",
-                  "Pairing and alignment",
+  Section section{"association", "Pairing and alignment",
                   "How the stamps of estimate and truth were paired, and their anomalies. A median "
-                  "difference far from zero indicates a clock offset.",
-                  {},
-                  {}};
+                  "difference far from zero indicates a clock offset."};
   Table table{{{"Run"},
                {"Rule"},
                {"Pairs", kNumber},
@@ -227,8 +208,7 @@ Section associationSection(const std::vector<TrajectoryRun>& runs) {
                {"Largest gap [s]", kNumber},
                {"In gaps", kNumber},
                {"Alignment"},
-               {"Scale", kNumber}},
-              {}};
+               {"Scale", kNumber}}};
   for (const TrajectoryRun& run : runs) {
     // A run that failed before its stamps were paired.
     if (run.association.estimate_poses + run.association.matches == 0) continue;
