@@ -53,7 +53,7 @@ PlotFrame mapFrame(const ImageMap& map, const std::string& title, double margin)
   frame.width = 480;
   frame.height = 360;
   const double mx = margin * stepX(map), my = margin * stepY(map);
-  frame.x = {"u [px]", Range{-mx, map.width - 1 + mx}, {}, false, false};
+  frame.x = {"u [px]", Range{-mx, map.width - 1 + mx}};
   frame.y = {"v [px]", Range{-my, map.height - 1 + my}, {}, true, false};
   frame.equal_axes = true;
   return frame;
@@ -86,7 +86,7 @@ Figure heatFigure(const HeatMap& plot, const std::string& id) {
         " Blank at {:.0f} % of the grid, where a model does not project.",
         100.0 * static_cast<double>(s.undefined) / static_cast<double>(plot.values.size()));
   }
-  return {toSvg(plot, id), caption, false};
+  return {toSvg(plot, id), caption};
 }
 
 }  // namespace plumbline::html_internal

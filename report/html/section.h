@@ -105,8 +105,8 @@ struct Block {
 
 struct Section {
   std::string id, title, lead;
-  std::vector<std::string> remarks = {};
   std::vector<Block> blocks = {};
+  std::vector<std::string> remarks = {};  ///< before the blocks
 };
 
 /// `section` with a block of the table alone; as it is where the table has no rows.

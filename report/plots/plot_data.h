@@ -37,10 +37,10 @@ struct AxisTick {
 /// One axis: what it measures with its unit ("e_u [px]"), and what it shows.
 struct PlotAxis {
   std::string label;
-  std::optional<Range> range;   ///< empty: from the data, with a margin
-  std::vector<AxisTick> ticks;  ///< empty: round numbers
-  bool inverted = false;        ///< values grow downwards, as image rows do (y axis only)
-  bool upright_labels = false;  ///< tick labels turned by 90 degrees (x axis only)
+  std::optional<Range> range = {};   ///< empty: from the data, with a margin
+  std::vector<AxisTick> ticks = {};  ///< empty: round numbers
+  bool inverted = false;             ///< values grow downwards, as image rows do (y axis only)
+  bool upright_labels = false;       ///< tick labels turned by 90 degrees (x axis only)
   bool log10 = false;  ///< positions are log10 of the values, which the page's scripts tell
   /// Points above this position have no value, and the page's scripts tell none (y axis only).
   std::optional<double> highest = {};

@@ -242,7 +242,7 @@ Result<CameraStageResult> chooseAndReport(const Session& session,
                                           const CameraStart& start,
                                           const CameraStageOptions& options) {
   CameraAttempt first = solveAndReport(session, corners, start, options);
-  if (first.result.ok() || !isUndetermined(first.result.failure())) return first.result;
+  if (first.result.ok() || !isUndetermined(first.result.failure())) return std::move(first.result);
   auto result = solveAndReport(session, corners, start, options, kUsualParameters).result;
   if (result.ok()) addCandidates(first.choices, result.value().models);
   if (result.ok() || !isUndetermined(result.failure())) return result;

@@ -22,8 +22,8 @@ struct FaultWords {
   const char* what;  ///< of the faulty thing
   double scale;      ///< from the estimate's unit to the one shown
   const char* unit;
-  std::span<const char* const> names;  ///< of the components; empty: there is one
   const char* cure;
+  std::span<const char* const> names = {};  ///< of the components; empty: there is one
 };
 
 constexpr double kPercent = 100;
@@ -36,94 +36,74 @@ constexpr const char* kEighths[] = {"at 1/8", "at 2/8", "at 3/8", "at 4/8",
 constexpr const char* kWaves[] = {"sine x", "sine y", "sine z", "cosine x", "cosine y", "cosine z"};
 
 const FaultWords kFaultWords[] = {
-    {UnmodelledFault::kAccelScale, "scale error of the accelerometer", kPercent, "%", kAxes,
+    {UnmodelledFault::kAccelScale, "scale error of the accelerometer", kPercent, "%",
      "calibrate the accelerometer's scale (at rest in six attitudes) and divide the "
-     "columns of imu0/data.csv by 1 + error; check its range and unit"},
+     "columns of imu0/data.csv by 1 + error; check its range and unit",
+     kAxes},
     {UnmodelledFault::kAccelMisalignment, "misalignment of the accelerometer's axes", kDegrees,
-     "deg", kPairs,
+     "deg",
      "calibrate the accelerometer's axes; accelerometer and gyroscope must be given in one "
-     "orthogonal frame (with the accelerometer corrected, T_SC0 is in the gyroscope's frame)"},
-    {UnmodelledFault::kGyroScale, "scale error of the gyroscope", kPercent, "%", kAxes,
-     "calibrate the gyroscope's scale and divide the columns of imu0/data.csv by 1 + error"},
+     "orthogonal frame (with the accelerometer corrected, T_SC0 is in the gyroscope's frame)",
+     kPairs},
+    {UnmodelledFault::kGyroScale, "scale error of the gyroscope", kPercent, "%",
+     "calibrate the gyroscope's scale and divide the columns of imu0/data.csv by 1 + error", kAxes},
     {UnmodelledFault::kGyroMisalignment, "misalignment of the gyroscope's axes", kDegrees, "deg",
-     kPairs,
      "calibrate the gyroscope's axes; accelerometer and gyroscope must be given in one orthogonal "
-     "frame (with the gyroscope corrected, T_SC0 is in the accelerometer's frame)"},
+     "frame (with the gyroscope corrected, T_SC0 is in the accelerometer's frame)",
+     kPairs},
     {UnmodelledFault::kGSensitivity, "g-sensitivity of the gyroscope", 1e3, "mrad/s per m/s^2",
-     kMatrix, "compensate it (rate - G x acceleration), or use an IMU that is less sensitive"},
-    {UnmodelledFault::kImuDelay,
-     "delay of the accelerometer against the gyroscope",
-     1e3,
-     "ms",
-     {},
+     "compensate it (rate - G x acceleration), or use an IMU that is less sensitive", kMatrix},
+    {UnmodelledFault::kImuDelay, "delay of the accelerometer against the gyroscope", 1e3, "ms",
      "shift the accelerometer's stamps by it (check the filters of both: a low-pass delays)"},
-    {UnmodelledFault::kClockDrift,
-     "drift of the IMU's clock against the cameras'",
-     1e6,
-     "ppm",
-     {},
+    {UnmodelledFault::kClockDrift, "drift of the IMU's clock against the cameras'", 1e6, "ppm",
      "stamp both by one clock, or remove the drift from the stamps before calibrating"},
-    {UnmodelledFault::kLineDelay,
-     "readout time of the image (rolling shutter)",
-     1e3,
-     "ms",
-     {},
+    {UnmodelledFault::kLineDelay, "readout time of the image (rolling shutter)", 1e3, "ms",
      "use a global shutter, or record slow motion: rolling shutters are not modelled"},
-    {UnmodelledFault::kTargetSize,
-     "size of the target, beyond what target.yaml states",
-     kPercent,
+    {UnmodelledFault::kTargetSize, "size of the target, beyond what target.yaml states", kPercent,
      "%",
-     {},
      "measure a tag's black square and the gap between tags, and correct tagSize or "
      "tagSpacing"},
-    {UnmodelledFault::kCameraDelay,
-     "exposure later than camera 0's under equal stamps",
-     1e3,
-     "ms",
-     {},
+    {UnmodelledFault::kCameraDelay, "exposure later than camera 0's under equal stamps", 1e3, "ms",
      "trigger the cameras together, or correct the camera's stamps"},
-    {UnmodelledFault::kImuMoved, "change of T_SC0", 1e3, "mm, mrad", kPose,
+    {UnmodelledFault::kImuMoved, "change of T_SC0", 1e3, "mm, mrad",
      "mount IMU and camera rigidly and record again; or calibrate the parts before and after "
-     "separately"},
-    {UnmodelledFault::kClockStep,
-     "step of the time offset",
-     1e3,
-     "ms",
-     {},
+     "separately",
+     kPose},
+    {UnmodelledFault::kClockStep, "step of the time offset", 1e3, "ms",
      "look for a clock that was set or a driver that restarted; calibrate the parts separately"},
     {UnmodelledFault::kCameraMoved, "change of the camera's pose in camera 0", 1e3, "mm, mrad",
-     kPose,
      "mount the cameras rigidly and record again; or calibrate the parts before and after "
-     "separately"},
+     "separately",
+     kPose},
     // Of these names the last, tag_edge, is not tested: it is the detector's rather than the
     // board's.
     {UnmodelledFault::kTargetShape,
      "shape of the target (not flat, or grid not even): RMS displacement of its corners", 1e3, "mm",
-     kTargetTermNames,
      "mount the target on a rigid flat plate (glass, aluminium), print it again without "
-     "scaling one axis, and record again"},
+     "scaling one axis, and record again",
+     kTargetTermNames},
     {UnmodelledFault::kTargetMoved, "displacement of the target along its own axes", 1e3, "mm",
-     kAxes,
      "fix the target and record again; or calibrate the parts before and after separately (--from, "
-     "--to)"},
-    {UnmodelledFault::kTargetSways, "swinging of the target", 1e3, "mm", kWaves,
-     "fix the target to something that does not move, and record again"},
-    {UnmodelledFault::kGyroBiasJump, "jump of the gyroscope's bias", 1, "rad/s", kAxes,
+     "--to)",
+     kAxes},
+    {UnmodelledFault::kTargetSways, "swinging of the target", 1e3, "mm",
+     "fix the target to something that does not move, and record again", kWaves},
+    {UnmodelledFault::kGyroBiasJump, "jump of the gyroscope's bias", 1, "rad/s",
      "look for a sensor that was reset, switched its range or was knocked; calibrate the parts "
-     "before and after separately (--from, --to)"},
-    {UnmodelledFault::kAccelBiasJump, "jump of the accelerometer's bias", 1, "m/s^2", kAxes,
+     "before and after separately (--from, --to)",
+     kAxes},
+    {UnmodelledFault::kAccelBiasJump, "jump of the accelerometer's bias", 1, "m/s^2",
      "look for a sensor that was reset, switched its range or was knocked; calibrate the parts "
-     "before and after separately (--from, --to)"},
+     "before and after separately (--from, --to)",
+     kAxes},
     {UnmodelledFault::kStampsWander, "changes of the time offset every eighth of the recording",
-     1e3, "ms", kEighths,
+     1e3, "ms",
      "look for lost frames or samples that evenly spaced stamps hide, and for clocks that run at "
-     "different rates; use the sensors' own stamps"},
+     "different rates; use the sensors' own stamps",
+     kEighths},
     // Named camera by camera: shownOf().
-    {UnmodelledFault::kGivenCameras,
-     "the given cameras do not suit this recording's corners",
-     1,
+    {UnmodelledFault::kGivenCameras, "the given cameras do not suit this recording's corners", 1,
      "px",
-     {},
      "refine the cameras on this recording (--free-cameras) or calibrate them on it (without "
      "--cameras); if they were estimated with a shape of the board, give that too "
      "(--target-shape)"},

@@ -60,7 +60,7 @@ Figure seriesFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot p
   for (std::size_t axis = 0; axis < 3; ++axis) {
     Colour colour = seriesColour(axis);
     colour.alpha = 200;
-    Series series{kAxes[axis], {}, {}, colour, 1, false};
+    Series series{kAxes[axis], {}, {}, colour, 1};
     for (const ImuIntervalResidual& r : stage.imu_residuals) {
       series.x.push_back(secondsBetween(origin, r.t));
       series.y.push_back(pick(r)[static_cast<Eigen::Index>(axis)]);
@@ -100,8 +100,7 @@ Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string&
                              total * plot.bin_width)};
   return {toSvg(plot, id),
           "The curve is the density expected under the assumed noise of corners and samples. A "
-          "wider distribution: the assumed noise is too small; a narrower one: too large.",
-          false};
+          "wider distribution: the assumed noise is too small; a narrower one: too large."};
 }
 
 Figure biasFigure(const CameraImuStageResult& stage, const std::string& title,
@@ -120,8 +119,7 @@ Figure biasFigure(const CameraImuStageResult& stage, const std::string& title,
                   seconds,
                   {},
                   seriesColour(axis),
-                  1.4,
-                  false};
+                  1.4};
     for (const ImuState& state : stage.states) series.y.push_back((state.*bias)[k] - mean[k]);
     plot.series.push_back(std::move(series));
   }
@@ -167,7 +165,7 @@ Figure readingFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot 
     const Colour colour = seriesColour(static_cast<std::size_t>(axis));
     // About the prediction: what the samples' noise lets a reading differ from it.
     Band band{"", seconds, {}, {}, {colour.red, colour.green, colour.blue, 70}};
-    Series predicted{kAxes[axis] + std::string(" predicted"), seconds, {}, colour, 1, false};
+    Series predicted{kAxes[axis] + std::string(" predicted"), seconds, {}, colour, 1};
     Series measured{
         kAxes[axis] + std::string(" measured"), seconds, {}, darker(colour), 2.4, false, true};
     for (const ImuIntervalResidual* r : shown) {

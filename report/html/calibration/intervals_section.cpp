@@ -88,7 +88,7 @@ Figure intervalFigure(const CalibrationRecord& record) {
   for (std::size_t i = 0; i < record.sample_intervals.size(); ++i) {
     Colour colour = seriesColour(i);
     colour.alpha = 210;
-    plot.series.push_back({record.sample_intervals[i].sensor, {}, {}, colour, 1.2, false});
+    plot.series.push_back({record.sample_intervals[i].sensor, {}, {}, colour, 1.2});
   }
   double largest = 0;
   for (const ShownInterval& shown : record.shown_intervals) {
@@ -131,7 +131,7 @@ Figure histogramFigure(const SampleIntervals& sensor, std::size_t index) {
                          grouped(h.above));
   }
   return {toSvg(plot, fmt::format("sample-intervals-{}", index)),
-          fmt::format("Median {} ms. {}", milliseconds(sensor.median_s), beyond), false};
+          fmt::format("Median {} ms. {}", milliseconds(sensor.median_s), beyond)};
 }
 
 std::vector<Figure> intervalFigures(const CalibrationRecord& record) {

@@ -46,7 +46,6 @@ Section reprojectionSection(const StageView& stage, const std::string& id) {
           fmt::format("Errors of the {} corners that the {} used: measured minus projected.",
                       grouped(stage.summary.corners_used),
                       id == "reprojection-camera" ? "camera stage" : "camera-IMU stage"),
-          {},
           blocksOf(reprojectionFigures(stage))};
 }
 
@@ -92,11 +91,9 @@ Section readingsSection(const CameraImuStageResult& stage, TimeNs origin) {
   FigureGroup figures = readingFigures(stage, origin);
   // Without blocks: renderPage() leaves such sections out.
   if (figures.figures.empty()) return {};
-  return {"imu-readings",
-          "Measured and predicted readings",
+  return {"imu-readings", "Measured and predicted readings",
           "Readings of gyroscope and accelerometer, and the readings that the solution predicts, "
           "in the IMU's axes.",
-          {},
           blocksOf({std::move(figures)})};
 }
 
@@ -134,8 +131,8 @@ Section imuSection(const CameraImuStageResult& stage, TimeNs origin, const Verdi
   return {"imu-residuals", "Inertial residuals",
           "Residuals between the inertial samples and the estimated motion, and the noise "
           "densities that they indicate.",
-          noiseRemarks(stage.imu_summary.noise, verdict),
-          blocksOf(imuResidualFigures(stage, origin))};
+          blocksOf(imuResidualFigures(stage, origin)),
+          noiseRemarks(stage.imu_summary.noise, verdict)};
 }
 
 std::vector<Section> figureSections(const CalibrationRecord& record) {
@@ -168,20 +165,16 @@ std::vector<Section> figureSections(const CalibrationRecord& record) {
   if (record.camera || record.camera_imu) {
     const StageView stage = record.camera ? cameraView(record) : cameraImuView(record);
     sections.push_back(
-        {"coverage",
-         "Image coverage",
+        {"coverage", "Image coverage",
          "Where in the image the target was seen. Corners near the edges determine the distortion.",
-         {},
          blocksOf({coverageFigures(stage)})});
   }
   if (!record.projection_uncertainty.empty()) sections.push_back(uncertaintySection(record));
   if (record.camera_imu) {
     sections.push_back(readingsSection(*record.camera_imu, timeOrigin(record)));
     sections.push_back(imuSection(*record.camera_imu, timeOrigin(record), record.verdict));
-    sections.push_back({"biases",
-                        "Biases",
+    sections.push_back({"biases", "Biases",
                         "Estimated offsets of the inertial sensors at every frame.",
-                        {},
                         blocksOf({biasFigures(*record.camera_imu, timeOrigin(record))})});
   }
   if (!record.sample_intervals.empty()) sections.push_back(intervalsSection(record));
@@ -302,7 +295,6 @@ Section sceneSection(const CalibrationRecord& record) {
           "zoom, shift-drag to move; click a camera to see its view. Keys: arrows turn, + and - "
           "zoom, page up and down select the view before and after, 0 resets. Good data cover all "
           "directions from the target: near and far, tilted about both axes, and rolled.",
-          {},
           {std::move(block)}};
 }
 

@@ -66,7 +66,7 @@ PlotFrame imageFrame(const std::string& title, const Resolution& size) {
   frame.title = title;
   frame.width = 470;
   frame.height = 320;
-  frame.x = {"u [px]", Range{-0.5, size.width - 0.5}, {}, false, false};
+  frame.x = {"u [px]", Range{-0.5, size.width - 0.5}};
   frame.y = {"v [px]", Range{-0.5, size.height - 0.5}, {}, true, false};
   frame.equal_axes = true;
   return frame;
@@ -97,8 +97,8 @@ Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::stri
   plot.frame.width = 440;
   plot.frame.height = 400;
   plot.frame.equal_axes = true;
-  plot.frame.x = {"e_u [px]", Range{-range, range}, {}, false, false};
-  plot.frame.y = {"e_v [px]", Range{-range, range}, {}, false, false};
+  plot.frame.x = {"e_u [px]", Range{-range, range}};
+  plot.frame.y = {"e_v [px]", Range{-range, range}};
   plot.count_label = "corners";
   Series series;
   series.colour = {0, 94, 162, 110};
@@ -119,8 +119,7 @@ Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::stri
           "Measured minus projected, " + shown +
               ". A round cloud centred on zero is noise; an elongated or shifted one indicates "
               "blur, rolling shutter or a model that does not fit." +
-              left_out,
-          false};
+              left_out};
 }
 
 Figure histogramFigure(const std::vector<Eigen::Vector2d>& errors, const std::string& name,
@@ -154,8 +153,7 @@ Figure histogramFigure(const std::vector<Eigen::Vector2d>& errors, const std::st
   return {toSvg(plot, id),
           fmt::format("Components of the error, with a normal density of the same RMS ({:.3f} px). "
                       "A sharper peak with long tails indicates outliers: use a robust loss.",
-                      deviation),
-          false};
+                      deviation)};
 }
 
 VectorField errorField(const StageView& stage, int camera, const std::string& name) {
@@ -185,8 +183,7 @@ Figure fieldFigure(const VectorField& plot, const std::string& id) {
       fmt::format("Mean error of the corners in each cell, magnified {:.0f} times, on one scale "
                   "for all cameras. Arrows in all directions are noise; a pattern (radial, "
                   "swirling, one-sided) is a distortion that the model does not describe.{}",
-                  plot.magnification, cutText(plot)),
-      false};
+                  plot.magnification, cutText(plot))};
 }
 
 HeatMap imageMap(const StageView& stage, int camera, const ImageGrid& grid,
@@ -218,8 +215,7 @@ Figure regionFigure(const HeatMap& map, const std::string& id) {
           "RMSE of the used corners by region, on one scale for all cameras; blank where there are "
           "fewer than eight. Uniform is good; bright corners of the image mean that the distortion "
           "model does not fit there. Lines of equal value at the ticks of the scale." +
-              clampText(map),
-          false};
+              clampText(map)};
 }
 
 /// A camera without a name goes by its place.
@@ -241,7 +237,7 @@ Figure frameFigure(const StageView& stage) {
   for (std::size_t camera = 0; camera < rmse.size(); ++camera) {
     Colour colour = seriesColour(camera);
     colour.alpha = 210;
-    plot.series.push_back({cameraName(stage, camera), seconds, rmse[camera], colour, 1.1, false});
+    plot.series.push_back({cameraName(stage, camera), seconds, rmse[camera], colour, 1.1});
     for (const double value : rmse[camera]) {
       if (std::isfinite(value)) largest = std::max(largest, value);
     }
@@ -312,8 +308,7 @@ FigureGroup coverageFigures(const StageView& stage) {
     group.figures.push_back(
         {toSvg(map, fmt::format("coverage-cam{}", i)),
          "Corners per cell, rejected ones included. Where nothing was seen, the "
-         "distortion is extrapolated.",
-         false});
+         "distortion is extrapolated."});
   }
   return group;
 }

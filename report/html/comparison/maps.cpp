@@ -42,10 +42,8 @@ VectorField fieldOf(const ImageMap& map, const std::string& title) {
 }
 
 Figure fieldFigure(const VectorField& plot, const std::string& id) {
-  return {toSvg(plot, id),
-          fmt::format("The difference as a vector, magnified {:.3g} times.{}", plot.magnification,
-                      cutText(plot)),
-          false};
+  return {toSvg(plot, id), fmt::format("The difference as a vector, magnified {:.3g} times.{}",
+                                       plot.magnification, cutText(plot))};
 }
 
 /// The maps of one kind as plots, those of points at one range on one scale.

@@ -155,7 +155,7 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   plot.frame.title = "Convergence basin: |recovered \u2212 injected \u2212 base|";
   plot.frame.width = 960;
   plot.frame.height = 400;
-  plot.frame.x = {"injected offset [ms]", scale.x, {}, false, false};
+  plot.frame.x = {"injected offset [ms]", scale.x};
   const bool any_failed = !failed.x.empty();
   const double top = any_failed ? scale.failed + 0.4 : scale.high;
   plot.frame.y = {"error of the recovered offset",

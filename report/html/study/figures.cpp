@@ -125,7 +125,7 @@ Figure survivalFigure(const StudyRecord& record) {
   for (std::size_t k = 0; k < record.statistics.survival.size(); ++k) {
     const StudySurvival& s = record.statistics.survival[k];
     if (s.participants == 0) continue;
-    Series steps{s.method, {0}, {1}, seriesColour(k), 2, false, false};
+    Series steps{s.method, {0}, {1}, seriesColour(k), 2};
     double height = 1;
     for (const SurvivalStep& step : s.curve) {
       // Level up to the step, then down: two points at its time.
@@ -143,9 +143,9 @@ Figure survivalFigure(const StudyRecord& record) {
   plot.frame.title = "Share of participants who are not done";
   plot.frame.width = 960;
   plot.frame.height = 300;
-  plot.frame.x = {"time [s]", Range{0, record.limit_s}, {}, false, false};
+  plot.frame.x = {"time [s]", Range{0, record.limit_s}};
   // A little above 1, where every curve begins.
-  plot.frame.y = {"share", Range{0, 1.03}, {}, false, false};
+  plot.frame.y = {"share", Range{0, 1.03}};
   return {toSvg(plot, "study-survival"),
           "Kaplan-Meier estimate over participants, of several sessions of one the mean time; "
           "participants who gave up count as not done until the limit. A point is a session and "
@@ -183,7 +183,7 @@ Table offsetTable(const StudyRecord& record) {
 Figure offsetFigure(const StudyRecord& record) {
   LinePlot plot;
   for (std::size_t k = 0; k < record.methods.size(); ++k) {
-    plot.series.push_back({record.methods[k], {}, {}, seriesColour(k), 1.2, false, false});
+    plot.series.push_back({record.methods[k], {}, {}, seriesColour(k), 1.2});
   }
   std::vector<double> ends;
   for (const StudySession& s : record.sessions) {
@@ -205,11 +205,8 @@ Figure offsetFigure(const StudyRecord& record) {
   plot.frame.width = 960;
   plot.frame.height = 320;
   plot.frame.x = {"session, in the study's order",
-                  Range{-0.7, static_cast<double>(plot.points.size()) - 0.3},
-                  {},
-                  false,
-                  false};
-  plot.frame.y = {"t_d [ms]", rangeOf({&ends}, 0.06), {}, false, false};
+                  Range{-0.7, static_cast<double>(plot.points.size()) - 0.3}};
+  plot.frame.y = {"t_d [ms]", rangeOf({&ends}, 0.06)};
   return {toSvg(plot, "study-offsets"),
           "Lines are plus and minus one formal standard deviation; t_imu = t_cam + t_d.", true};
 }

@@ -85,7 +85,7 @@ Figure spreadFigure(const StudyRecord& record) {
                            false});
   }
   for (std::size_t k = 0; k < record.methods.size(); ++k) {
-    plot.series.push_back({record.methods[k], {}, {}, seriesColour(k), 2, false, false});
+    plot.series.push_back({record.methods[k], {}, {}, seriesColour(k), 2});
   }
   plot.frame.title = "Spread over sessions relative to the stated deviation";
   plot.frame.width = 960;
@@ -94,7 +94,7 @@ Figure spreadFigure(const StudyRecord& record) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     plot.frame.x.ticks.push_back({static_cast<double>(i), names[i]});
   }
-  plot.frame.y = {"ratio", Range{0, 1.08 * top}, {}, false, false};
+  plot.frame.y = {"ratio", Range{0, 1.08 * top}};
   std::string caption =
       "1: the sessions of one rig spread as each of them states; a point links to the session "
       "farthest from the mean. Dashed: 95 % interval of the ratio if the stated deviations are "
@@ -133,9 +133,7 @@ Section boardSection(const StudyRecord& record) {
                 {},
                 {},
                 seriesColour(plot.series.size()),
-                1.4,
-                false,
-                false};
+                1.4};
     std::vector<NamedPoint> points;
     double largest_m = 0;
     for (std::size_t i = 0; i < record.sessions.size(); ++i) {
@@ -160,9 +158,8 @@ Section boardSection(const StudyRecord& record) {
   plot.frame.title = "Shape of the board";
   plot.frame.width = 960;
   plot.frame.height = 380;
-  plot.frame.x = {"session, in the study's order", Range{-0.5, last + 0.5}, {}, false, false};
-  plot.frame.y = {
-      "RMS displacement, signed as the term [mm]", rangeOf({&ends}, 0.08), {}, false, false};
+  plot.frame.x = {"session, in the study's order", Range{-0.5, last + 0.5}};
+  plot.frame.y = {"RMS displacement, signed as the term [mm]", rangeOf({&ends}, 0.08)};
   return withFigure(std::move(section), {toSvg(plot, "study-board"),
                                          "Terms that stay below 0.02 mm are not shown.", true});
 }

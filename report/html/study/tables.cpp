@@ -71,7 +71,7 @@ std::string largestDifferences(const StudyOther& other) {
 /// From the second night on that has a held-out error.
 Figure nightsFigure(const StudyRecord& record) {
   LinePlot plot;
-  Series line{"median held-out RMSE", {}, {}, seriesColour(0), 1.6, false, false};
+  Series line{"median held-out RMSE", {}, {}, seriesColour(0), 1.6};
   double top = 0;
   for (const StudyNight& n : record.nights) {
     if (!n.held_out_rmse_px) continue;
@@ -96,8 +96,8 @@ Figure nightsFigure(const StudyRecord& record) {
   plot.frame.title = "Held-out RMSE over the nights";
   plot.frame.width = 960;
   plot.frame.height = 260;
-  plot.frame.x = {"night", Range{line.x.front() - 0.5, line.x.back() + 0.5}, {}, false, false};
-  plot.frame.y = {"median over sessions [px]", Range{0, top > 0 ? 1.1 * top : 1}, {}, false, false};
+  plot.frame.x = {"night", Range{line.x.front() - 0.5, line.x.back() + 0.5}};
+  plot.frame.y = {"median over sessions [px]", Range{0, top > 0 ? 1.1 * top : 1}};
   plot.series.push_back(std::move(line));
   return {toSvg(plot, "study-nights"), "", true};
 }

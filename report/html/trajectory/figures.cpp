@@ -149,13 +149,13 @@ Figure viewFigure(const TrajectoryRun& run, const View& view, const Range& error
   plot.frame.width = 480;
   plot.frame.height = 420;
   plot.frame.equal_axes = true;
-  plot.frame.x = {kAxes[view.x], x, {}, false, false};
-  plot.frame.y = {kAxes[view.y], y, {}, false, false};
-  plot.series = {{"truth", tx, ty, kTruth, 1, false}};
+  plot.frame.x = {kAxes[view.x], x};
+  plot.frame.y = {kAxes[view.y], y};
+  plot.series = {{"truth", tx, ty, kTruth, 1}};
   plot.coloured = {{ex, ey, run.error_m, 2}};
   plot.value_label = "position error [m]";
   plot.value_range = errors;
-  return {toSvg(plot, id + "-" + view.id), "", false};
+  return {toSvg(plot, id + "-" + view.id), ""};
 }
 
 /// Colours up to the 99th percentile, so that one stray pose does not pale the rest; runs of one
