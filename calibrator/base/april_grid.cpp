@@ -4,7 +4,6 @@
 #include <Eigen/QR>
 #include <cassert>
 #include <cmath>
-#include <utility>
 
 #include <fmt/format.h>
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/base/error.h"
 
-#include <array>
-#include <cmath>
 #include <limits>
 #include <ostream>
 #include <sstream>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/QR>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "calibrator/batch/halves.h"

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "calibrator/base/error.h"
-#include "calibrator/camera/camera.h"
 
 namespace plumbline {
 namespace {

@@ -7,8 +7,6 @@
 #include <limits>
 #include <numbers>
 
-#include <fmt/format.h>
-
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/initialise/camera_poses.h"

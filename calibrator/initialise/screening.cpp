@@ -2,7 +2,6 @@
 #include "calibrator/initialise/screening.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <bit>
-#include <cmath>
 #include <vector>
 
 namespace plumbline {

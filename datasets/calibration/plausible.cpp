@@ -2,7 +2,6 @@
 #include "datasets/calibration/plausible.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>

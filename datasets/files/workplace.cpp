@@ -2,7 +2,6 @@
 #include "datasets/files/workplace.h"
 
 #include <cerrno>
-#include <climits>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

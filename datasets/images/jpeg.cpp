@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdio>  // jpeglib.h needs FILE
 #include <cstdlib>
-#include <utility>
 
 #include <jpeglib.h>
 

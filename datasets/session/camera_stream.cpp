@@ -5,8 +5,6 @@
 #include <charconv>
 #include <filesystem>
 
-#include <fmt/format.h>
-
 #include "calibrator/base/calibration.h"
 #include "datasets/calibration/calibration_fields.h"
 #include "datasets/files/file_io.h"

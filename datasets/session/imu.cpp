@@ -6,8 +6,6 @@
 #include <string_view>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "datasets/calibration/kalibr/camchain.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"

@@ -5,9 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <memory>
 #include <string_view>
-#include <utility>
 
 #include <cairo-pdf.h>
 #include <cairo.h>

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <utility>

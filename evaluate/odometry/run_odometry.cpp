@@ -7,7 +7,6 @@
 #include <numbers>
 #include <optional>
 #include <set>
-#include <tuple>
 
 #include <fmt/format.h>
 

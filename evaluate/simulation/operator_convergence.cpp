@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/simulation/operator_convergence.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -2,7 +2,6 @@
 #include "evaluate/study/night.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include <fmt/format.h>

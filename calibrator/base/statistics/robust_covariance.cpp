@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <cstddef>
 
 #include "calibrator/base/statistics/statistics.h"

@@ -2,7 +2,6 @@
 #include "calibrator/batch/camera/batch.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>

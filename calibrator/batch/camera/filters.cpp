@@ -8,7 +8,6 @@
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
-#include "calibrator/camera/camera.h"
 #include "calibrator/initialise/screening.h"
 
 namespace plumbline {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera/information.h"
 
-#include <optional>
-
 #include "calibrator/base/calibration.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/corners.h"

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <optional>
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include <fmt/format.h>
-
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/problem.h"

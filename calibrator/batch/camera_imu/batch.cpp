@@ -5,8 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera_imu/diagnosis.h"

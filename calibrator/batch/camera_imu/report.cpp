@@ -14,7 +14,6 @@
 #include "calibrator/information/covariance.h"
 #include "calibrator/initialise/imu_sanity.h"
 #include "calibrator/linear/dense.h"
-#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {

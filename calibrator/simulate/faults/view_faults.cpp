@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/simulate/faults/view_faults.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

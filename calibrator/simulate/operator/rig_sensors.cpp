@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "calibrator/base/error.h"
-#include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cmath>
 
 #include "calibrator/base/transform.h"
 #include "calibrator/simulate/operator/rig_sensors.h"

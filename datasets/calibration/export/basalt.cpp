@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Names as basalt-headers' serialisation reads them. JSON has no comments: notes stand beside it.
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <utility>
 
 #include "datasets/calibration/kalibr/results_lines.h"
 #include "datasets/calibration/kalibr/run.h"

@@ -7,8 +7,6 @@
 #include <map>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"

@@ -6,7 +6,6 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_sanity.h"
 #include "evaluate/compare/lint/rules.h"

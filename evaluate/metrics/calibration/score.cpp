@@ -10,7 +10,6 @@
 #include "calibrator/base/error.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/corners.h"
-#include "calibrator/camera/camera.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/rules/rules.h"
 #include "evaluate/metrics/session_subset.h"

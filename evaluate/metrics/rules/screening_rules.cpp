@@ -2,7 +2,6 @@
 // Measurements that were left out because they contradict their neighbours or the target.
 #include <array>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>

@@ -7,9 +7,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
-#include <string>
-
-#include <fmt/format.h>
 
 namespace plumbline {
 namespace {

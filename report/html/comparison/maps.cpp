@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Projection differences and uncertainties over the image.
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <vector>
 

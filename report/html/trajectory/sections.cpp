@@ -2,7 +2,6 @@
 #include "report/html/trajectory/sections.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
