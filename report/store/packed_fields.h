@@ -15,37 +15,46 @@ namespace plumbline::store_internal {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie");
 
-/// Samples as packed little-endian bytes, element after element without padding, fields in the
-/// order of their list. describe<T>() says what an element holds, so that other programs can read
-/// it: "camera:i32 uv:f32[2] used:u8"; `[...]` is an i32 count and as many elements, `?` a u8 and,
-/// where that is 1, the value, `text` an i32 size and bytes, matrices are row by row.
-class Packer {
+/// What a visitor has besides v(name, member, text) where it treats all fields alike.
+template <class Visitor>
+class FieldsAlike {
  public:
-  static constexpr bool kReads = false, kAll = false;
-
   template <class T>
-  void operator()(const char* /*name*/, const T& value, const char* /*text*/) {
-    pack(value);
+  void operator()(const char* name, T&& value, const char* /*unit*/, const char* text) {
+    self()(name, value, text);
   }
   template <class T>
-  void operator()(const char* /*name*/, const T& value, const char* /*unit*/,
-                  const char* /*text*/) {
-    pack(value);
-  }
-  template <class T>
-  void ifSet(const char* /*name*/, const T& value, const char* /*text*/) {
-    pack(value);
+  void ifSet(const char* name, T&& value, const char* text) {
+    self()(name, value, text);
   }
   template <class T>
   void derived(const char* /*name*/, const T& /*value*/, const char* /*unit*/,
                const char* /*text*/) {}
   template <class T>
-  void array(const char* /*name*/, const T& value, const char* /*text*/) {
-    pack(value);
+  void array(const char* name, T&& value, const char* text) {
+    self()(name, value, text);
   }
   template <class List>
   void group(const char* /*name*/, const List& list) {
-    list(*this);
+    list(self());
+  }
+
+ private:
+  Visitor& self() { return static_cast<Visitor&>(*this); }
+};
+
+/// Samples as packed little-endian bytes, element after element without padding, fields in the
+/// order of their list. describe<T>() says what an element holds, so that other programs can read
+/// it: "camera:i32 uv:f32[2] used:u8"; `[...]` is an i32 count and as many elements, `?` a u8 and,
+/// where that is 1, the value, `text` an i32 size and bytes, matrices are row by row.
+class Packer : public FieldsAlike<Packer> {
+ public:
+  static constexpr bool kReads = false, kAll = false;
+  using FieldsAlike<Packer>::operator();
+
+  template <class T>
+  void operator()(const char* /*name*/, const T& value, const char* /*text*/) {
+    pack(value);
   }
 
   template <class T>
@@ -64,33 +73,15 @@ class Packer {
 
 /// The inverse. Throws std::runtime_error where the bytes end within an element, or stand for no
 /// value of an enumeration.
-class Unpacker {
+class Unpacker : public FieldsAlike<Unpacker> {
  public:
   static constexpr bool kReads = true, kAll = false;
+  using FieldsAlike<Unpacker>::operator();
   explicit Unpacker(const std::string& bytes) : bytes_(bytes) {}
 
   template <class T>
   void operator()(const char* /*name*/, T& value, const char* /*text*/) {
     unpack(value);
-  }
-  template <class T>
-  void operator()(const char* /*name*/, T& value, const char* /*unit*/, const char* /*text*/) {
-    unpack(value);
-  }
-  template <class T>
-  void ifSet(const char* /*name*/, T& value, const char* /*text*/) {
-    unpack(value);
-  }
-  template <class T>
-  void derived(const char* /*name*/, const T& /*value*/, const char* /*unit*/,
-               const char* /*text*/) {}
-  template <class T>
-  void array(const char* /*name*/, T& value, const char* /*text*/) {
-    unpack(value);
-  }
-  template <class List>
-  void group(const char* /*name*/, const List& list) {
-    list(*this);
   }
 
   template <class T>
@@ -211,32 +202,14 @@ void Unpacker::unpack(T& value) {
 }
 
 /// What describe() visits: every field of a struct as "name:form".
-class Describer {
+class Describer : public FieldsAlike<Describer> {
  public:
   static constexpr bool kReads = false, kAll = true;
+  using FieldsAlike<Describer>::operator();
 
   template <class T>
   void operator()(const char* name, const T& /*value*/, const char* /*text*/) {
     text_ += (text_.empty() ? "" : " ") + std::string(name) + ":" + form<T>();
-  }
-  template <class T>
-  void operator()(const char* name, const T& value, const char* /*unit*/, const char* text) {
-    (*this)(name, value, text);
-  }
-  template <class T>
-  void ifSet(const char* name, const T& value, const char* text) {
-    (*this)(name, value, text);
-  }
-  template <class T>
-  void derived(const char* /*name*/, const T& /*value*/, const char* /*unit*/,
-               const char* /*text*/) {}
-  template <class T>
-  void array(const char* name, const T& value, const char* text) {
-    (*this)(name, value, text);
-  }
-  template <class List>
-  void group(const char* /*name*/, const List& list) {
-    list(*this);
   }
 
   template <class T>
