@@ -88,15 +88,7 @@ class Elimination {
     out.next.assign(static_cast<std::size_t>(n), ChainMatrix::Zero());
     out.to_border.resize(static_cast<std::size_t>(n));
     if (n == 0) return out;
-    blockCovariance(middle_, 0, out);
-    inParallel(
-        options_.threads,
-        [&] {
-          for (int i = middle_ - 1; i >= 0; --i) blockCovariance(i, +1, out);
-        },
-        [&] {
-          for (int i = middle_ + 1; i < n; ++i) blockCovariance(i, -1, out);
-        });
+    fromMiddle([&](int i, int direction) { blockCovariance(i, direction, out); });
     return out;
   }
 
@@ -154,19 +146,26 @@ class Elimination {
     return out;
   }
 
+  /// work(i, direction) for every block, from the middle to both ends; block i + direction is done
+  /// before (none for direction 0).
+  template <class Work>
+  void fromMiddle(const Work& work) const {
+    work(middle_, 0);
+    inParallel(
+        options_.threads,
+        [&] {
+          for (int i = middle_ - 1; i >= 0; --i) work(i, +1);
+        },
+        [&] {
+          for (int i = middle_ + 1; i < system_.blocks(); ++i) work(i, -1);
+        });
+  }
+
   void backSweeps(ChainSolution& out) const {
     const int n = system_.blocks();
     out.step.resize(static_cast<std::size_t>(n));
     if (n == 0) return;
-    blockStep(middle_, 0, out);
-    inParallel(
-        options_.threads,
-        [&] {
-          for (int i = middle_ - 1; i >= 0; --i) blockStep(i, +1, out);
-        },
-        [&] {
-          for (int i = middle_ + 1; i < n; ++i) blockStep(i, -1, out);
-        });
+    fromMiddle([&](int i, int direction) { blockStep(i, direction, out); });
   }
 
   /// L' x_i = -L^-1 (b_i + C_i x_B + N x_neighbour), whose terms stand in the rows as they are.
