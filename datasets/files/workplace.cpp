@@ -19,7 +19,6 @@
 #include <unistd.h>
 
 #include "datasets/files/bad_input.h"
-#include "datasets/files/file_io.h"
 #include "datasets/files/manifest.h"
 
 namespace plumbline {

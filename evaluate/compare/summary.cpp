@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/transform.h"
 #include "evaluate/compare/compare_calibrations.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"

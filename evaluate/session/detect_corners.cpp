@@ -7,7 +7,6 @@
 
 #include <fmt/core.h>
 
-#include "calibrator/base/error.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "datasets/images/image_io.h"
 #include "datasets/session/camera_stream.h"

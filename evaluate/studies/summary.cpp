@@ -6,7 +6,6 @@
 
 #include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
-#include "evaluate/studies/perturbation.h"
 #include "evaluate/studies/perturbation_study.h"
 
 namespace plumbline {

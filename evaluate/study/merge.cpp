@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/statistics/statistics.h"
-#include "datasets/files/file_io.h"
 #include "evaluate/study/night_folder.h"
 
 namespace plumbline {

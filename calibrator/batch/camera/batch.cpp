@@ -14,7 +14,6 @@
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
-#include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/screening.h"
 
 namespace plumbline {

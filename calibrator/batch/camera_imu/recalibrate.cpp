@@ -5,7 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "calibrator/base/calibration.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/camera_imu/stage.h"

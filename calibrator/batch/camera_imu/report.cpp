@@ -12,7 +12,6 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/initialise/imu_sanity.h"
 #include "calibrator/linear/dense.h"
 
 namespace plumbline {

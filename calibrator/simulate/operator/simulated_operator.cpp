@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibrator/base/calibration.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/simulate/motion.h"
 
