@@ -9,7 +9,6 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {
@@ -156,12 +155,7 @@ struct HigherNormals {
 /// The sums of all frames; each frame's P and gradient go to `out`.
 HigherSums sumFrames(const CameraProblem& problem, const CameraEstimate& estimate,
                      const CameraLayout& layout, const HigherBoard& board, HigherNormals& out) {
-  std::vector<Transform> T_CiC0;
-  std::vector<Matrix6d> chain;
-  for (const Transform& T : estimate.T_C0Ci) {
-    T_CiC0.push_back(T.inverse());
-    chain.push_back(adjoint(T_CiC0.back()));
-  }
+  const std::vector<CameraDerivatives> chain = derivativesOf(estimate);
   const int corners = board.basis.cornerCount();
   std::vector<HigherSums> parts(
       static_cast<std::size_t>(chunkCount(problem.frameCount(), kFrameChunk)),
@@ -175,10 +169,10 @@ HigherSums sumFrames(const CameraProblem& problem, const CameraEstimate& estimat
         const int index = problem.frames[f].view[c];
         if (index < 0) continue;
         const ViewShare view =
-            addHigherView(board, estimate.intrinsics[c], T_CiC0[c] * estimate.T_C0F[f],
+            addHigherView(board, estimate.intrinsics[c], chain[c].T_CiC0 * estimate.T_C0F[f],
                           problem.corners[c].view(index), problem.gram.cauchy_px,
                           scale * problem.weight(i), c, sums);
-        out.P[f] += chain[c].transpose() * view.P;
+        out.P[f] += chain[c].A_pose.transpose() * view.P;
         out.b.col(i) += view.b.transpose();
       }
     }

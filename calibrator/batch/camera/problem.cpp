@@ -15,26 +15,6 @@
 namespace plumbline {
 namespace {
 
-/// Derivatives of the twist of T_CiF = T_C0Ci^-1 T_C0F; the same in every frame.
-struct CameraDerivatives {
-  Transform T_CiC0;
-  Matrix6d A_pose;    ///< in the left twist of T_C0F: the adjoint of T_CiC0
-  Eigen::Matrix3d A;  ///< in the tangent of T_C0Ci: diag(A, A), A = -R_CiC0
-};
-
-std::vector<CameraDerivatives> derivativesOf(const CameraEstimate& estimate) {
-  std::vector<CameraDerivatives> all;
-  for (const Transform& T_C0Ci : estimate.T_C0Ci) {
-    CameraDerivatives d;
-    d.T_CiC0 = T_C0Ci.inverse();
-    d.A_pose = adjoint(d.T_CiC0);
-    // Both adjoint and tangent have a lever arm (tangent.h), and of T_C0Ci itself they cancel.
-    d.A = -d.T_CiC0.R;
-    all.push_back(d);
-  }
-  return all;
-}
-
 /// H * diag(A, A) without the zeros.
 template <class Rows>
 Eigen::Matrix<double, Rows::RowsAtCompileTime, 6> timesTwice(const Rows& H,
@@ -276,6 +256,16 @@ CameraNormals emptyNormals(int frames, int size) {
 constexpr double kFreePose = 1e-12;  // share of a pose's information that is rounding
 
 }  // namespace
+
+std::vector<CameraDerivatives> derivativesOf(const CameraEstimate& estimate) {
+  std::vector<CameraDerivatives> all;
+  for (const Transform& T_C0Ci : estimate.T_C0Ci) {
+    const Transform T_CiC0 = T_C0Ci.inverse();
+    // Both adjoint and tangent have a lever arm (tangent.h), and of T_C0Ci itself they cancel.
+    all.push_back({T_CiC0, adjoint(T_CiC0), -T_CiC0.R});
+  }
+  return all;
+}
 
 bool isDetermined(const Matrix6d& H, const Eigen::LLT<Matrix6d>& llt) {
   if (llt.info() != Eigen::Success) return false;

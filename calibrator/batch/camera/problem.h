@@ -36,6 +36,14 @@ struct CameraEstimate {
 CameraEstimate estimateOf(const std::vector<CameraCalibration>& cameras,
                           std::span<const Transform> T_FC0 = {});
 
+/// Derivatives of the twist of T_CiF = T_C0Ci^-1 T_C0F; the same in every frame.
+struct CameraDerivatives {
+  Transform T_CiC0;
+  Matrix6d A_pose;    ///< in the left twist of T_C0F: the adjoint of T_CiC0
+  Eigen::Matrix3d A;  ///< in the tangent of T_C0Ci: diag(A, A), A = -R_CiC0
+};
+std::vector<CameraDerivatives> derivativesOf(const CameraEstimate& estimate);  ///< per camera
+
 /// Priors of a board's higher terms, in the units of the cost: each is `mean` with this
 /// information, and the gradient of that has the covariance `scatter` (both diagonal). Of a known
 /// board they are given; otherwise the mean is zero, and the variances are estimated with the

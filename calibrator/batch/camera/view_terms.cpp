@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "calibrator/base/parallel.h"
-#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {
@@ -64,13 +63,10 @@ class ViewTermsMaker::Sum {
       return;
     }
     // T_CiF = T_CiC0 T_C0F: its twist is A d + E e, e the tangent of T_C0Ci.
-    // Lever arms of adjoint and tangent cancel in E (problem.cpp).
-    const Eigen::Matrix3d& R = maker_.T_CiC0_[c].R;
-    const Matrix6d A = adjoint(maker_.T_CiC0_[c]);
+    const Matrix6d& A = maker_.derivatives_[c].A_pose;
     const int e = layout.T_C0Ci[c];
     Matrix6d E = Matrix6d::Zero();
-    E.topLeftCorner<3, 3>() = -R;
-    E.bottomRightCorner<3, 3>() = -R;
+    E.topLeftCorner<3, 3>() = E.bottomRightCorner<3, 3>() = maker_.derivatives_[c].A;
     const Matrix6d AtH = A.transpose() * g.H;
     H_.noalias() += AtH * A;
     X_.middleCols(k, size) += A.transpose().lazyProduct(g.H_pose_k);
@@ -127,7 +123,7 @@ class ViewTermsMaker::Sum {
       X += g.H_pose_f;
     } else {
       X += A.transpose().lazyProduct(g.H_pose_f);
-      const Eigen::Matrix3d& R = maker_.T_CiC0_[c].R;
+      const Eigen::Matrix3d& R = maker_.derivatives_[c].T_CiC0.R;
       out_.C.block(e, at, 3, columns) -= R.transpose().lazyProduct(g.H_pose_f.topRows<3>());
       out_.C.block(e + 3, at, 3, columns) -= R.transpose().lazyProduct(g.H_pose_f.bottomRows<3>());
     }
@@ -163,9 +159,9 @@ ViewTermsMaker::ViewTermsMaker(const CameraEstimate& cameras, MisfitField field,
     : cameras_(cameras),
       layout_(cameras.intrinsics),
       field_(std::move(field)),
-      cauchy_px_(cauchy_px) {
+      cauchy_px_(cauchy_px),
+      derivatives_(derivativesOf(cameras)) {
   assert(field_.boxes.size() == cameras.intrinsics.size());
-  for (const Transform& T : cameras.T_C0Ci) T_CiC0_.push_back(T.inverse());
 }
 
 ViewTerms ViewTermsMaker::seen(const RigView& frame, std::span<const double> cell_weights) const {
@@ -190,8 +186,8 @@ ViewTerms ViewTermsMaker::seen(const RigView& frame, std::span<const double> cel
     // Re-weighted (clamp 0): with the loss' own curvature a frame's information might be
     // indefinite.
     const FieldGram g =
-        fieldGram(cameras_.intrinsics[c], T_CiC0_[c] * frame.T_C0F, view, field_.boxes[c],
-                  FieldSquares::kKeep, {cauchy_px_, 0}, field_.ofCamera(c));
+        fieldGram(cameras_.intrinsics[c], derivatives_[c].T_CiC0 * frame.T_C0F, view,
+                  field_.boxes[c], FieldSquares::kKeep, {cauchy_px_, 0}, field_.ofCamera(c));
     sum.add(c, g);
     sum.count(g.squared_error, used);
   }
@@ -203,8 +199,8 @@ ViewTerms ViewTermsMaker::imagined(const RigView& frame) const {
   for (std::size_t c = 0; c < frame.views.size(); ++c) {
     const PackedView& view = frame.views[c];
     if (view.count == 0) continue;
-    sum.add(c, fieldGram(cameras_.intrinsics[c], T_CiC0_[c] * frame.T_C0F, view, field_.boxes[c],
-                         FieldSquares::kDrop, {0, 0}, field_.ofCamera(c)));
+    sum.add(c, fieldGram(cameras_.intrinsics[c], derivatives_[c].T_CiC0 * frame.T_C0F, view,
+                         field_.boxes[c], FieldSquares::kDrop, {0, 0}, field_.ofCamera(c)));
     sum.count(0, view.count);
   }
   return std::move(sum).finish();

@@ -72,7 +72,7 @@ class ViewTermsMaker {
   CameraLayout layout_;
   MisfitField field_;
   double cauchy_px_;
-  std::vector<Transform> T_CiC0_;
+  std::vector<CameraDerivatives> derivatives_;
 };
 
 /// Where the camera is used later.

@@ -153,12 +153,6 @@ Table pairedTable(const ComparisonRecord& record) {
   return table;
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 /// One row for each score, where any has such an entropy.
 Table entropyTable(const std::vector<CalibrationScore>& scores,
                    std::optional<double> CalibrationScore::*entropy,
@@ -175,12 +169,13 @@ Table entropyTable(const std::vector<CalibrationScore>& scores,
     any = any || value;
     // Parts and recordings without an entropy stay in the table, with the reason.
     const std::string why = s.problem.empty() ? "not computed for this part" : s.problem;
-    table.rows.push_back({{s.label},
-                          {s.session},
-                          {s.part},
-                          number(value ? fmt::format("{:.2f}", *value) : kDash),
-                          number(value ? std::to_string((s.*parameters).size()) : kDash),
-                          {value ? listed(s.*parameters) : "\u2013 (" + why + ")"}});
+    table.rows.push_back(
+        {{s.label},
+         {s.session},
+         {s.part},
+         number(value ? fmt::format("{:.2f}", *value) : kDash),
+         number(value ? std::to_string((s.*parameters).size()) : kDash),
+         {value ? fmt::format("{}", fmt::join(s.*parameters, ", ")) : "\u2013 (" + why + ")"}});
   }
   if (!any) table.rows.clear();
   return table;

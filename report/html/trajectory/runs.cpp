@@ -126,10 +126,8 @@ Table remarksTable(const std::vector<TrajectoryRun>& runs) {
   }
   Table table{{{"Remark"}, {"Runs"}}};
   for (const auto& [text, names] : remarks) {
-    std::string list;
-    for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) {
-      list += (i > 0 ? ", " : "") + names[i];
-    }
+    const auto shown = static_cast<std::ptrdiff_t>(std::min(names.size(), kNamed));
+    std::string list = fmt::format("{}", fmt::join(names.begin(), names.begin() + shown, ", "));
     if (names.size() > kNamed) list += fmt::format(" and {} more", names.size() - kNamed);
     table.rows.push_back({{text}, {list}});
   }
