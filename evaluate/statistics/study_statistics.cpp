@@ -136,8 +136,7 @@ void addEffects(StudyRecord& record, const PairedOptions& options) {
                  test.statistic,
                  test.dof1,
                  test.dof2,
-                 balanced ? std::optional(test.p) : std::nullopt,
-                 {}};
+                 balanced ? std::optional(test.p) : std::nullopt};
     q.sentence = quadeSentence(q, endpoint.words);
     s.quade.push_back(std::move(q));
   }

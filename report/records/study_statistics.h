@@ -94,7 +94,7 @@ struct StudyQuade {
   double statistic = 0;
   int dof1 = 0, dof2 = 0;
   std::optional<double> p;  ///< empty without balanced orders: it would not be the methods' own
-  std::string sentence;
+  std::string sentence = {};
 };
 
 inline std::string partName(const StudyQuade& q) { return q.endpoint; }
