@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/statistics/statistics.h"
+#include "datasets/files/file_io.h"
 #include "datasets/images/image_io.h"
-#include "evaluate/odometry/run_odometry.h"
+#include "evaluate/odometry/judged_run.h"
 #include "evaluate/results/text.h"
 
 namespace plumbline {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// Reads images, and counts those that it cannot.
 class FrameReader {
@@ -89,6 +97,67 @@ BuiltinRun runOnTracks(const OdometrySequence& sequence, const RigModel& rig,
   return run;
 }
 
+/// When, after the first image, and why track was lost.
+std::string lossText(const BuiltinRun& run, TimeNs start) {
+  std::string text;
+  for (const OdometryLossEvent& loss : run.result.losses) {
+    text += fmt::format("{}{:.2f} s ({})", text.empty() ? "" : ", ", secondsBetween(start, loss.t),
+                        toString(loss.cause));
+  }
+  return text;
+}
+
+/// What needs no truth, and the frames' times.
+void addConsistency(const BuiltinRun& run, OdometryRunRecord& r) {
+  // 0 stands for "no sighting" there, and would be a perfect fit here.
+  if (run.result.stereo_px > 0) r.stereo_px = run.result.stereo_px;
+  if (run.result.innovation_px > 0) r.innovation_px = run.result.innovation_px;
+  if (run.frame_s.empty()) return;
+  r.frame_p50_ms = 1e3 * quantile(run.frame_s, 0.5);
+  r.frame_p95_ms = 1e3 * quantile(run.frame_s, 0.95);
+  r.frame_p99_ms = 1e3 * quantile(run.frame_s, 0.99);
+  r.frame_max_ms = 1e3 * *std::max_element(run.frame_s.begin(), run.frame_s.end());
+}
+
+/// What the odometry would choose for the time offset, and for T_SC0; that it gives none is said.
+void addHint(const OdometryPlan& plan, const OdometryRequest& request, OdometryRunRecord& r,
+             std::vector<std::string>& remarks) {
+  const Calibration calibration = withNoise(plan);
+  r.offset_calibrated_s = calibration.imu->timeOffset();
+  const auto run = [&](const Eigen::VectorXd& change) {
+    return runBuiltin(*plan.sequence, changed(calibration, change), request.builtin)
+        .result.innovations;
+  };
+  // Several plans already occupy the cores.
+  const bool alone = request.sequences.size() * request.calibrations.size() == 1;
+  const auto hint = calibrationHint(request.hint, run, alone ? request.threads : 1);
+  if (!hint) {
+    remarks.emplace_back(
+        "--estimate gives nothing: the innovations have no minimum within 20 ms, 150 mm and 2.5 "
+        "deg of the calibration, or the flight is too short (8 blocks of 1 s are needed)");
+    return;
+  }
+  r.offset_hint_s = *r.offset_calibrated_s + hint->change[0];
+  r.offset_hint_std_s = hint->std[0];
+  if (request.hint != HintKind::kExtrinsics) return;
+  r.T_SC0_hint = Vector6d(hint->change.tail<6>());
+  r.T_SC0_hint_std = Vector6d(hint->std.tail<6>());
+}
+
+/// Of the first `cameras` cameras (0: all), those that the odometry does not use as calibrated.
+void addOwnOffsets(const Calibration& calibration, int cameras, std::vector<std::string>& remarks) {
+  const ImuCalibration& imu = *calibration.imu;
+  for (std::size_t c = 1; c < calibration.cameras.size(); ++c) {
+    if (cameras > 0 && c >= static_cast<std::size_t>(cameras)) break;
+    if (!hasOwnOffset(imu.time_offsets, c)) continue;
+    remarks.push_back(fmt::format(
+        "the calibration's time offset of {} is {:.6f} s more than that of {}; this odometry takes "
+        "all cameras as exposed together",
+        calibration.cameras[c].name, imu.timeOffset(c) - imu.timeOffset(),
+        calibration.cameras[0].name));
+  }
+}
+
 }  // namespace
 
 void BuiltinOptions::check() const {
@@ -160,6 +229,39 @@ std::string tumText(const std::vector<StampedPose>& poses) {
         pose.p.z(), pose.q.x(), pose.q.y(), pose.q.z(), pose.q.w());
   }
   return fmt::to_string(text);
+}
+
+OdometryOutcome runBuiltinPlan(const OdometryPlan& plan, const OdometryRequest& request,
+                               const fs::path& out) {
+  const Calibration calibration = withNoise(plan);
+  const BuiltinRun run = runBuiltin(*plan.sequence, calibration, request.builtin);
+  OdometryOutcome outcome;
+  OdometryRunRecord& r = outcome.record;
+  r.system = "builtin";
+  r.seconds = run.seconds;
+  r.frames = run.frames;
+  r.frames_skipped = run.skipped;
+  r.losses = run.result.losses.size();
+  r.mean_landmarks = run.result.mean_landmarks;
+  addConsistency(run, r);
+  if (request.hint != HintKind::kNone) addHint(plan, request, r, outcome.remarks);
+  if (run.skipped > 0) {
+    outcome.remarks.push_back(
+        fmt::format("{} images are missing or damaged and were skipped", run.skipped));
+  }
+  addOwnOffsets(calibration, request.builtin.cameras, outcome.remarks);
+  if (run.result.poses.empty()) {
+    outcome.problem = "never initialised: images and IMU did not determine the motion";
+    return outcome;
+  }
+  outcome.poses = posesOf(run.result);
+  // Also where it lost track: the file is there to look at, and the run is failed.
+  writeNewFile(out, pathOf(plan), tumText(outcome.poses));
+  if (r.losses > 0) {
+    outcome.problem = fmt::format("lost track {} times and continued from another pose: at {}",
+                                  r.losses, lossText(run, plan.sequence->images[0].front().t));
+  }
+  return outcome;
 }
 
 }  // namespace plumbline

@@ -2,16 +2,22 @@
 #include <algorithm>
 #include <cstdlib>
 #include <deque>
+#include <filesystem>
 #include <fstream>
+#include <map>
+#include <optional>
 #include <sstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/transform.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
-#include "evaluate/odometry/run_odometry.h"
+#include "evaluate/odometry/judged_run.h"
 #include "evaluate/process/process.h"
 #include "evaluate/results/text.h"
 #include "evaluate/trajectory/evaluate_trajectory.h"
@@ -25,6 +31,18 @@ constexpr std::size_t kLogLines = 20;
 constexpr std::size_t kLongestLine = 300;  // [bytes]
 
 using Fields = std::map<std::string, std::string>;
+
+/// What it left. Empty `problem`: a trajectory.
+struct ExternalRun {
+  std::vector<StampedPose> poses;  ///< body = IMU, camera clock
+  double seconds = 0;
+  std::string problem;           ///< how it failed, "" if not
+  std::vector<std::string> log;  ///< last lines of what it printed, of a run that failed
+  /// What its online calibration printed, in order; empty unless asked for, and where it did not
+  /// end by itself: the last value is then none that it arrived at.
+  std::vector<double> offsets_s;
+  std::vector<Transform> T_SC0;
+};
 
 /// The last lines of a file, each cut; none where it cannot be read.
 std::vector<std::string> lastLinesOf(const fs::path& file, std::size_t count) {
@@ -108,31 +126,35 @@ void readRefined(const fs::path& log, const OnlineCalibration& online, ExternalR
 
 /// A runner's file for this calibration, as the request wants it. Other braces than those of the
 /// three fields are the file's own.
-std::string fileText(const ExternalRequest& request, const Calibration& calibration,
+std::string fileText(const Runner& runner, const Calibration& calibration, bool refine,
                      std::string text) {
   const std::size_t cameras = calibration.cameras.size();
   // OpenVINS takes two images for a pair, and stops at three; it tracks them one by one without.
   text = replaceAll(std::move(text), "{cameras}", std::to_string(cameras));
   text = replaceAll(std::move(text), "{stereo}", cameras == 2 ? "true" : "false");
   text = replaceAll(std::move(text), "{gravity}", fmt::format("{}", calibration.imu->gravity_m_s2));
-  if (!request.refine) return text;
-  for (const auto& [from, to] : request.runner.online->changes) text = replaceAll(text, from, to);
+  if (!refine) return text;
+  for (const auto& [from, to] : runner.online->changes) text = replaceAll(text, from, to);
   return text;
 }
 
 /// Writes what the runner needs below `folder`; the values of its fields.
-Fields prepare(const ExternalRequest& request, const OdometrySequence& sequence,
-               const Calibration& calibration, const fs::path& folder) {
-  const Runner& runner = request.runner;
+Fields prepare(const OdometryPlan& plan, const OdometryRequest& request,
+               const Calibration& calibration, bool refine, const fs::path& folder) {
+  const Runner& runner = *request.runner;
+  const OdometrySequence& sequence = *plan.sequence;
   fs::create_directories(folder / "settings");
   if (runner.settings) {
-    const ExportOptions options{request.calibration.string(), kVersion, request.noise_known, {}};
+    const ExportOptions options{plan.calibration->file.string(),
+                                kVersion,
+                                plan.calibration->noise_known || sequence.noise.has_value(),
+                                {}};
     for (const ExportFile& file : exportCalibration(calibration, *runner.settings, options).files) {
       writeNewFile(folder, fs::path("settings") / file.name, file.text);
     }
   }
   for (const auto& [name, text] : runner.files) {
-    writeNewFile(folder, fs::path("settings") / name, fileText(request, calibration, text));
+    writeNewFile(folder, fs::path("settings") / name, fileText(runner, calibration, refine, text));
   }
   writeNewFile(folder, "times.txt", stampsOf(sequence));
   // The field {sequence} is the folder that holds mav0.
@@ -144,11 +166,11 @@ Fields prepare(const ExternalRequest& request, const OdometrySequence& sequence,
   }
   return {{"executable", request.executable.empty() ? runner.executable : request.executable},
           {"settings", fs::absolute(folder / "settings").string()},
-          {"calibration", fs::absolute(request.calibration).string()},
+          {"calibration", fs::absolute(plan.calibration->file).string()},
           {"sequence", fs::absolute(data).string()},
           {"times", fs::absolute(folder / "times.txt").string()},
           {"output", fs::absolute(folder).string()},
-          {"run", std::to_string(request.run)}};
+          {"run", std::to_string(plan.run)}};
 }
 
 std::string variable(const std::string& name) {
@@ -172,32 +194,36 @@ std::vector<StampedPose> converted(std::vector<StampedPose> poses, const Runner&
   return poses;
 }
 
-}  // namespace
-
-ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& sequence,
-                        const Calibration& calibration, const fs::path& folder) {
-  if (!calibration.imu) {
-    throw InputError(request.calibration.string(), 0, "has no IMU; odometry needs T_SC0");
-  }
-  const Fields fields = prepare(request, sequence, calibration, folder);
+/// Runs another odometry on a sequence: writes its settings, links to the sequence's images with an
+/// IMU that is shifted where it knows no time offset, and reads what it wrote.
+ExternalRun runExternal(const OdometryPlan& plan, const OdometryRequest& request, bool refine,
+                        const fs::path& out) {
+  // One for each run, so that none finds what another has left.
+  const fs::path folder =
+      out / "work" / plan.calibration->name /
+      fmt::format("{}_{}{}", plan.sequence->name, plan.run, refine ? "_refined" : "");
+  fs::create_directories(folder);
+  const Runner& runner = *request.runner;
+  const Calibration calibration = withNoise(plan);
+  const Fields fields = prepare(plan, request, calibration, refine, folder);
   ProcessRequest process;
   process.words = {fields.at("executable")};
-  for (const std::string& word : request.runner.words) {
+  for (const std::string& word : runner.words) {
     // No shell is between: $NAME is looked up here, and blanks in paths do no harm.
     process.words.push_back(word.front() == '$' ? variable(word.substr(1))
                                                 : filledIn(word, fields));
   }
-  for (const auto& [name, text] : request.runner.environment) {
+  for (const auto& [name, text] : runner.environment) {
     process.environment[name] = filledIn(text, fields);
   }
   process.folder = folder;
   process.log = folder / "log.txt";
-  process.limit_s = request.seconds;
+  process.limit_s = request.run_seconds;
   process.limit_mb = request.memory_mb;
   const ProcessEnd end = runProcess(process);
   ExternalRun run;
   run.seconds = end.seconds;
-  const fs::path written = filledIn(request.runner.trajectory, fields);
+  const fs::path written = filledIn(runner.trajectory, fields);
   // What it wrote before it crashed or was killed is not judged.
   if (!end.ok()) {
     run.problem = fmt::format("{}: {}", process.words.front(), toString(end));
@@ -207,19 +233,77 @@ ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& 
   } else {
     TrajectoryRequest read;
     read.estimate = written;
-    read.estimate_w_first = request.w_first;
-    read.estimate_inverted = request.inverted;
+    read.estimate_w_first = request.output_w_first;
+    read.estimate_inverted = request.output_inverted;
     try {
-      run.poses = converted(readEstimate(read).trajectory.poses, request.runner, *calibration.imu);
+      run.poses = converted(readEstimate(read).trajectory.poses, runner, *calibration.imu);
       if (run.poses.empty()) run.problem = "its trajectory has no pose";
     } catch (const InputError& error) {
       run.problem = error.what();
     }
   }
   // What it printed counts, whether its trajectory can be read or not.
-  if (request.refine && end.ok()) readRefined(process.log, *request.runner.online, run);
+  if (refine && end.ok()) readRefined(process.log, *runner.online, run);
   if (!run.problem.empty()) run.log = lastLinesOf(process.log, kLogLines);
   return run;
+}
+
+/// By how much the columns moved about the last one over the second half, RMS. For systems that
+/// print no deviation: their estimate settles, so that it is less than its error. None of fewer
+/// than four values, whose second half hardly moves: 0 would say nothing of the estimate.
+std::optional<Eigen::VectorXd> movedAtLast(const Eigen::MatrixXd& values) {
+  if (values.cols() < 4) return std::nullopt;
+  const Eigen::Index half = (values.cols() + 1) / 2;
+  const Eigen::MatrixXd moved = values.rightCols(half).colwise() - values.rightCols<1>();
+  return Eigen::VectorXd((moved.rowwise().squaredNorm() / static_cast<double>(half)).cwiseSqrt());
+}
+
+/// What the other system's online calibration ends at, in a run of its own.
+void addRefined(const OdometryPlan& plan, const OdometryRequest& request, const fs::path& out,
+                OdometryOutcome& outcome) {
+  const ExternalRun run = runExternal(plan, request, true, out);
+  const ImuCalibration& used = *plan.calibration->calibration.imu;
+  OdometryRunRecord& r = outcome.record;
+  r.offset_calibrated_s = used.timeOffset();
+  const bool none = run.offsets_s.empty() && run.T_SC0.empty();
+  if (none || !run.problem.empty()) {
+    outcome.remarks.push_back(fmt::format("the run with online calibration gave {} calibration{}{}",
+                                          none ? "no" : "a", run.problem.empty() ? "" : "; ",
+                                          run.problem));
+  }
+  if (none) return;
+  if (!run.offsets_s.empty()) {
+    const auto count = static_cast<Eigen::Index>(run.offsets_s.size());
+    r.offset_hint_s = run.offsets_s.back();
+    const auto moved = movedAtLast(Eigen::RowVectorXd::Map(run.offsets_s.data(), count));
+    if (moved) r.offset_hint_std_s = moved->value();
+  }
+  if (run.T_SC0.empty() || request.hint != HintKind::kExtrinsics) return;
+  Eigen::MatrixXd changes(6, static_cast<Eigen::Index>(run.T_SC0.size()));
+  for (Eigen::Index i = 0; i < changes.cols(); ++i) {
+    // In the left tangent at what was calibrated, as the built-in odometry's hint.
+    changes.col(i) = boxminus(run.T_SC0[static_cast<std::size_t>(i)], used.T_SC0);
+  }
+  r.T_SC0_hint = Vector6d(changes.rightCols<1>());
+  if (const auto moved = movedAtLast(changes)) r.T_SC0_hint_std = Vector6d(*moved);
+}
+
+}  // namespace
+
+OdometryOutcome runExternalPlan(const OdometryPlan& plan, const OdometryRequest& request,
+                                const fs::path& out) {
+  const ExternalRun run = runExternal(plan, request, false, out);
+  OdometryOutcome outcome;
+  outcome.record.system = request.runner->name;
+  outcome.record.seconds = run.seconds;
+  // Those that were offered: what a system has used of them it does not say.
+  outcome.record.frames = plan.sequence->images[0].size();
+  outcome.record.log = run.log;
+  outcome.problem = run.problem;
+  outcome.poses = run.poses;
+  if (run.problem.empty()) writeNewFile(out, pathOf(plan), tumText(run.poses));
+  if (request.hint != HintKind::kNone) addRefined(plan, request, out, outcome);
+  return outcome;
 }
 
 }  // namespace plumbline

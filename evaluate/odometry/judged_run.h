@@ -3,13 +3,53 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "calibrator/base/calibration.h"
 #include "evaluate/odometry/run_odometry.h"
 #include "evaluate/odometry/sequence.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {
+
+/// A calibration of the request, under the name that its runs have.
+struct NamedCalibration {
+  std::string name;
+  std::filesystem::path file;
+  Calibration calibration;
+  bool noise_known = true;
+};
+
+/// One run: a calibration on a sequence, for the `run`-th time.
+struct OdometryPlan {
+  const OdometrySequence* sequence = nullptr;
+  const NamedCalibration* calibration = nullptr;
+  int run = 1;
+};
+
+/// What a run left: its record, and the file that holds its poses.
+struct OdometryOutcome {
+  OdometryRunRecord record;
+  std::string problem;
+  std::vector<std::string> remarks;
+  std::vector<StampedPose> poses;
+};
+
+/// The noise of a calibration that states none (Kalibr's camchain) is the sequence's.
+Calibration withNoise(const OdometryPlan& plan);
+/// Below the folder of results; sequences and calibrations have a name each, so that no run
+/// overwrites another's.
+std::string pathOf(const OdometryPlan& plan);
+
+/// The built-in odometry's run; its poses are written to pathOf() in `out`.
+OdometryOutcome runBuiltinPlan(const OdometryPlan& plan, const OdometryRequest& request,
+                               const std::filesystem::path& out);
+/// Another odometry's, in a folder of its own below work/ in `out`; with request.hint a second one
+/// with its online calibration. Every end but a readable trajectory is a problem, not an exception;
+/// throws InputError where its settings cannot be exported.
+OdometryOutcome runExternalPlan(const OdometryPlan& plan, const OdometryRequest& request,
+                                const std::filesystem::path& out);
 
 /// The ground truth of a sequence.
 struct SequenceTruth {

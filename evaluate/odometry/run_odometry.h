@@ -95,36 +95,4 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const std::filesyst
 /// them was lost or skipped.
 std::string odometrySummary(const TrajectoryRecord& record);
 
-/// One run of another odometry.
-struct ExternalRequest {
-  Runner runner;
-  std::string executable;             ///< in place of the runner's; empty: that one, by PATH
-  std::filesystem::path calibration;  ///< its file
-  bool noise_known = true;            ///< whether the calibration states the IMU's noise
-  int run = 1;
-  bool refine = false;                     ///< with its online calibration (Runner::online)
-  double seconds = 3600;                   ///< limit of wall time
-  int memory_mb = 0;                       ///< limit of address space; 0: none
-  bool w_first = false, inverted = false;  ///< quaternions of what it writes, as in OdometryRequest
-};
-
-/// What it left. Empty `problem`: a trajectory.
-struct ExternalRun {
-  std::vector<StampedPose> poses;  ///< body = IMU, camera clock
-  double seconds = 0;
-  std::string problem;           ///< how it failed, "" if not
-  std::vector<std::string> log;  ///< last lines of what it printed, of a run that failed
-  /// What its online calibration printed, in order; empty unless asked for, and where it did not
-  /// end by itself: the last value is then none that it arrived at.
-  std::vector<double> offsets_s;
-  std::vector<Transform> T_SC0;
-};
-
-/// Runs another odometry on a sequence in `folder`, which is there and empty: writes its settings,
-/// links to the sequence's images with an IMU that is shifted where it knows no time offset, and
-/// reads what it wrote. Every end but a readable trajectory is a problem, not an exception; throws
-/// InputError where its settings cannot be exported.
-ExternalRun runExternal(const ExternalRequest& request, const OdometrySequence& sequence,
-                        const Calibration& calibration, const std::filesystem::path& folder);
-
 }  // namespace plumbline
