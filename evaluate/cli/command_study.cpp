@@ -140,7 +140,8 @@ class NightTeller {
     complain(where);
   }
 
-  ProgressBar bar_;
+  // The share is of the whole night, whose own time left is in the line.
+  ProgressBar bar_{false};
   bool terminal_ = isatty(STDERR_FILENO) != 0;
   int tenth_ = 0;
 };

@@ -83,9 +83,12 @@ void saySummary(std::string_view summary) {
   }
 }
 
+void writeError(std::string_view bytes) {
+  (void)std::fwrite(bytes.data(), 1, bytes.size(), stderr);
+}
+
 void complain(std::string_view message) {
-  const std::string line = "plumbline: " + shownLine(message) + "\n";
-  (void)std::fwrite(line.data(), 1, line.size(), stderr);
+  writeError("plumbline: " + shownLine(message) + "\n");
 }
 
 bool closeOutput() {
@@ -107,12 +110,14 @@ constexpr std::chrono::seconds kPipeInterval{10};
 
 }  // namespace
 
-ProgressBar::ProgressBar() : terminal_(isatty(STDERR_FILENO) != 0) {}
+ProgressBar::ProgressBar(bool tells_time_left)
+    : terminal_(isatty(STDERR_FILENO) != 0), tells_time_left_(tells_time_left) {}
 
 ProgressBar::~ProgressBar() { clear(); }
 
 // As fast as so far; said from some seconds on, when it is worth something.
 std::string ProgressBar::timeLeft(double fraction) const {
+  if (!tells_time_left_) return "";
   const double spent_s = std::chrono::duration<double>(Clock::now() - begun_).count();
   if (spent_s < kTimeLeftAfter_s || fraction <= 0 || fraction >= 1) return "";
   const long left_s = std::lround(spent_s * (1 - fraction) / fraction);
@@ -138,13 +143,12 @@ void ProgressBar::update(const std::string& step, double fraction) {
   }
   if (line == last_) return;
   // To the start of the line, and without the end of a longer one before it.
-  fmt::print(stderr, "\r\033[K{}", shownLine(line));
-  std::fflush(stderr);
+  writeError("\r\033[K" + shownLine(line));
   last_ = line;
 }
 
 void ProgressBar::clear() {
-  if (terminal_ && !last_.empty()) fmt::print(stderr, "\r\033[K");
+  if (terminal_ && !last_.empty()) writeError("\r\033[K");
   last_.clear();
 }
 

@@ -36,6 +36,9 @@ void say(fmt::format_string<Args...> format, Args&&... args) {
 /// variable NO_COLOR is set (https://no-color.org).
 void saySummary(std::string_view summary);
 
+/// Writes on standard error as it is. Where that cannot be written, there is nobody to be told.
+void writeError(std::string_view bytes);
+
 /// Writes "plumbline: MESSAGE" as one line on standard error.
 void complain(std::string_view message);
 
@@ -47,7 +50,9 @@ bool closeOutput();
 /// the time left; elsewhere a line of its own every ten seconds, so that short work stays silent.
 class ProgressBar {
  public:
-  ProgressBar();
+  /// Without the time left where fractions are not of the step that is told: that of a step is by
+  /// how long its fraction took.
+  explicit ProgressBar(bool tells_time_left = true);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -62,7 +67,7 @@ class ProgressBar {
 
   std::string timeLeft(double fraction) const;
 
-  bool terminal_ = false;
+  bool terminal_ = false, tells_time_left_ = true;
   std::string last_, step_;
   Clock::time_point begun_ = Clock::now();  ///< of the step
   Clock::time_point told_ = Clock::now();   ///< the last line in a pipe
