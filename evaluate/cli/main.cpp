@@ -38,8 +38,8 @@ std::atomic<bool> ending{false};
   ending = true;
   abandonWorkplaces();
   const char* clear = isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "";
-  fmt::print(stderr, "{}plumbline: stopped by signal {}; unfinished output was removed\n", clear,
-             signal);
+  writeError(fmt::format("{}plumbline: stopped by signal {}; unfinished output was removed\n",
+                         clear, signal));
   // As a shell reports a process that a signal ended.
   _exit(128 + signal);
 }
@@ -53,9 +53,11 @@ bool isIgnored(int signal) {
 /// removed, older results stay, and the exit code is 128 and the signal's number (130, 143, 129). A
 /// thread waits for them, so that no handler runs in between and long work needs no checks. Signals
 /// that the caller has the process ignore stay ignored. A file that grows beyond its limit
-/// (SIGXFSZ) becomes an error of the write. Call before any other thread is started.
+/// (SIGXFSZ) and a pipe that nobody reads any more (SIGPIPE) become errors of the write. Call
+/// before any other thread is started.
 void endInOrderOnSignals() {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond its limit is an error of the write
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
   sigset_t awaited;
   sigemptyset(&awaited);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {

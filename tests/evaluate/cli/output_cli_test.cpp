@@ -205,6 +205,24 @@ TEST_F(FailingCalls, AFullStandardOutputIsNoSuccess) {
   }
 }
 
+TEST_F(FailingCalls, APipeThatNobodyReadsIsNoSuccessAndEndsNoRun) {
+  const std::string words = std::string(PLUMBLINE_BINARY) + " export " +
+                            (kOutputConfigs / "source/calibration.json").string() +
+                            " --to basalt --force --out " + out().string();
+  for (const char* errors : {"", " 2>&1"}) {
+    // The program starts once the pipe's reader is gone.
+    const Outcome outcome = shell("{ while (echo x) 2>/dev/null; do :; done; " + words + errors +
+                                  "; echo code $? >&2; } | :");
+    EXPECT_THAT(outcome.text, HasSubstr("code 1\n")) << errors;
+    EXPECT_EQ(outcome.text.find("standard output cannot be written (Broken pipe)") !=
+                  std::string::npos,
+              std::string(errors).empty())
+        << outcome.text;
+    EXPECT_TRUE(isWhole(out())) << errors;
+    fs::remove_all(out());
+  }
+}
+
 TEST_F(FailingCalls, ATooLargeFileIsSaid) {
   const Outcome outcome = shell("ulimit -f 1; " + std::string(PLUMBLINE_BINARY) +
                                 " simulate --duration 2 --out " + out().string());

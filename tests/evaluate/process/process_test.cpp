@@ -80,6 +80,14 @@ TEST_F(Process, HasTheFolderAndTheEnvironmentItIsGivenAndNoInput) {
   EXPECT_FALSE(run("true", request).ok());
 }
 
+TEST_F(Process, AProgramDoesNotIgnoreTheSignalsThatWeIgnore) {
+  for (const int number : {SIGPIPE, SIGXFSZ}) {
+    const auto before = std::signal(number, SIG_IGN);
+    EXPECT_EQ(run("kill -" + std::to_string(number) + " $$").signal, number);
+    std::signal(number, before);
+  }
+}
+
 TEST_F(Process, BeyondItsTimeItIsKilledWithAllItStarted) {
   ProcessRequest request;
   request.limit_s = 0.3;
