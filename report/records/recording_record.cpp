@@ -29,6 +29,8 @@ std::vector<ViewErrors> viewErrors(const std::vector<CornerResidual>& residuals)
   }
   std::vector<ViewErrors> list;
   for (auto& [key, view] : views) {
+    // Not 0 where all corners were rejected: no error is no small error.
+    if (view.used == 0) view.rmse_px = view.largest_px = std::nan("");
     if (view.used > 0) view.rmse_px = std::sqrt(view.rmse_px / static_cast<double>(view.used));
     list.push_back(std::move(view));
   }
@@ -40,7 +42,8 @@ std::vector<std::size_t> worstFirst(const std::vector<ViewErrors>& views) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   // Stable: views of equal error keep the order of the recording, and pages their bytes.
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return views[a].rmse_px > views[b].rmse_px;
+    const auto size = [&](std::size_t i) { return views[i].used > 0 ? views[i].rmse_px : -1; };
+    return size(a) > size(b);
   });
   return order;
 }

@@ -90,7 +90,7 @@ void fields(V& v, ShownInterval& i) {
 /// One camera's errors in one frame.
 struct ViewErrors {
   int camera = 0, frame = 0;
-  double rmse_px = 0;     ///< of the used corners; 0 without any
+  double rmse_px = 0;     ///< of the used corners; NaN without any
   double largest_px = 0;  ///< of them
   std::size_t used = 0;
   std::vector<const CornerResidual*> corners = {};  ///< all, into what viewErrors() was given
@@ -99,7 +99,7 @@ struct ViewErrors {
 /// A stage's views by frame, then camera.
 std::vector<ViewErrors> viewErrors(const std::vector<CornerResidual>& residuals);
 
-/// Positions of views from the largest RMSE down.
+/// Positions of views from the largest RMSE down; those without a used corner come last.
 std::vector<std::size_t> worstFirst(const std::vector<ViewErrors>& views);
 
 inline constexpr std::size_t kWorstViews = 8;  ///< whose images a record keeps, and a page lists

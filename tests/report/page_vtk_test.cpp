@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "report/html/calibration/page.h"
 #include "report/html/calibration/sections.h"
@@ -152,6 +153,53 @@ TEST(CalibrationPage, MapsTheProjectionUncertaintyWhereItIsKnown) {
   EXPECT_THAT(page, HasSubstr("largest 0.17 px"));
   record.projection_uncertainty.clear();
   EXPECT_FALSE(hasSection(renderCalibrationPage(record), "projection-uncertainty"));
+}
+
+html_internal::Section viewsOf(const CalibrationRecord& record) {
+  const html_internal::StageView stage = html_internal::cameraView(record);
+  return html_internal::viewsSection(stage, record.camera->T_FC0, {});
+}
+
+/// Rows [camera, frame, RMSE, largest, used, first corner or -1, corners].
+nlohmann::json viewRows(const html_internal::Section& section) {
+  const std::string& html = section.blocks.at(0).html;
+  const std::string start = "class=\"views-data\">";
+  const std::size_t begin = html.find(start) + start.size();
+  return nlohmann::json::parse(html.substr(begin, html.find("</script>") - begin))["views"];
+}
+
+TEST(CalibrationPage, OfManyCornersThoseOfAllCamerasOfAFrameAreCarried) {
+  CalibrationRecord record = syntheticRecord();
+  std::vector<CornerResidual>& residuals = record.camera->residuals;
+  const std::vector<CornerResidual> once = residuals;
+  while (residuals.size() <= 100'000) residuals.insert(residuals.end(), once.begin(), once.end());
+  std::size_t left_out = 0;
+  for (const auto& row : viewRows(viewsOf(record))) {
+    const bool carried = row[5] != -1;
+    EXPECT_TRUE(carried || row[1].get<int>() % 2 == 1) << row;
+    left_out += carried ? 0 : 1;
+  }
+  EXPECT_GT(left_out, 0U);
+}
+
+TEST(CalibrationPage, AViewWhoseCornersWereAllRejectedHasNoError) {
+  CalibrationRecord record = syntheticRecord({.frames = 4});
+  for (CornerResidual& r : record.camera->residuals) {
+    if (r.frame == 1 && r.camera == 0) r.used = false;
+  }
+  const html_internal::Section section = viewsOf(record);
+  const auto rows = viewRows(section);
+  ASSERT_EQ(rows.size(), 8U);
+  for (const auto& row : rows) {
+    const bool rejected = row[0] == 0 && row[1] == 1;
+    EXPECT_EQ(row[2].is_null(), rejected) << row;
+    EXPECT_EQ(row[3].is_null(), rejected) << row;
+  }
+  // Nor is it the best one: it stands behind all others.
+  const auto& worst = section.blocks.at(1).table->rows;
+  ASSERT_EQ(worst.size(), 8U);
+  EXPECT_EQ(worst.back()[2].text, html_internal::kDash);
+  EXPECT_EQ(worst.back()[3].text, html_internal::kDash);
 }
 
 TEST(CalibrationPage, ListsTheRejectedCorners) {

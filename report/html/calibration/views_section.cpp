@@ -22,7 +22,8 @@ constexpr std::size_t kMostCorners = 1e5;  // that a page carries; 8 bytes each
 constexpr double kQuarter = 4;             // steps per pixel of a corner
 constexpr double kMilli = 1000;            // and of an error; 32 px and more are one
 
-/// Which views bring their corners: all if they are few, else the worst hundred and every n-th.
+/// Which views bring their corners: all if they are few, else the worst hundred and those of every
+/// n-th frame, of all cameras.
 std::vector<bool> carried(const std::vector<ViewErrors>& views,
                           const std::vector<std::size_t>& order) {
   constexpr std::size_t worst = 100;
@@ -31,7 +32,9 @@ std::vector<bool> carried(const std::vector<ViewErrors>& views,
   // 0 where no view has a corner.
   const std::size_t step = (all + kMostCorners - 1) / kMostCorners;
   std::vector<bool> kept(views.size(), false);
-  for (std::size_t i = 0; i < views.size(); ++i) kept[i] = step <= 1 || i % step == 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    kept[i] = step <= 1 || static_cast<std::size_t>(views[i].frame) % step == 0;
+  }
   for (std::size_t i = 0; i < std::min(worst, order.size()); ++i) kept[order[i]] = true;
   return kept;
 }
@@ -65,7 +68,8 @@ Json dataOf(const StageView& stage, const std::vector<ViewErrors>& views,
   for (std::size_t i = 0; i < views.size(); ++i) {
     const ViewErrors& v = views[i];
     const auto first = kept[i] ? static_cast<std::int64_t>(corners.size() / 4) : -1;
-    // Rounded: what is not shown would only make the page larger.
+    // Rounded: what is not shown would only make the page larger. Written as null where no corner
+    // was used.
     rows.push_back({v.camera, v.frame, std::round(1e4 * v.rmse_px) / 1e4,
                     std::round(1e3 * v.largest_px) / 1e3, v.used, first, v.corners.size()});
     if (!kept[i]) continue;
@@ -121,7 +125,8 @@ Table worstTable(const StageView& stage, const std::vector<ViewErrors>& views,
     table.rows.push_back(
         {viewCell(stage, views, order[i]),
          number(fmt::format("{:.2f}", seconds[static_cast<std::size_t>(v.frame)])),
-         number(fmt::format("{:.3f}", v.rmse_px)), number(fmt::format("{:.2f}", v.largest_px)),
+         number(v.used > 0 ? fmt::format("{:.3f}", v.rmse_px) : kDash),
+         number(v.used > 0 ? fmt::format("{:.2f}", v.largest_px) : kDash),
          number(std::to_string(v.used)), number(std::to_string(v.corners.size() - v.used))});
   }
   return table;

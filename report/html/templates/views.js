@@ -96,7 +96,7 @@
         node(svg, 'text', {x: width / 2, y: height / 2, 'text-anchor': 'middle', 'font-size': width / 30}, 'The corners of this view are not included in the page.');
         return 0;
       }
-      const scale = Math.max(1, Math.round(width / 40 / Math.max(rmse, 1e-3)));
+      const scale = rmse === null ? 0 : Math.max(1, Math.round(width / 40 / Math.max(rmse, 1e-3)));
       const longest = width / 12;
       for (let i = first; i < first + count; ++i) {
         const rejected = corners[4 * i] < 0;
@@ -117,8 +117,8 @@
       const [c, f, rmse, largest, used, , count] = view;
       const scale = draw(view, index);
       const [x, y, z, tilt] = all.poses[f];
-      const rows = [['camera', all.cameras[c].name], ['frame', f], ['time', `${all.seconds[f].toFixed(2)} s`], ['RMSE', `${rmse.toFixed(3)} px`],
-        ['largest error', `${largest.toFixed(2)} px`], ['corners used', used], ['rejected', count - used],
+      const rows = [['camera', all.cameras[c].name], ['frame', f], ['time', `${all.seconds[f].toFixed(2)} s`], ['RMSE', rmse === null ? '–' : `${rmse.toFixed(3)} px`],
+        ['largest error', largest === null ? '–' : `${largest.toFixed(2)} px`], ['corners used', used], ['rejected', count - used],
         ['camera 0 in the target’s frame', `(${x}, ${y}, ${z}) mm`], ['tilt against the target', `${tilt}°`], ['arrows', scale ? `magnified ${scale} times` : '–']];
       if (all.images[index]) rows.push(['image', withImage ? 'shown' : 'hidden']);
       list.replaceChildren(...rows.flatMap(([name, value]) => {
