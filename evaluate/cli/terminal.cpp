@@ -87,9 +87,7 @@ void writeError(std::string_view bytes) {
   (void)std::fwrite(bytes.data(), 1, bytes.size(), stderr);
 }
 
-void complain(std::string_view message) {
-  writeError("plumbline: " + shownLine(message) + "\n");
-}
+void complain(std::string_view message) { writeError("plumbline: " + shownLine(message) + "\n"); }
 
 bool closeOutput() {
   const bool faulty = std::ferror(stdout) != 0;

@@ -122,12 +122,12 @@ Table worstTable(const StageView& stage, const std::vector<ViewErrors>& views,
   const std::vector<double> seconds = frameSeconds(stage);
   for (std::size_t i = 0; i < std::min(kWorstViews, order.size()); ++i) {
     const ViewErrors& v = views[order[i]];
-    table.rows.push_back(
-        {viewCell(stage, views, order[i]),
-         number(fmt::format("{:.2f}", seconds[static_cast<std::size_t>(v.frame)])),
-         number(v.used > 0 ? fmt::format("{:.3f}", v.rmse_px) : kDash),
-         number(v.used > 0 ? fmt::format("{:.2f}", v.largest_px) : kDash),
-         number(std::to_string(v.used)), number(std::to_string(v.corners.size() - v.used))});
+    table.rows.push_back({viewCell(stage, views, order[i]),
+                          number(fmt::format("{:.2f}", seconds[static_cast<std::size_t>(v.frame)])),
+                          number(v.used > 0 ? fmt::format("{:.3f}", v.rmse_px) : kDash),
+                          number(v.used > 0 ? fmt::format("{:.2f}", v.largest_px) : kDash),
+                          number(std::to_string(v.used)),
+                          number(std::to_string(v.corners.size() - v.used))});
   }
   return table;
 }

@@ -214,9 +214,9 @@ TEST_F(FailingCalls, APipeThatNobodyReadsIsNoSuccessAndEndsNoRun) {
     const Outcome outcome = shell("{ while (echo x) 2>/dev/null; do :; done; " + words + errors +
                                   "; echo code $? >&2; } | :");
     EXPECT_THAT(outcome.text, HasSubstr("code 1\n")) << errors;
-    EXPECT_EQ(outcome.text.find("standard output cannot be written (Broken pipe)") !=
-                  std::string::npos,
-              std::string(errors).empty())
+    EXPECT_EQ(
+        outcome.text.find("standard output cannot be written (Broken pipe)") != std::string::npos,
+        std::string(errors).empty())
         << outcome.text;
     EXPECT_TRUE(isWhole(out())) << errors;
     fs::remove_all(out());
