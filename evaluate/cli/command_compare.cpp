@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +18,8 @@
 #include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/compare/compare_calibrations.h"
+#include "evaluate/metrics/trajectory/verdict.h"
+#include "evaluate/metrics/verdict.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
@@ -168,6 +171,16 @@ OutputRequest comparisonOutput(const CompareOptions& o) {
   return o.output.request("comparison", o.session, filesBesideSession(o));
 }
 
+/// What runs say counts like what the calibrations say: without it, failed ones pass.
+void addRuns(TrajectoryStudy study, ComparisonRecord& record) {
+  Verdict runs = trajectoryVerdict(study);
+  const std::string headline = record.verdict.headline + " " + runs.headline;
+  append(record.verdict.findings, std::move(runs.findings));
+  record.verdict = makeVerdict(std::move(record.verdict.findings));
+  record.verdict.headline = headline;
+  record.trajectories = std::move(study);
+}
+
 int compare(const CompareOptions& o, const CLI::App& app) {
   ProgressBar bar;
   const CompareRequest request = compareRequest(o, app);
@@ -175,7 +188,7 @@ int compare(const CompareOptions& o, const CLI::App& app) {
   // Ahead of the scores, which take far longer: a pattern or a truth that is wrong is told at once.
   std::optional<TrajectoryStudy> trajectories = trajectoriesOf(o);
   ComparisonRecord record = compareCalibrations(request, bar.sink());
-  record.trajectories = std::move(trajectories);
+  if (trajectories) addRuns(std::move(*trajectories), record);
   // The recording's hash, where there is one, with that of all the other files.
   record.provenance.input_hash =
       inputFilesHash(record.provenance.input_hash, filesBesideSession(o));

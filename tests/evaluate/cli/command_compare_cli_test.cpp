@@ -113,6 +113,26 @@ TEST_F(CommandCompare, TrajectoriesUnderTheCalibrationsJoinThePage) {
   EXPECT_NEAR(std::stod(all[3]), 0.02, 1e-4);  // kalibr - ours
 }
 
+TEST_F(CommandCompare, RunsThatFailedAreNoGoodVerdict) {
+  fs::create_directories(scratch());
+  write(scratch() / "truth.txt", circle(0));
+  write(scratch() / "ours_loop_1.txt", circle(0.01));
+  write(scratch() / "kalibr_loop_1.txt", circle(0.03));
+  const auto compared = [&] {
+    return compare(ours() + " " + kalibrs() +
+                   " --labels ours,kalibr --grid 5x3 --focus-radius 300" + " --runs '" +
+                   (scratch() / "{calibration}_{sequence}_{run}.txt").string() + "' --truth " +
+                   (scratch() / "truth.txt").string() + " --fail-on bad");
+  };
+  EXPECT_EQ(compared().exit_code, 0);
+  write(scratch() / "kalibr_loop_1.txt", "");
+  const Outcome failed = compared();
+  EXPECT_EQ(failed.exit_code, 4) << failed.text;
+  EXPECT_THAT(failed.text, HasSubstr("Complete runs of kalibr: 0 of 1 complete"));
+  EXPECT_EQ(document()["verdict"]["level"], "bad");
+  EXPECT_THAT(document()["verdict"]["headline"], HasSubstr("of ours 0.01 m"));
+}
+
 TEST_F(CommandCompare, RunsOfACalibrationThatIsNotComparedAreRefusedWithTheLabels) {
   fs::create_directories(scratch());
   write(scratch() / "truth.txt", circle(0));
