@@ -86,9 +86,7 @@ void refuseInputs(const OutputRequest& request, const fs::path& final_path) {
 fs::path finalPath(const OutputRequest& request) {
   if (request.path.empty())
     throw BadInput(InputFault::kBadOption, "the name of the output is empty");
-  fs::path path = fs::absolute(request.path).lexically_normal();
-  // "out/" ends in an empty name.
-  if (!path.has_filename()) path = path.parent_path();
+  const fs::path path = namedPath(request.path);
   std::error_code error;
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
     throw refusal(InputFault::kUnwritable, request.path, "is a broken link", kElsewhere);
@@ -185,6 +183,12 @@ BadInput unmoved(const OutputRequest& request, int error) {
 }
 
 }  // namespace
+
+fs::path namedPath(const fs::path& path) {
+  const fs::path normal = fs::absolute(path).lexically_normal();
+  // "out/" ends in an empty name.
+  return normal.has_filename() ? normal : normal.parent_path();
+}
 
 // Dead workplaces go first: one may hold the older result that its process had moved aside, and all
 // that follows judges what then stands at the name.

@@ -11,6 +11,9 @@ namespace plumbline {
 
 class Workplace;
 
+/// Absolute, without dots, with its last name at the end: of "out/" and "out/." that is "out".
+std::filesystem::path namedPath(const std::filesystem::path& path);
+
 /// What a command is about to write, and what it must not touch.
 struct OutputRequest {
   std::string path;      ///< of the folder or file, as its user wrote it

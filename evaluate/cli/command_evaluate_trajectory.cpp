@@ -189,7 +189,7 @@ int evaluateTrajectoryRuns(const EvaluateTrajectoriesOptions& o, const CLI::App&
   ResultWriter out(o.output, o.output.request("errors of trajectories", inputs));
   TrajectoryRecord record = evaluateRuns(request);
   record.verdict = trajectoryVerdict(record);
-  record.name = std::filesystem::path(o.output.out).filename().string();
+  record.name = out.name();
   record.provenance = makeProvenance("evaluate trajectories", givenOptions(app));
   record.provenance.input = std::filesystem::path(o.request.runs).filename().string();
   record.provenance.input_hash = inputFilesHash(inputs);

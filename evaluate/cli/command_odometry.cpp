@@ -86,11 +86,17 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   declareTrajectoryMetrics(app, o.metrics);
 }
 
+/// Not a command whose last word is a file of settings.
+bool isRunnerFile(const std::string& with) {
+  return with.ends_with(".yaml") &&
+         (with.find(' ') == std::string::npos || std::filesystem::exists(with));
+}
+
 /// Names that are known come first, then files; what is left is a command to run.
 std::optional<Runner> runnerFrom(const std::string& with) {
   if (with == "builtin") return std::nullopt;
   if (auto known = knownRunner(with)) return known;
-  return with.ends_with(".yaml") ? readRunner(with) : runnerOf(with);
+  return isRunnerFile(with) ? readRunner(with) : runnerOf(with);
 }
 
 OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
@@ -122,12 +128,21 @@ std::vector<std::string> inputsOf(const OdometryCommandOptions& o) {
   std::vector<std::string> inputs = r.sequences;
   inputs.insert(inputs.end(), r.calibrations.begin(), r.calibrations.end());
   if (r.imu) inputs.push_back(*r.imu);
-  if (o.with.ends_with(".yaml")) inputs.push_back(o.with);
+  if (isRunnerFile(o.with)) inputs.push_back(o.with);
   if (!r.truth) return inputs;
   for (const std::string& sequence : r.sequences) {
     inputs.push_back(filledIn(*r.truth, {{"sequence", findSession(sequence).name}}));
   }
   return inputs;
+}
+
+/// "MH_01, MH_02".
+std::string namesOf(const std::vector<std::string>& sequences) {
+  std::string names;
+  for (const std::string& sequence : sequences) {
+    names += (names.empty() ? "" : ", ") + findSession(sequence).name;
+  }
+  return names;
 }
 
 int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
@@ -139,11 +154,10 @@ int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
   TrajectoryRecord record = runOdometry(request, out.path(), bar.sink());
   bar.clear();
   record.verdict = trajectoryVerdict(record);
-  // What is compared has no name of its own as a recording has: the folder's stands for it.
-  record.name = std::filesystem::path(o.output.out).filename().string();
+  record.name = out.name();
   record.provenance = makeProvenance("odometry", givenOptions(app));
   record.provenance.input_hash = inputFilesHash(inputs);
-  record.provenance.input = std::filesystem::path(request.sequences.front()).filename().string();
+  record.provenance.input = namesOf(request.sequences);
   return out.finish(record,
                     {{"odometry.json", documentOf(record)}, {"trajectory.csv", runsTable(record)}},
                     renderTrajectoryPage,

@@ -62,6 +62,9 @@ class ResultWriter {
   /// Where files of the folder may be written before finish().
   const std::filesystem::path& path() const { return folder_.path(); }
 
+  /// The folder's last name, for what is compared: it has none of its own as a recording has.
+  std::string name() const { return namedPath(folder_.name()).filename().string(); }
+
   /// Writes documents (the first is the JSON document), page and records, and says the summary and
   /// where to look, or with --json - the document alone. Returns the exit code.
   template <class Record, class Render>

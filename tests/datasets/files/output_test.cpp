@@ -75,6 +75,13 @@ TEST_F(Output, AppearsWholeWithAManifestAndNothingBesideIt) {
   EXPECT_EQ(files().size(), 6U);  // new, er, out, a, b.txt, plumbline.json
 }
 
+TEST(NamedPath, EndsInTheLastName) {
+  for (const char* path : {"a/out", "a/out/", "a/out//", "a/out/.", "a/out/b/.."}) {
+    EXPECT_EQ(namedPath(path), fs::current_path() / "a/out") << path;
+  }
+  EXPECT_EQ(namedPath("."), fs::current_path());
+}
+
 TEST_F(Output, LeavesNothingUnlessCommitted) {
   { OutputFolder(request("new/er/out")).write("file", "text"); }
   EXPECT_TRUE(files().empty());

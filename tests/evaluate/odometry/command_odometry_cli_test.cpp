@@ -179,6 +179,20 @@ TEST_F(OtherOdometry, RunsAsOftenAsAskedAndSaysWhatItCannotStart) {
               HasSubstr("could not be started"));
 }
 
+// And a command whose last word is a file of settings is a command.
+TEST_F(OtherOdometry, SequencesAndFolderHaveTheirLastNamesWithASlashToo) {
+  fs::copy(folder_ / "seq", folder_ / "other", fs::copy_options::recursive);
+  for (const char* name : {"seq.txt", "other.txt"}) write(folder_ / name, circle());
+  const Outcome outcome = plumbline(
+      "odometry " + (folder_ / "seq/").string() + " " + (folder_ / "other/").string() +
+      " --calibration " + kCalibration.string() + " --truth '" + folder_.string() +
+      "/{sequence}.txt' --with 'true {output} cfg.yaml' --out " + (folder_ / "out/").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_EQ(document()["provenance"]["input"], "seq, other");
+  EXPECT_EQ(document()["name"], "out");
+  EXPECT_EQ(document()["runs"][0]["odometry"]["system"], "true");
+}
+
 TEST_F(OtherOdometry, OpenVinsIsToldTheCalibrationsCamerasAndGravity) {
   const fs::path program = folder_ / "vins";
   write(program, "#!/bin/sh\ncp \"$1\" " + (folder_ / "told.yaml").string() + "\ncp " +
