@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -117,15 +118,29 @@ int calibrate(const CalibrateOptions& o, const CLI::App& app) {
   return out.finish(*record, documents, renderCalibrationPage, calibrationSummary(*record));
 }
 
+void declareCalibrate(CLI::App& app, CalibrateOptions& o) {
+  o.session.declareEstimating(app);
+  declareEstimation(app, o);
+  declareOutput(app, o);
+}
+
 }  // namespace
+
+void checkCalibrateLine(std::vector<std::string> reversed) {
+  CLI::App app;
+  CalibrateOptions options;
+  declareCalibrate(app, options);
+  // Neither --help nor the work: the request alone.
+  app.set_help_flag();
+  app.parse(std::move(reversed));
+  calibrateRequest(options, app).check();
+}
 
 Command calibrateCommand() {
   return {"calibrate", "Calibrate cameras and IMU from a recording",
           "plumbline calibrate session --out result", [](CLI::App& app) {
             auto options = std::make_shared<CalibrateOptions>();
-            options->session.declareEstimating(app);
-            declareEstimation(app, *options);
-            declareOutput(app, *options);
+            declareCalibrate(app, *options);
             return std::function<int()>([options, &app] { return calibrate(*options, app); });
           }};
 }

@@ -15,7 +15,6 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/time.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/options/trajectory_metric_options.h"
@@ -42,18 +41,6 @@ struct StudyOptions {
   FailOnOption fail_on;
 };
 
-// CLI11 takes the values of these options as words, which the command reads after the parse: in the
-// night, were they not read here.
-void checkWords(const std::string& option, const std::string& words) {
-  if (option == "loss") lossFrom(words);
-  if (option == "models") modelsFrom(words);
-  if (option == "outliers") outliersFrom(words);
-  if (option == "select-views") viewSelectionFrom(words);
-  if (option == "resolution") resolutionFrom(words);
-  VerdictThresholds unused;
-  if (option == "threshold") setThreshold(words, unused);
-}
-
 // What a study decides itself, or what no result depends on.
 void refuseReserved(const std::string& option) {
   for (const char* name : {"out", "force", "threads", "cache", "no-cache", "target", "target-shape",
@@ -64,40 +51,38 @@ void refuseReserved(const std::string& option) {
   }
 }
 
-/// One option of `plumbline calibrate`, as its own command line takes it.
-void checkCalibrateOption(const std::string& option, const std::string& words) {
-  refuseReserved(option);
-  CLI::App app;
-  // By its own declarations: what it would refuse in the night is refused before it begins.
-  (void)calibrateCommand().configure(app);
-  // No --help among a study's options.
-  app.set_help_flag();
-  std::vector<std::string> line{"session", "--out", "result"};
-  // It needs --cameras, of which nothing is read here.
-  if (option == "free-cameras") line.insert(line.end(), {"--cameras", "file"});
-  line.push_back("--" + option);
-  if (!words.empty()) line.push_back(words);
-  std::reverse(line.begin(), line.end());  // as CLI11 takes a vector
+/// A line of a command's options after `start`, as CLI11 takes a vector.
+std::vector<std::string> lineOf(std::vector<std::string> start,
+                                const StudyCommandOptions& options) {
+  for (const auto& [option, words] : options) {
+    start.push_back("--" + option);
+    if (!words.empty()) start.push_back(words);
+  }
+  std::reverse(start.begin(), start.end());
+  return start;
+}
+
+/// Options of `plumbline calibrate`, as its own command line takes them: what it would refuse in
+/// the night is refused before it begins.
+void checkCalibrate(const StudyCommandOptions& options) {
+  for (const auto& [option, words] : options) refuseReserved(option);
   try {
-    app.parse(line);
+    checkCalibrateLine(lineOf({"session", "--out", "result"}, options));
   } catch (const CLI::ParseError& error) {
     throw InputError(fmt::format("plumbline calibrate: {}", error.what()));
   }
-  checkWords(option, words);
 }
 
-/// One of how a trajectory's errors are measured, as `plumbline evaluate trajectory` takes it.
-void checkTrajectoryOption(const std::string& option, const std::string& words) {
+/// How a trajectory's errors are measured, as `plumbline evaluate trajectory` takes it.
+void checkTrajectory(const StudyCommandOptions& options) {
   CLI::App app;
   TrajectoryMetricWords metrics;
   declareTrajectoryMetrics(app, metrics);
   declareCoverage(app, metrics);
+  // No --help among a study's options.
   app.set_help_flag();
-  std::vector<std::string> line{"--" + option};
-  if (!words.empty()) line.push_back(words);
-  std::reverse(line.begin(), line.end());
   try {
-    app.parse(line);
+    app.parse(lineOf({}, options));
   } catch (const CLI::ParseError& error) {
     throw InputError(fmt::format("plumbline evaluate trajectory: {}", error.what()));
   }
@@ -156,7 +141,7 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
   NightRequest request;
   request.study = o.study;
   request.out = o.out;
-  request.checks = {checkCalibrateOption, checkTrajectoryOption};
+  request.checks = {checkCalibrate, checkTrajectory};
   request.redo_failed = o.redo_failed;
   request.recheck = o.recheck;
   auto given = givenOptions(app);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/App.hpp>
 
@@ -51,6 +52,10 @@ Command manCommand();
 Command targetCommand();  ///< with subcommands
 Command odometryCommand();
 Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
+
+/// What `plumbline calibrate` itself says against its words, the last one first, as CLI11 takes a
+/// vector; no file is opened. Throws CLI::ParseError or InputError.
+void checkCalibrateLine(std::vector<std::string> reversed);
 
 /// The subcommands of `simulate`.
 Command simulateStudyCommand();

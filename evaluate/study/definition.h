@@ -14,6 +14,9 @@
 
 namespace plumbline {
 
+/// Options of a command without "--", and their words ("" of a flag).
+using StudyCommandOptions = std::vector<std::pair<std::string, std::string>>;
+
 /// A participant's session as STUDY.yaml has it. Paths are absolute.
 struct SessionEntry {
   StudySession row;                                         ///< what the definition says of it
@@ -61,7 +64,7 @@ struct StudyTrajectories {
   std::filesystem::path executable;  ///< of one that is not built in; empty: found by PATH
   int runs = 0;                      ///< of it; 0: what it needs at least
   /// Further options of `plumbline evaluate trajectory`, as in StudyDefinition::calibrate.
-  std::vector<std::pair<std::string, std::string>> metrics;
+  StudyCommandOptions metrics;
 };
 
 /// STUDY.yaml, checked: every file that it names is there. Paths in it are relative to its folder.
@@ -72,8 +75,7 @@ struct StudyDefinition {
   std::optional<std::filesystem::path> target;  ///< one board for all; unset: each session's own
   StudyTargetShape target_shape = StudyTargetShape::kEach;
   std::filesystem::path target_shape_file;  ///< of kFile
-  /// Further options of `plumbline calibrate`, without "--", and their words ("" of a flag).
-  std::vector<std::pair<std::string, std::string>> calibrate;
+  StudyCommandOptions calibrate;            ///< further ones of `plumbline calibrate`
   double limit_s = 600;
   std::vector<std::string> methods;  ///< the first is the baseline
   std::vector<SessionEntry> sessions;
@@ -90,9 +92,9 @@ struct StudyDefinition {
   bool keep_records = false;   ///< records.sqlite of every step, most of it single residuals
 };
 
-/// Throws InputError where a command has no such option or it takes no such words. The command line
-/// has these options, and gives this.
-using StudyOptionCheck = std::function<void(const std::string& option, const std::string& words)>;
+/// Throws InputError where a command has no such option, it takes no such words, or they cannot be
+/// given together. The command line has these options, and gives this.
+using StudyOptionCheck = std::function<void(const StudyCommandOptions& options)>;
 struct StudyOptionChecks {
   StudyOptionCheck calibrate;   ///< of `plumbline calibrate`
   StudyOptionCheck trajectory;  ///< of `plumbline evaluate trajectory`, how errors are measured

@@ -73,12 +73,22 @@ void readSource(const YamlMap& how, const StudyDefinition& study, StudyTrajector
   }
 }
 
+/// What a command says against options; "": nothing.
+std::string faultOf(const StudyOptionCheck& check, const StudyCommandOptions& options) {
+  try {
+    check(options);
+    return "";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> optionsOf(
-    const YamlMap& map, const std::string& options_key, const std::string& of_what,
-    const StudyOptionCheck& check, std::initializer_list<const char*> file_options) {
-  std::vector<std::pair<std::string, std::string>> list;
+StudyCommandOptions optionsOf(const YamlMap& map, const std::string& options_key,
+                              const std::string& of_what, const StudyOptionCheck& check,
+                              std::initializer_list<const char*> file_options) {
+  StudyCommandOptions list;
   if (!map.has(options_key)) return list;
   const YamlMap options = map.map(options_key, "options of " + of_what + ", by name");
   for (const std::string& key : options.keys()) {
@@ -89,14 +99,17 @@ std::vector<std::pair<std::string, std::string>> optionsOf(
     std::string words = is_file ? fileOf(options, key).string() : options.text(key, "a value");
     // A flag, which the command line has without a word.
     if (words == "true") words = "";
-    try {
-      check(option, words);
-    } catch (const InputError& error) {
-      throw options.fault(key, {InputFault::kBadOption, error.what(), "", ""});
-    }
     list.emplace_back(std::move(option), std::move(words));
   }
-  return list;
+  const std::string wrong = faultOf(check, list);
+  if (wrong.empty()) return list;
+  // The line of the option that is refused for the same reason alone, if there is one.
+  const std::vector<std::string> keys = options.keys();
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (faultOf(check, {list[i]}) != wrong) continue;
+    throw options.fault(keys[i], {InputFault::kBadOption, wrong, "", ""});
+  }
+  throw map.fault(options_key, {InputFault::kBadOption, wrong, "", ""});
 }
 
 void readTrajectories(const YamlMap& map, const StudyOptionCheck& check, StudyDefinition& study) {

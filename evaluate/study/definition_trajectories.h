@@ -6,11 +6,11 @@
 
 namespace plumbline::study_internal {
 
-/// The key `options_key` of a map: options of a command, by name, each checked. Values that name
-/// files, those of `file_options`, are absolute from here on.
-std::vector<std::pair<std::string, std::string>> optionsOf(
-    const YamlMap& map, const std::string& options_key, const std::string& of_what,
-    const StudyOptionCheck& check, std::initializer_list<const char*> file_options = {});
+/// The key `options_key` of a map: options of a command, by name, checked together. Values that
+/// name files, those of `file_options`, are absolute from here on.
+StudyCommandOptions optionsOf(const YamlMap& map, const std::string& options_key,
+                              const std::string& of_what, const StudyOptionCheck& check,
+                              std::initializer_list<const char*> file_options = {});
 
 /// The key `trajectories` of a study whose sequences were read.
 void readTrajectories(const YamlMap& map, const StudyOptionCheck& check, StudyDefinition& study);

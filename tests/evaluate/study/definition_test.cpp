@@ -16,8 +16,11 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-void refuseColour(const std::string& option, const std::string& /*words*/) {
-  if (option == "colour") throw InputError("no option --colour");
+void refuseColour(const StudyCommandOptions& options) {
+  for (const auto& [option, words] : options) {
+    if (option == "colour") throw InputError("no option --colour");
+  }
+  if (options.size() > 2) throw InputError("too many options together");
 }
 
 const std::string kSequence = "sequences: [{name: s, path: eval, truth: target.yaml}]\n";
@@ -71,6 +74,8 @@ TEST_F(DefinitionTest, RefusesWithFileAndLine) {
       {"limit_s: 600000\n", ":10:", "limit_s is 600000"},
       {"limit_s: 0\n", ":10:", "seconds above 0"},
       {"calibrate: {colour: red}\n", ":10:", "no option --colour"},
+      {"calibrate:\n  loss: none\n  seed: 2\n  colour: red\n", ":13:", "no option --colour"},
+      {"calibrate:\n  loss: none\n  seed: 2\n  joint: true\n", ":11:", "too many options"},
       {"perturbations: {offsets_ms: [100, 1e9]}\n", ":10:", "milliseconds up to"},
       {"perturbations: {offsets_s: [1]}\n", ":10:", "unknown key 'offsets_s'"},
       {"calibrate: {no-imu: true}\nperturbations: {offsets_ms: [1]}\n", ":11:", "no-imu"},

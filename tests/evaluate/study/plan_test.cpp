@@ -14,8 +14,8 @@
 namespace plumbline {
 namespace {
 
-const StudyOptionChecks kAnyOption{[](const std::string&, const std::string&) {},
-                                   [](const std::string&, const std::string&) {}};
+const StudyOptionChecks kAnyOption{[](const StudyCommandOptions&) {},
+                                   [](const StudyCommandOptions&) {}};
 
 class PlanTest : public StudyFiles {
  protected:
@@ -130,7 +130,9 @@ TEST_F(PlanTest, EveryStepGetsTheOptionsThatItTakes) {
                                "--pixel-sigma", "--min-corners", "--gravity"}) {
       EXPECT_THAT(step.words, testing::Contains(option)) << step.name;
     }
-    if (replay) EXPECT_THAT(step.words, testing::Contains("--models"));
+    if (replay) {
+      EXPECT_THAT(step.words, testing::Contains("--models"));
+    }
   }
   EXPECT_EQ(checked, 2);
 }

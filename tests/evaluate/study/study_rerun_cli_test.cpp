@@ -127,7 +127,9 @@ TEST_F(StudyRerun, OptionsOfCalibrateAreCheckedBeforeAnythingRuns) {
   const std::string good = read(data / "STUDY.yaml");
   for (const char* options :
        {"{loss: cauchy}", "{pixel-sigma: -1}", "{colour: red}", "{out: here}", "{models: fisheye}",
-        "{fail-on: bad}", "{json: all.json}", "{threshold: 'rmse_px=abc'}"}) {
+        "{fail-on: bad}", "{json: all.json}", "{threshold: 'rmse_px=abc'}", "{imu-shift-ms: 1e9}",
+        "{sync-tolerance-ms: 1e8}", "{from: 5, to: 4}", "{free-cameras: true}",
+        "{cameras: STUDY.yaml, models: pinhole-radtan}"}) {
     write(data / "STUDY.yaml",
           replaced(good, kCalibrate, std::string("calibrate: ") + options + "\n"));
     const Outcome outcome = study(data, scratch_ / "night");
