@@ -85,6 +85,10 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
   app.add_option("--truth", o.runs.truth,
                  "Ground truth of the trajectories: a pattern with {sequence}, or one file");
   declareCoverage(app, o.metrics);
+  // Each would be without effect.
+  for (const char* of_runs : {"--min-coverage", "--coverage-from", "--max-ate"}) {
+    app.get_option(of_runs)->needs(app.get_option("--runs"));
+  }
   o.output.declareResult(app);
 }
 

@@ -55,6 +55,7 @@ void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
   o.json.declare(app);
   o.output.declare(app, "Folder for the report, the figures and the records");
   declareNoReport(app, o.no_report);
+  app.get_option("--no-report")->needs(app.get_option("--out"));
   o.fail_on.declare(app);
 }
 
@@ -138,9 +139,10 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
     writeDocument(documentOf(single));
     return o.fail_on.exitCode(level);
   }
-  say("{}", trajectorySummary(*result));
+  std::string summary = trajectorySummary(*result);
   // Without a finding the verdict would repeat the figures.
-  if (level != VerdictLevel::kGood) say("\n{}", verdictText(record.verdict, kCompleteWord));
+  if (level != VerdictLevel::kGood) summary += "\n" + verdictText(record.verdict, kCompleteWord);
+  saySummary(summary);
   if (json) say("\nFigures: {}\n", *o.json.file);
   if (out && !o.no_report) say("\nReport: {}/{}\n", o.output.out, kPageFile);
   if (out && o.no_report) say("\nResult: {}/trajectory.json\n", o.output.out);

@@ -55,11 +55,10 @@ bool isColoured() {
 
 // The colour of a line that states a level: "Verdict: CAUTION", "  bad - Coverage of cam0: ...".
 const char* colourOf(std::string_view line) {
-  constexpr std::pair<std::string_view, const char*> kColours[] = {{"Verdict: GOOD", "\033[32m"},
-                                                                   {"Verdict: CAUTION", "\033[33m"},
-                                                                   {"Verdict: BAD", "\033[31m"},
-                                                                   {"  caution - ", "\033[33m"},
-                                                                   {"  bad - ", "\033[31m"}};
+  constexpr std::pair<std::string_view, const char*> kColours[] = {
+      {"Verdict: GOOD", "\033[32m"},    {"Verdict: COMPLETE", "\033[32m"},
+      {"Verdict: CAUTION", "\033[33m"}, {"Verdict: BAD", "\033[31m"},
+      {"  caution - ", "\033[33m"},     {"  bad - ", "\033[31m"}};
   for (const auto& [start, colour] : kColours) {
     if (line.starts_with(start)) return colour;
   }

@@ -38,9 +38,9 @@ void declareFrames(CLI::App& app, TrajectoryMetricWords& o) {
                  "t_truth - t_estimate: auto (from angular rates), seconds, or none")
       ->capture_default_str();
   app.add_option("--clock-range", o.clock_range_s,
-                 "auto: search within +- this around --time-offset [s]")
-      ->check(numberWithin(kNarrowest, kWidest))
-      ->capture_default_str();
+                 fmt::format("auto: search within +- this around --time-offset [s] (default: {:g})",
+                             ClockOffsetOptions{}.max_offset_s))
+      ->check(numberWithin(kNarrowest, kWidest));
   app.add_option("--hand-eye", o.hand_eye,
                  "Transform from marker body to the estimate's body: auto (estimated, and applied "
                  "to the truth) or none")
@@ -126,7 +126,10 @@ TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
   metrics.association.time_offset_s += knownOffset(o.clock_offset);
   if (o.clock_offset == "auto") {
     metrics.clock = ClockOffsetOptions{};
-    metrics.clock->max_offset_s = o.clock_range_s;
+    if (o.clock_range_s) metrics.clock->max_offset_s = *o.clock_range_s;
+  } else if (o.clock_range_s) {
+    throw InputError(
+        "--clock-range is of the search of --clock-offset auto; give both, or omit it");
   }
   metrics.hand_eye = wordFrom<bool>("--hand-eye", o.hand_eye, {{"auto", true}, {"none", false}});
   metrics.alignment.kind = alignmentFrom(o.align);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <CLI/App.hpp>
@@ -20,7 +21,7 @@ struct TrajectoryMetricWords {
   double max_dt_s = AssociationOptions{}.max_dt_s;
   double max_gap_s = AssociationOptions{}.max_gap_s;
   double time_offset_s = 0;
-  double clock_range_s = ClockOffsetOptions{}.max_offset_s;
+  std::optional<double> clock_range_s;  ///< of auto alone
   bool estimate_w_first = false, truth_w_first = false;
   bool estimate_inverted = false, truth_inverted = false;
   std::string coverage_from = "start";

@@ -151,6 +151,11 @@ TEST_F(CommandCompare, RunsAndTruthBelongTogether) {
   const Outcome lone = compare(ours() + " " + kalibrs() + " --runs x");
   EXPECT_EQ(lone.exit_code, 2);
   EXPECT_THAT(lone.text, HasSubstr("--truth"));
+  for (const char* of_runs : {"--min-coverage 0.5", "--coverage-from first-pose", "--max-ate 1"}) {
+    const Outcome without = compare(ours() + " " + kalibrs() + " " + of_runs);
+    EXPECT_EQ(without.exit_code, 2) << of_runs;
+    EXPECT_THAT(without.text, HasSubstr("--runs")) << of_runs;
+  }
 }
 
 TEST_F(CommandCompare, WithARecordingBothAreScored) {

@@ -153,6 +153,10 @@ TEST_F(CommandTrajectory, BadOptionsAndFilesExitWithTwo) {
   expectRefusal(run("--rpe 1frames --rpe-pairs rpg"), 2, HasSubstr("frames"));
   expectRefusal(run("--max-dt -1"), 2, HasSubstr("--max-dt"));
   expectRefusal(run("--format csv"), 2, HasSubstr("motive"));
+  // Without what they are of they would be without effect.
+  expectRefusal(run("--no-report"), 2, HasSubstr("--out"));
+  expectRefusal(run("--clock-range 5"), 2, HasSubstr("--clock-offset auto"));
+  expectRefusal(run("--clock-range 5 --clock-offset 0.1"), 2, HasSubstr("--clock-offset auto"));
   expectRefusal(plumbline("evaluate"), 2, Not(HasSubstr("unexpected")));
   expectRefusal(plumbline("evaluate trajectory"), 2,
                 HasSubstr("plumbline evaluate trajectory --help"));
