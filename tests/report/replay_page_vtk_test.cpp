@@ -275,6 +275,24 @@ TEST(ReplayEvents, SayALastingProblemOnceAndEachFinishOnce) {
                              [](const auto& a, const auto& b) { return a.frame < b.frame; }));
 }
 
+TEST(ReplayEvents, SayThatFramesInARowHaveOtherDetails) {
+  ReplayRecord record;
+  const auto add = [&](const std::string& detail) {
+    Decision& d = record.decisions.emplace_back();
+    d.reason = GuideReason::kTimeJump;
+    d.detail = detail;
+  };
+  const auto said = [&] { return html_internal::replayEvents(record).at(0).text; };
+  add("1 s back");
+  const std::string one = said();
+  add("1 s back");
+  EXPECT_EQ(said(), one + " (2 frames)");
+  add("3 s ahead");
+  add("1 s back");
+  EXPECT_EQ(said(), one + " and others (4 frames)");
+  EXPECT_EQ(html_internal::replayEvents(record).size(), 1U);
+}
+
 // A stage that was ended says so once; a batch that failed there is told besides.
 TEST(ReplayEvents, TellABatchThatFailedWhereAStageWasEnded) {
   ReplayRecord record;

@@ -102,12 +102,16 @@ class Events {
     if (run_ == 0) return;
     problem_ = d.reason;
     if (run_ == 1) {
-      said_ = toString(d.reason) + (d.detail.empty() ? "" : ": " + d.detail);
+      detail_.clear();
+      others_ = "";
       at_ = events.size();
-      push(d, "problem", said_);
-    } else {
-      events[at_].text = fmt::format("{} ({} frames)", said_, run_);
+      push(d, "problem", "");
     }
+    if (detail_.empty()) detail_ = d.detail;
+    if (!d.detail.empty() && d.detail != detail_) others_ = " and others";
+    std::string& text = events[at_].text;
+    text = toString(d.reason) + (detail_.empty() ? "" : ": " + detail_) + others_;
+    if (run_ > 1) text += fmt::format(" ({} frames)", run_);
   }
 
   void addSuggestion(const Decision& d) {
@@ -131,9 +135,10 @@ class Events {
   std::set<GuideStage> finished_, ended_;
   std::map<int, TimeNs> opened_;
   GuideReason problem_ = GuideReason::kInitialising;
-  int run_ = 0;         ///< frames in a row with this problem
-  std::string said_;    ///< of it
-  std::size_t at_ = 0;  ///< its event
+  int run_ = 0;              ///< frames in a row with this problem
+  std::string detail_;       ///< the first of theirs
+  const char* others_ = "";  ///< said where they have further ones
+  std::size_t at_ = 0;       ///< its event
 };
 
 }  // namespace
