@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the page of a user study shows: data on their pixels, missing values with their reason.
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -39,6 +40,17 @@ TEST(UserStudyPage, SaysWhichRatiosOfSpreadAreBeyondTheAxis) {
   EXPECT_THAT(userStudyPage(), Not(HasSubstr("Ratios above 10")));
   record.statistics.spread.front().ratio = 40;
   EXPECT_THAT(renderStudyPage(record), HasSubstr("Ratios above 10 stand there (1)"));
+}
+
+TEST(UserStudyPage, ShowsTheWholeIntervalOfTheSpread) {
+  StudyRecord record = test::syntheticUserStudy();
+  for (StudySpread& s : record.statistics.spread) {
+    s.ratio = 1;
+    s.low = 0.03;
+    s.high = 2.24;
+  }
+  const AxisMapping axes(plot(renderStudyPage(record), "study-spread"));
+  EXPECT_GT(axes.a[3], 2.24) << "the upper end of the axis";
 }
 
 TEST(UserStudyPage, NamesTheIntervalOfTheSpreadApartFromItsMiddle) {
@@ -82,7 +94,10 @@ TEST(UserStudyPage, CountsHeldOutScoresWithoutAnError) {
   ASSERT_GT(all, 1U);
   EXPECT_THAT(userStudyPage(), Not(HasSubstr("have no RMSE")));
   record.held_out.front().rmse_px.reset();
-  EXPECT_THAT(renderStudyPage(record), HasSubstr("1 of " + std::to_string(all) + " have no RMSE"));
+  record.held_out.back().rmse_px = std::nan("");
+  const std::string page = renderStudyPage(record);
+  EXPECT_THAT(page, HasSubstr("2 of " + std::to_string(all) + " have no RMSE"));
+  EXPECT_EQ(between(plot(page, "study-held-out"), "<a ", "</a>").size(), all - 2);
 }
 
 TEST(UserStudyPage, LeadsFromMediansToTheSessionNearestToThem) {

@@ -22,8 +22,8 @@ Card significanceCard(const ComparisonRecord& record) {
   std::string name, label;
   for (const ComparedParameter& p : record.parameters) {
     for (std::size_t k = 0; k < p.significance.size() && k < record.calibrations.size(); ++k) {
-      // The first calibration has none: differences are to it.
-      if (!p.significance[k] || *p.significance[k] <= most) continue;
+      // The first calibration has none: differences are to it. NaN is above nothing.
+      if (!p.significance[k] || !(*p.significance[k] > most)) continue;
       most = *p.significance[k];
       name = p.name;
       label = record.calibrations[k].label;

@@ -23,6 +23,9 @@ struct Sampled {
   std::string what;  ///< beside the session's name; may be empty
 };
 
+/// Whether there is a value to draw.
+bool isShown(const std::optional<double>& value) { return value && std::isfinite(*value); }
+
 /// A point's place beside the middle, the same for the same position in its group: steps of 7
 /// modulo 11 keep neighbours apart, and no page depends on chance.
 double beside(std::size_t i) { return kBesides * (static_cast<double>(i * 7 % 11) / 5 - 1); }
@@ -75,7 +78,7 @@ std::vector<Sampled> samplesOf(const StudyRecord& record, const std::string& met
   std::vector<Sampled> samples;
   for (const StudySession& s : record.sessions) {
     const auto value = s.method == method ? get(s) : std::nullopt;
-    if (value && std::isfinite(*value)) samples.push_back({&s, *value, ""});
+    if (isShown(value)) samples.push_back({&s, *value, ""});
   }
   return samples;
 }
@@ -102,7 +105,7 @@ BoxPlot groupedBoxes(const StudyRecord& record, const std::vector<Row>& rows, Gr
         const StudySession* s = sessionOf(record, row.session);
         // A row of a session that is not in the record has no method.
         const bool here = s && s->method == record.methods[k] && row.*group == name;
-        if (here && row.*value) samples.push_back({s, *(row.*value), name});
+        if (here && isShown(row.*value)) samples.push_back({s, *(row.*value), name});
       }
       addBox(plot, name, k, samples, format);
     }
@@ -117,7 +120,7 @@ Section trajectorySection(const StudyRecord& record) {
                   "Odometry under every calibration: one value per calibration and run."};
   if (record.trajectories.empty()) return section;
   int incomplete = 0;
-  for (const StudyTrajectory& t : record.trajectories) incomplete += t.ate_m ? 0 : 1;
+  for (const StudyTrajectory& t : record.trajectories) incomplete += isShown(t.ate_m) ? 0 : 1;
   const BoxPlot plot = groupedBoxes(record, record.trajectories, &StudyTrajectory::sequence,
                                     &StudyTrajectory::ate_m, "{:.4f} m");
   if (plot.boxes.empty()) return section;
@@ -139,7 +142,7 @@ Section heldOutSection(const StudyRecord& record) {
                                     &StudyHeldOut::rmse_px, "{:.4f} px");
   if (plot.boxes.empty()) return section;
   const auto missing = std::count_if(record.held_out.begin(), record.held_out.end(),
-                                     [](const StudyHeldOut& h) { return !h.rmse_px; });
+                                     [](const StudyHeldOut& h) { return !isShown(h.rmse_px); });
   std::string caption = "A point is a calibration and links to it.";
   if (missing > 0) {
     caption += fmt::format(" {} of {} have no RMSE and are not included.", missing,

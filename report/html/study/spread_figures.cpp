@@ -70,6 +70,7 @@ Figure spreadFigure(const StudyRecord& record) {
     low = std::max(low, s.low);
     high = std::min(high, s.high);
   }
+  if (std::isfinite(high)) top = std::max(top, high);
   const double right = static_cast<double>(names.size()) - 0.5;
   for (const double level : {low, 1.0, high}) {
     // A colour each, and one name for both ends: hover.js knows a series by its colour.
