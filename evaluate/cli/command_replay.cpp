@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -73,12 +72,10 @@ void readLatency(const std::string& text, GuideLatency& latency) {
   const std::string name = text.substr(0, equals);
   for (const LatencyName& known : kLatencies) {
     if (equals == std::string::npos || name != known.name) continue;
-    const std::string number = text.substr(equals + 1);
-    char* end = nullptr;
-    const double ms = std::strtod(number.c_str(), &end);
+    const std::optional<double> ms = finiteNumber(text.substr(equals + 1));
     // A known step with a wrong number is refused in the same words as an unknown one.
-    if (number.empty() || *end != '\0' || !std::isfinite(ms) || ms < 0 || ms > kLongest_ms) break;
-    latency.*known.seconds = ms / 1e3;
+    if (!ms || *ms < 0 || *ms > kLongest_ms) break;
+    latency.*known.seconds = *ms / 1e3;
     return;
   }
   std::string names;

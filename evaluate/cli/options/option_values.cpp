@@ -7,7 +7,6 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -327,10 +326,7 @@ RelativePairs relativePairsFrom(const std::string& word) {
 std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words) {
   std::vector<RelativeDelta> deltas;
   if (words == "none") return deltas;
-  std::istringstream list(words);
-  for (std::string word; std::getline(list, word, ',');) deltas.push_back(relativeDeltaFrom(word));
-  // Nothing comes out of an empty word, which is refused here.
-  if (deltas.empty()) deltas.push_back(relativeDeltaFrom(words));
+  for (const std::string& word : split(words, ',')) deltas.push_back(relativeDeltaFrom(word));
   return deltas;
 }
 

@@ -122,6 +122,7 @@ TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid
   std::vector<Eigen::Vector3d> moved(static_cast<std::size_t>(grid.cornerCount()),
                                      Eigen::Vector3d::Zero());
   if (words.empty()) refuse(words, "no term is given");
+  if (words.back() == ',') refuse(words, "no term follows the last comma");
   std::istringstream parts(words);
   for (std::string part; std::getline(parts, part, ',');) {
     const auto equals = part.find('=');

@@ -395,9 +395,9 @@ TEST_F(CommandReplay, AnImuGapIsSaidAndTheReplayGoesOn) {
 TEST_F(CommandReplay, BadUsageLeavesNothing) {
   for (const char* options :
        {"--latency-ms frame=5", "--latency-ms camera-frame=x", "--latency-ms camera-frame=-1",
-        "--threshold-bits 0", "--window 0", "--imu-window 1", "--suggestions none.csv",
-        "--max-rate -3", "--reached-s -1", "--criterion error", "--later-use here",
-        "--first-trajectory now", "--stop-excess 0"}) {
+        "--latency-ms camera-frame=0x10", "--latency-ms 'camera-frame= 5'", "--threshold-bits 0",
+        "--window 0", "--imu-window 1", "--suggestions none.csv", "--max-rate -3", "--reached-s -1",
+        "--criterion error", "--later-use here", "--first-trajectory now", "--stop-excess 0"}) {
     expectRefusal(replay(session(), options), 2, Not(HasSubstr("terminate")));
   }
   expectRefusal(replay(session(), "--random-orders 0"), 2, HasSubstr("0: expected 1 or more;"));

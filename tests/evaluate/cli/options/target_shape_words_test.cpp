@@ -89,7 +89,7 @@ TEST(TargetShapeWords, TheExampleHasEveryWord) {
 
 TEST(TargetShapeWords, RefusesWhatItDoesNotKnow) {
   for (const char* words : {"", "bow", "bow=", "bow=1", "bow=1px", "bow=1m", "wobble=1mm",
-                            "stretch=0.3mm", "stretch=9%", "bow=nan", "bow=1mm,,"}) {
+                            "stretch=0.3mm", "stretch=9%", "bow=nan", "bow=1mm,,", "bow=1mm,"}) {
     EXPECT_THROW((void)targetShapeFromWords(words, AprilGrid()), InputError) << words;
   }
 }
