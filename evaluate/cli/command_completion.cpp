@@ -67,7 +67,8 @@ std::vector<std::string> wordsOf(const Node& node) {
   return words;
 }
 
-// Words of commands first; where none begins like the word under the cursor, files.
+// Commands stand first, in all three shells: a later word of their names is an option's value.
+// Words of commands are offered first; where none begins like the word under the cursor, files.
 std::string bashCompletion(const CLI::App& app) {
   std::string cases, paths;
   for (const Node& node : nodesOf(app)) {
@@ -80,6 +81,7 @@ _plumbline() {{
   for word in "${{COMP_WORDS[@]:1:COMP_CWORD-1}}"; do
     case "$path $word" in
       {}) path="$path $word" ;;
+      *) break ;;
     esac
   done
   case "$path" in
@@ -125,6 +127,7 @@ _plumbline() {{
   for word in "${{(@)words[2,CURRENT-1]}}"; do
     case "$path_ $word" in
       {}) path_="$path_ $word" ;;
+      *) break ;;
     esac
   done
   case "$path_" in
@@ -171,6 +174,8 @@ function __plumbline_is_at
   for word in (commandline -opc)[2..]
     if contains -- "$path $word"{}
       set path "$path $word"
+    else
+      break
     end
   end
   test "$path" = "$argv[1]"

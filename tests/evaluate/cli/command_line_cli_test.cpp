@@ -66,10 +66,14 @@ TEST_F(CommandLine, CompletionKnowsEveryCommandAndItsOptions) {
   fs::create_directories(scratch());
   const fs::path file = scratch() / "completion.bash";
   write(file, bash.text);
-  const std::string ask = "bash -c 'source " + file.string() +
-                          "; COMP_WORDS=(plumbline evaluate calibration --fol); COMP_CWORD=3; "
-                          "_plumbline; echo ${COMPREPLY[@]}'";
-  EXPECT_EQ(shell(ask).text, "--folds\n");
+  const auto completed = [&](const std::string& words) {
+    return shell("bash -c 'source " + file.string() + "; COMP_WORDS=(plumbline " + words +
+                 "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _plumbline; echo ${COMPREPLY[@]}'")
+        .text;
+  };
+  EXPECT_EQ(completed("evaluate calibration --fol"), "--folds\n");
+  // A value that is named like a subcommand.
+  EXPECT_EQ(completed("simulate --out study --moti"), "--motion\n");
   const std::string fish = plumbline("completion fish").text;
   const std::string zsh = plumbline("completion zsh").text;
   const std::string man = plumbline("man").text;
@@ -102,6 +106,7 @@ TEST_F(CommandLine, FishCompletesCommandsAndOptions) {
   EXPECT_EQ(completed("evaluate calibration --part"), "");  // simulate study's
   EXPECT_THAT(completed("simulate study --part"), testing::StartsWith("--participants\t"));
   EXPECT_EQ(completed("study --part"), "") << "the command study is not simulate study";
+  EXPECT_THAT(completed("simulate --out study --moti"), testing::StartsWith("--motion\t"));
 }
 
 TEST_F(CommandLine, ZshCompletesCommandsAndOptions) {
@@ -137,6 +142,8 @@ TEST_F(CommandLine, ZshCompletesCommandsAndOptions) {
               "plumbline evaluate calibration --folds \n");
     EXPECT_EQ(completed("simulate study --part", sourced),
               "plumbline simulate study --participants \n");
+    EXPECT_EQ(completed("simulate --out study --moti", sourced),
+              "plumbline simulate --out study --motion \n");
   }
 }
 
