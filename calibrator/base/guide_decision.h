@@ -61,7 +61,7 @@ enum class SuggestionEvent {
   kOpened,
   kReached,
   kExpired,
-  kWithdrawn,  ///< the stage finished while it was open
+  kWithdrawn,  ///< the stage finished or restarted while it was open
 };
 constexpr std::array<const char*, 5> enumWords(SuggestionEvent /*of*/) {
   return {"none", "opened", "reached", "expired", "withdrawn"};

@@ -16,7 +16,7 @@ struct CaseGroup {
 };
 std::vector<CaseGroup> groupedCases(const PerturbationRecord& record);
 
-/// "Moved IMU stamps" for "imu-shift"; a kind without words of its own stands as it is.
+/// "Shifted IMU stamps" for "imu-shift"; a kind without words of its own stands as it is.
 std::string titleOf(const std::string& kind);
 /// "+10 ms", "×2", with the seed of random ones.
 std::string labelOf(const PerturbationCase& c);

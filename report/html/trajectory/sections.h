@@ -15,7 +15,7 @@ namespace plumbline::html_internal {
 Section errorSection(const std::vector<TrajectoryRun>& runs);
 /// Top and side view of the runs with their truth, coloured by error; the first dozen.
 Section overlaySection(const std::vector<TrajectoryRun>& runs);
-/// Position error over time, one plot per sequence.
+/// Position and rotation errors over time, one plot of each per sequence.
 Section timeSection(const std::vector<TrajectoryRun>& runs);
 /// Relative errors by distance.
 Section relativeSection(const std::vector<TrajectoryRun>& runs);

@@ -39,10 +39,6 @@ const char* dashes(int line_type) {
   switch (line_type) {
     case vtkPen::DASH_LINE:
       return " stroke-dasharray=\"6 4\"";
-    case vtkPen::DOT_LINE:
-      return " stroke-dasharray=\"1.5 3\"";
-    case vtkPen::DASH_DOT_LINE:
-      return " stroke-dasharray=\"6 3 1.5 3\"";
     default:
       return "";
   }

@@ -26,8 +26,8 @@ std::string finePixel(double value);
 std::string pointList(const std::vector<double>& points, std::string (*write)(double) = pixel);
 
 /// A line's points (page pixels, x y x y) thinned to what can be seen. Where x never falls: of each
-/// half pixel the first, the lowest, the highest and the last. Otherwise: equal neighbours (to a
-/// tenth of a pixel) are merged. Short lines stay as they are.
+/// half pixel the first, the lowest, the highest and the last. Otherwise: equal neighbours (to
+/// 0.05 pixels) are merged. Short lines stay as they are.
 std::vector<double> thinLine(const std::vector<double>& points);
 
 /// A device for VTK's 2D painter that writes SVG text. It stands in for vtkSVGContextDevice2D,
