@@ -6,7 +6,6 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -56,23 +55,13 @@ std::string firstLongName(const CLI::Option& option) {
   return option.get_lnames().empty() ? "" : "--" + option.get_lnames().front();
 }
 
-std::vector<std::string> wordsOf(const Node& node) {
-  std::vector<std::string> words;
-  for (const CLI::App* sub : node.app->get_subcommands(nullptr)) {
-    if (!sub->get_group().empty()) words.push_back(sub->get_name());
-  }
-  for (const CLI::Option* option : shownOptions(*node.app, false)) {
-    words.push_back(firstLongName(*option));
-  }
-  return words;
-}
-
 // Commands stand first, in all three shells: a later word of their names is an option's value.
 // Words of commands are offered first; where none begins like the word under the cursor, files.
 std::string bashCompletion(const CLI::App& app) {
   std::string cases, paths;
   for (const Node& node : nodesOf(app)) {
-    cases += fmt::format("    '{}') words='{}' ;;\n", node.path, fmt::join(wordsOf(node), " "));
+    cases +=
+        fmt::format("    '{}') words='{}' ;;\n", node.path, fmt::join(wordsOf(*node.app), " "));
     if (!node.path.empty()) paths += fmt::format("{}'{}'", paths.empty() ? "" : "|", node.path);
   }
   return fmt::format(R"(# bash completion of plumbline

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -105,15 +104,7 @@ Command evaluateCommand() {
   return {"evaluate", "Evaluate calibrations on sessions, and trajectories against ground truth",
           "plumbline evaluate trajectory estimate.txt groundtruth.csv", [](CLI::App& app) {
             app.require_subcommand(1);
-            std::map<std::string, std::function<int()>> handlers;
-            for (const Command& command : evaluations()) {
-              CLI::App* sub = app.add_subcommand(command.name, command.summary);
-              sub->footer("Example:\n  " + command.example);
-              handlers[command.name] = command.configure(*sub);
-            }
-            return std::function<int()>([handlers, &app] {
-              return handlers.at(app.get_subcommands().front()->get_name())();
-            });
+            return addCommands(app, evaluations());
           }};
 }
 

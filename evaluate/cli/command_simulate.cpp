@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -125,20 +124,12 @@ Command simulateCommand() {
             auto options = std::make_shared<SimulateOptions>();
             declareSimulate(app, *options);
             app.require_subcommand(0, 1);
-            std::vector<std::pair<CLI::App*, std::function<int()>>> subs;
-            for (const Command& command :
-                 {simulateStudyCommand(), simulateSequenceCommand(), simulateOperatorCommand()}) {
-              CLI::App* sub = app.add_subcommand(command.name, command.summary);
-              sub->footer("Example:\n  " + command.example);
-              subs.emplace_back(sub, command.configure(*sub));
-            }
-            return std::function<int()>([options, subs, &app] {
-              for (const auto& [sub, run] : subs) {
-                if (!sub->parsed()) continue;
-                refuseBefore(app, *sub);
-                return run();
-              }
-              return simulate(*options);
+            const auto chosen = addCommands(app, {simulateStudyCommand(), simulateSequenceCommand(),
+                                                  simulateOperatorCommand()});
+            return std::function<int()>([options, chosen, &app] {
+              if (app.get_subcommands().empty()) return simulate(*options);
+              refuseBefore(app, *app.get_subcommands().front());
+              return chosen();
             });
           }};
 }

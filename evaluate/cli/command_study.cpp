@@ -151,8 +151,11 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
   return request;
 }
 
-/// A regression against earlier nights, whatever the verdict of this one.
-int exitCodeOf(const NightOutcome& outcome) { return outcome.alarms.empty() ? kDone : kRegression; }
+/// A regression against earlier nights has its own code, whatever --fail-on asks: a nightly script
+/// tells the two apart.
+int exitCodeOf(const StudyOptions& o, const NightOutcome& outcome) {
+  return outcome.alarms.empty() ? o.fail_on.exitCode(outcome.level) : kRegression;
+}
 
 /// Of every night the same file: a study's own, which the next night replaces.
 std::optional<OutputFile> reserveJson(const StudyOptions& o) {
@@ -170,8 +173,7 @@ int finish(const PreparedNight& night, const StepResults& results, double second
   } else {
     say("{}", nightSummary(outcome, o.out));
   }
-  // A regression has its own code, whatever --fail-on asks: a nightly script tells the two apart.
-  return outcome.alarms.empty() ? o.fail_on.exitCode(outcome.level) : kRegression;
+  return exitCodeOf(o, outcome);
 }
 
 int runSlurm(const StudyOptions& o, PreparedNight night) {
@@ -180,7 +182,7 @@ int runSlurm(const StudyOptions& o, PreparedNight night) {
   if (o.merge_round > 0) {
     return mergeSlurmRound(night, o.slurm, o.merge_round, [&](const NightOutcome& outcome) {
       say("{}", nightSummary(outcome, o.out));
-      return exitCodeOf(outcome);
+      return exitCodeOf(o, outcome);
     });
   }
   const SlurmEnd end = runOnSlurm(std::move(night), o.slurm, teller.sink());

@@ -174,15 +174,7 @@ Command targetCommand() {
           "plumbline target print --rows 6 --cols 6 --tag-size 88mm --paper A0 --out april.pdf",
           [](CLI::App& app) {
             app.require_subcommand(1);
-            std::map<std::string, std::function<int()>> handlers;
-            for (const Command& command : {fitCommand(), printCommand()}) {
-              CLI::App* sub = app.add_subcommand(command.name, command.summary);
-              sub->footer("Example:\n  " + command.example);
-              handlers[command.name] = command.configure(*sub);
-            }
-            return std::function<int()>([handlers, &app] {
-              return handlers.at(app.get_subcommands().front()->get_name())();
-            });
+            return addCommands(app, {fitCommand(), printCommand()});
           }};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +27,17 @@ struct Command {
   std::string example;
   std::function<std::function<int()>(CLI::App&)> configure;
 };
+
+/// Puts commands below an app. What it returns runs the one that was chosen, after the parse.
+inline std::function<int()> addCommands(CLI::App& app, const std::vector<Command>& commands) {
+  std::map<std::string, std::function<int()>> handlers;
+  for (const Command& command : commands) {
+    CLI::App* sub = app.add_subcommand(command.name, command.summary);
+    sub->footer("Example:\n  " + command.example);
+    handlers[command.name] = command.configure(*sub);
+  }
+  return [handlers, &app] { return handlers.at(app.get_subcommands().front()->get_name())(); };
+}
 
 /// The `configure` of a command whose options are a struct: `declare` puts them on the app, `run`
 /// does the work and returns the ExitCode.

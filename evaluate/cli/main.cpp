@@ -6,7 +6,6 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <string>
 #include <thread>
 #include <utility>
@@ -90,13 +89,6 @@ std::string chosenWords(const CLI::App& app) {
   return words;
 }
 
-// The command that was chosen, the innermost.
-const CLI::App& chosenOf(const CLI::App& app) {
-  const CLI::App* chosen = &app;
-  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
-  return *chosen;
-}
-
 // The option that puts right what the libraries, which know no options, found wrong; "": none does.
 std::string optionFor(InputFault code) {
   switch (code) {
@@ -155,14 +147,14 @@ void refuseOtherThanUtf8(int argc, char** argv) {
   }
 }
 
-int runChosen(const CLI::App& app, const std::map<std::string, std::function<int()>>& handlers) {
+int runChosen(const CLI::App& app, const std::function<int()>& chosen) {
   try {
-    return handlers.at(app.get_subcommands().front()->get_name())();
+    return chosen();
   } catch (const InputErrors& errors) {  // ahead of InputError, of which it and BadInput are kinds
     for (const InputError& error : errors.all()) failed(error.what(), kBadInput);
     return kBadInput;
   } catch (const BadInput& error) {
-    return failed(error.what() + adviceFor(error.code(), chosenOf(app)), kBadInput);
+    return failed(error.what() + adviceFor(error.code(), chosenCommand(app)), kBadInput);
   } catch (const InputError& error) {
     return failed(error.what(), kBadInput);
   } catch (const std::filesystem::filesystem_error& error) {
@@ -191,12 +183,7 @@ int run(int argc, char** argv) {
       "plumbline"};
   app.set_version_flag("--version", programVersion());
   app.require_subcommand(1);
-  std::map<std::string, std::function<int()>> handlers;
-  for (const Command& command : commands()) {
-    CLI::App* sub = app.add_subcommand(command.name, command.summary);
-    sub->footer("Example:\n  " + command.example);
-    handlers[command.name] = command.configure(*sub);
-  }
+  const std::function<int()> chosen = addCommands(app, commands());
   try {
     refuseOtherThanUtf8(argc, argv);
     app.parse(argc, argv);
@@ -211,7 +198,7 @@ int run(int argc, char** argv) {
   } catch (const InputError& error) {
     return failed(error.what(), kBadInput);
   }
-  const int exit_code = runChosen(app, handlers);
+  const int exit_code = runChosen(app, chosen);
   // Output that could not be written is a failure, unless there is a code that says more.
   return closeOutput() || exit_code != kDone ? exit_code : kFailed;
 }

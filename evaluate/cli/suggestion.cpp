@@ -7,9 +7,13 @@
 #include "evaluate/cli/terminal.h"
 
 namespace plumbline {
-namespace {
 
-/// Those that help shows: what is hidden has no group.
+const CLI::App& chosenCommand(const CLI::App& app) {
+  const CLI::App* chosen = &app;
+  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
+  return *chosen;
+}
+
 std::vector<std::string> wordsOf(const CLI::App& app) {
   std::vector<std::string> words;
   for (const CLI::App* sub : app.get_subcommands(nullptr)) {
@@ -21,8 +25,6 @@ std::vector<std::string> wordsOf(const CLI::App& app) {
   }
   return words;
 }
-
-}  // namespace
 
 int editDistance(std::string_view a, std::string_view b) {
   // Three rows of the table: of a's prefixes with two, one and no letters less.
@@ -58,13 +60,10 @@ std::string nearestWord(const std::string& word, const std::vector<std::string>&
 }
 
 std::string didYouMean(const CLI::App& app) {
-  const CLI::App* chosen = &app;
-  // The innermost command that was recognised, whose words could have been meant.
-  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
   for (const std::string& argument : app.remaining(true)) {
     // "--ouT=x" is looked up without its value.
     const std::string word = argument.substr(0, argument.find('='));
-    const std::string nearest = nearestWord(word, wordsOf(*chosen));
+    const std::string nearest = nearestWord(word, wordsOf(chosenCommand(app)));
     if (!nearest.empty()) return "; did you mean " + nearest + "?";
   }
   return "";

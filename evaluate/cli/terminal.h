@@ -81,6 +81,12 @@ int editDistance(std::string_view a, std::string_view b);
 /// least); "" where none is. The first of equals.
 std::string nearestWord(const std::string& word, const std::vector<std::string>& candidates);
 
+/// After a parse, the innermost command that was recognised; `app` where none was.
+const CLI::App& chosenCommand(const CLI::App& app);
+
+/// The subcommands and options of a command that help shows: what is hidden has no group.
+std::vector<std::string> wordsOf(const CLI::App& app);
+
 /// "; did you mean --out?" where an argument that the chosen command does not know resembles one
 /// that it does; "" otherwise. `app` after a parse that failed.
 std::string didYouMean(const CLI::App& app);
