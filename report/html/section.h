@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -58,6 +60,11 @@ std::vector<std::string> distinct(const Rows& rows, const Name& name) {
 std::string scriptJson(const std::string& json);
 
 using internal::base64;
+
+/// Rounded to a whole number, and cut where 16 bits end: a cell of data in base64.
+inline std::int16_t shortCell(double value) {
+  return static_cast<std::int16_t>(std::lround(std::clamp(value, -32767.0, 32767.0)));
+}
 
 struct Cell {
   enum class Kind { kText, kNumber, kCode, kTight };  ///< kTight: never wrapped

@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 
 // About a megabyte of base64, whatever the length of the recording.
 constexpr std::size_t kMostCorners = 1e5;  // that a page carries; 8 bytes each
-constexpr double kQuarter = 4;             // steps per pixel of a corner
+constexpr double kQuarter = 4;             // steps per pixel of a corner; 8191 px and more are one
 constexpr double kMilli = 1000;            // and of an error; 32 px and more are one
 
 /// Which views bring their corners: all if they are few, else the worst hundred and those of every
@@ -37,11 +37,6 @@ std::vector<bool> carried(const std::vector<ViewErrors>& views,
   }
   for (std::size_t i = 0; i < std::min(worst, order.size()); ++i) kept[order[i]] = true;
   return kept;
-}
-
-/// Cut where 16 bits end: at 8191 px of a corner, at 32 px of an error.
-std::int16_t packed(double value, double scale) {
-  return static_cast<std::int16_t>(std::lround(std::clamp(scale * value, -32767.0, 32767.0)));
 }
 
 /// By position of the view: the image as base64, and by how much it was made smaller.
@@ -77,11 +72,11 @@ Json dataOf(const StageView& stage, const std::vector<ViewErrors>& views,
       // -1 - u, since 0 has no sign.
       // A corner may lie up to half a pixel left of the first centre: below 0 it would read as
       // rejected.
-      const std::int16_t u = packed(std::max(r->uv.x(), 0.0F), kQuarter);
+      const std::int16_t u = shortCell(kQuarter * std::max(r->uv.x(), 0.0F));
       corners.push_back(static_cast<std::int16_t>(r->used ? u : -1 - u));
-      corners.push_back(packed(r->uv.y(), kQuarter));
-      corners.push_back(packed(r->error.x(), kMilli));
-      corners.push_back(packed(r->error.y(), kMilli));
+      corners.push_back(shortCell(kQuarter * r->uv.y()));
+      corners.push_back(shortCell(kMilli * r->error.x()));
+      corners.push_back(shortCell(kMilli * r->error.y()));
     }
   }
   Json cameras = Json::array(), seconds = Json::array(), poses = Json::array();

@@ -13,15 +13,10 @@
 namespace plumbline::html_internal {
 namespace {
 
-std::string cameraName(const CalibrationScore& score, std::size_t i) {
-  return i < score.cameras.size() ? score.cameras[i] : "cam" + std::to_string(i);
-}
-
 std::string perCamera(const CalibrationScore& s) {
   std::string text;
-  for (std::size_t i = 0; i < s.per_camera.size(); ++i) {
-    text +=
-        fmt::format("{}{} {:.4f}", i == 0 ? "" : ", ", cameraName(s, i), s.per_camera[i].rmse_px);
+  for (const auto& [camera, errors] : errorsByCamera(s)) {
+    text += fmt::format("{}{} {:.4f}", text.empty() ? "" : ", ", camera, errors.rmse_px);
   }
   return text.empty() ? kDash : text;
 }
@@ -87,13 +82,10 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   // Never both in one figure: in-sample errors beside held-out ones would look like better ones.
   const bool held_out = anyHeldOut(scores);
   BarPlot plot;
-  std::vector<std::string> labels;
   std::string without;
-  for (const CalibrationScore& s : scores) {
-    if (std::find(labels.begin(), labels.end(), s.label) == labels.end()) labels.push_back(s.label);
-  }
   plot.categories = cameraNames(scores);
-  for (const std::string& label : labels) {
+  for (const std::string& label :
+       distinct(scores, [](const CalibrationScore& s) { return s.label; })) {
     std::vector<CalibrationScore> parts;
     for (const CalibrationScore& s : scores) {
       // Where any calibration has a held-out score, in-sample scores of all are left out.

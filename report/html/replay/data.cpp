@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <functional>
 #include <limits>
 
 #include <nlohmann/json.hpp>
@@ -63,19 +62,6 @@ ByFrame byFrame(const ReplayRecord& record) {
 TimeNs timeOf(const ReplayRecord& record, const ByFrame& decisions, std::size_t frame) {
   if (frame < record.frames.size()) return record.frames[frame].t;
   return decisions[frame] != nullptr ? decisions[frame]->t : 0;
-}
-
-std::vector<std::string> words(int count, const std::function<std::string(int)>& word) {
-  std::vector<std::string> all;
-  for (int i = 0; i < count; ++i) all.push_back(word(i));
-  return all;
-}
-
-/// All words of an enumeration; its columns hold their places.
-template <class Enumeration>
-std::vector<std::string> wordsUpTo(Enumeration last) {
-  return words(static_cast<int>(last) + 1,
-               [](int i) { return toString(static_cast<Enumeration>(i)); });
 }
 
 Json tableJson(const ByFrame& decisions) {
@@ -278,11 +264,12 @@ std::size_t frameCount(const ReplayRecord& record) {
 ReplayData replayData(const ReplayRecord& record, std::size_t image_bytes, std::size_t bytes) {
   const ByFrame decisions = byFrame(record);
   Json json = {{"times", timesJson(record, decisions)},
+               // The columns of an enumeration hold places in its words.
                {"words",
-                {{"stage", wordsUpTo(GuideStage::kCameraImu)},
-                 {"mode", wordsUpTo(GuideMode::kFinished)},
-                 {"reason", wordsUpTo(GuideReason::kFinished)},
-                 {"event", wordsUpTo(SuggestionEvent::kWithdrawn)}}},
+                {{"stage", enumWords(GuideStage())},
+                 {"mode", enumWords(GuideMode())},
+                 {"reason", enumWords(GuideReason())},
+                 {"event", enumWords(SuggestionEvent())}}},
                {"table", tableJson(decisions)},
                {"poses", posesText(decisions)},
                {"withdrawn", withdrawnJson(record)},

@@ -20,17 +20,13 @@ constexpr std::size_t kMostPath = 160;  // points of a trajectory's path
 /// Position [mm] and quaternion x y z w [1/32767].
 using RoundPose = std::array<std::int16_t, 7>;
 
-std::int16_t rounded(double value) {
-  return static_cast<std::int16_t>(std::lround(std::clamp(value, -32767.0, 32767.0)));
-}
-
 RoundPose roundPose(const Transform& T) {
   Eigen::Vector4d q = T.quaternion().coeffs();
   // q and -q are one rotation: equal poses get equal cells, and are kept once.
   if (q[3] < 0) q = -q;
   RoundPose pose{};
-  for (int i = 0; i < 3; ++i) pose[static_cast<std::size_t>(i)] = rounded(1e3 * T.t[i]);
-  for (int i = 0; i < 4; ++i) pose[static_cast<std::size_t>(3 + i)] = rounded(32767 * q[i]);
+  for (int i = 0; i < 3; ++i) pose[static_cast<std::size_t>(i)] = shortCell(1e3 * T.t[i]);
+  for (int i = 0; i < 4; ++i) pose[static_cast<std::size_t>(3 + i)] = shortCell(32767 * q[i]);
   return pose;
 }
 

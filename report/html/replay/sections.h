@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -21,10 +19,7 @@ inline std::vector<std::int16_t> quarterPixels(const std::vector<Corner>& corner
   std::vector<std::int16_t> values;
   values.reserve(2 * corners.size());
   for (const Corner& c : corners) {
-    for (const double x : c.uv) {
-      values.push_back(
-          static_cast<std::int16_t>(std::lround(std::clamp(4 * x, -32767.0, 32767.0))));
-    }
+    for (const double x : c.uv) values.push_back(shortCell(4 * x));
   }
   return values;
 }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/time.h"
 #include "report/html/section.h"
 #include "report/html/trajectory/sections.h"
 #include "report/plots/characters.h"
@@ -159,12 +160,11 @@ Figure viewFigure(const TrajectoryRun& run, const View& view, const Range& error
 }
 
 /// Colours up to the 99th percentile, so that one stray pose does not pale the rest; runs of one
-/// sequence have one scale, the largest of those that did not fail.
+/// sequence have one scale, the largest of them. Failed ones have no errors.
 Range colourRange(const std::vector<TrajectoryRun>& runs, const TrajectoryRun& run) {
   Range range{0, 0};
   for (const TrajectoryRun& other : runs) {
-    const bool failed = other.status == RunStatus::kFailed && run.status != RunStatus::kFailed;
-    if (other.sequence != run.sequence || failed) continue;
+    if (other.sequence != run.sequence) continue;
     std::vector<double> known;
     for (const double e : other.error_m) {
       if (std::isfinite(e)) known.push_back(e);
@@ -193,8 +193,7 @@ Series timeSeries(const TrajectoryRun& run, const std::vector<double>& values, C
   series.colour = colour;
   series.width = 1.2;
   for (std::size_t i = 0; i < run.t.size(); ++i) {
-    // The difference first: a stamp of today has more digits than a double.
-    series.x.push_back(1e-9 * static_cast<double>(run.t[i] - start));
+    series.x.push_back(secondsBetween(start, run.t[i]));
     series.y.push_back(values[i]);
   }
   return series;
