@@ -15,13 +15,11 @@ namespace {
 constexpr std::size_t kNamed = 40;  // categories whose names fit below an axis
 
 std::vector<std::string> stagesOf(const StudyRecord& record) {
-  std::vector<std::string> names;
+  std::vector<CaptureStage> all;
   for (const StudySession& s : record.sessions) {
-    for (const CaptureStage& stage : s.stages) {
-      if (placeOf(names, stage.name) == names.size()) names.push_back(stage.name);
-    }
+    all.insert(all.end(), s.stages.begin(), s.stages.end());
   }
-  return names;
+  return distinct(all, [](const CaptureStage& stage) { return stage.name; });
 }
 
 double secondsOf(const StudySession& s, const std::string& stage) {
