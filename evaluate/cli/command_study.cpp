@@ -65,9 +65,16 @@ std::vector<std::string> lineOf(std::vector<std::string> start,
 /// Options of `plumbline calibrate`, as its own command line takes them: what it would refuse in
 /// the night is refused before it begins.
 void checkCalibrate(const StudyCommandOptions& options) {
-  for (const auto& [option, words] : options) refuseReserved(option);
+  // Given cameras have their models: the plan gives those of the study to steps without them.
+  StudyCommandOptions models, others;
+  for (const auto& option : options) {
+    refuseReserved(option.first);
+    (option.first == "models" ? models : others).push_back(option);
+  }
   try {
-    checkCalibrateLine(lineOf({"session", "--out", "result"}, options));
+    for (const StudyCommandOptions& together : {models, others}) {
+      checkCalibrateLine(lineOf({"session", "--out", "result"}, together));
+    }
   } catch (const CLI::ParseError& error) {
     throw InputError(fmt::format("plumbline calibrate: {}", error.what()));
   }
