@@ -155,7 +155,7 @@ TEST(CalibrationPage, MapsTheProjectionUncertaintyWhereItIsKnown) {
   EXPECT_FALSE(hasSection(renderCalibrationPage(record), "projection-uncertainty"));
 }
 
-html_internal::Section viewsOf(const CalibrationRecord& record) {
+html_internal::Section viewsPart(const CalibrationRecord& record) {
   const html_internal::StageView stage = html_internal::cameraView(record);
   return html_internal::viewsSection(stage, record.camera->T_FC0, {});
 }
@@ -174,7 +174,7 @@ TEST(CalibrationPage, OfManyCornersThoseOfAllCamerasOfAFrameAreCarried) {
   const std::vector<CornerResidual> once = residuals;
   while (residuals.size() <= 100'000) residuals.insert(residuals.end(), once.begin(), once.end());
   std::size_t left_out = 0;
-  for (const auto& row : viewRows(viewsOf(record))) {
+  for (const auto& row : viewRows(viewsPart(record))) {
     const bool carried = row[5] != -1;
     EXPECT_TRUE(carried || row[1].get<int>() % 2 == 1) << row;
     left_out += carried ? 0 : 1;
@@ -187,7 +187,7 @@ TEST(CalibrationPage, AViewWhoseCornersWereAllRejectedHasNoError) {
   for (CornerResidual& r : record.camera->residuals) {
     if (r.frame == 1 && r.camera == 0) r.used = false;
   }
-  const html_internal::Section section = viewsOf(record);
+  const html_internal::Section section = viewsPart(record);
   const auto rows = viewRows(section);
   ASSERT_EQ(rows.size(), 8U);
   for (const auto& row : rows) {
