@@ -38,8 +38,8 @@ struct ProcessEnd {
 std::string toString(const ProcessEnd& end);
 
 /// A child in a process group of its own, that ends with this process, however that ends. Its
-/// signal mask is empty, it does not ignore SIGPIPE and SIGXFSZ as this process may, and it leaves no
-/// core file.
+/// signal mask is empty, it does not ignore SIGPIPE and SIGXFSZ as this process may, and it leaves
+/// no core file.
 class ChildProcess {
  public:
   /// Throws InputError where it cannot be started.

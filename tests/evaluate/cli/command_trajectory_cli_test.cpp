@@ -239,6 +239,23 @@ TEST_F(CommandTrajectory, AnEstimateWithoutStampsTakesThemFromAFile) {
   EXPECT_LT(ate["rmse"].get<double>(), 1e-5);
 }
 
+TEST_F(CommandTrajectory, VerdictsHaveColoursOnATerminalAndRecordsTheirFoldersName) {
+  ASSERT_EQ(shell("command -v script").exit_code, 0) << "install bsdutils";
+  const auto onTerminal = [&](const std::string& words) {
+    return shell("env -u NO_COLOR script -qec '" + std::string(PLUMBLINE_BINARY) + " evaluate " +
+                 words + "' /dev/null")
+        .text;
+  };
+  const std::string out = (folder_ / "out").string();
+  EXPECT_THAT(onTerminal("trajectories " + estimate().string() + " --truth " + truth().string() +
+                         " --out " + out + "/"),
+              HasSubstr("\033[32mVerdict: COMPLETE"));
+  EXPECT_EQ(nlohmann::json::parse(read(out + "/trajectory.json"))["name"], "out");
+  write(estimate(), circle(100, 50));
+  EXPECT_THAT(onTerminal("trajectory " + estimate().string() + " " + truth().string()),
+              HasSubstr("\033[33mVerdict: CAUTION"));
+}
+
 TEST_F(CommandTrajectory, HelpHasAnExample) {
   const Outcome outcome = plumbline("evaluate trajectory --help");
   EXPECT_EQ(outcome.exit_code, 0);
