@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Headless Chromium for the tests of pages: starts it on a page that was instrumented, reads what the page's
-probe tells, and takes statistics of what is painted. No test by itself.
+"""Headless Chromium for the tests of pages: one that stays for all pages of a test, is told over a socket what to
+open and to run, and gives statistics of what is painted. No test by itself.
 """
+import base64
 import json
 import os
-import re
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
-import time
 
-COLLECTOR = """<script>
+PATIENCE = 300  # for any answer [s]; a busy machine is slow
+
+# Runs in every page before its own scripts.
+COLLECTOR = """
 window.pageErrors = [];
 window.addEventListener('error', (e) => pageErrors.push(String(e.message)));
 window.addEventListener('unhandledrejection', (e) => pageErrors.push(String(e.reason)));
@@ -36,17 +39,24 @@ const saved = (figure, kind) => {
   return texts[0];
 };
 Element.prototype.setPointerCapture = () => {};  // made-up pointers cannot be captured
-// ?top=N moves the page up by N pixels, so that a window of moderate height sees any part of it.
-const moveUp = (by) => { document.body.style.marginTop = `-${by}px`; };
-addEventListener('DOMContentLoaded', () => {
-  const by = new URLSearchParams(location.search).get('top');
-  if (by) moveUp(Number(by));
-});
-</script>"""
+// Client coordinates: those of a screenshot.
+const place = (e) => { const r = e.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]; };
+const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+// Until something holds; what does not hold after 30 s is the test's to see.
+const until = async (holds) => { for (const end = Date.now() + 30000; !holds() && Date.now() < end;) await wait(20); };
+// Loaded, every image decoded, and painted twice since.
+const settled = async () => {
+  if (document.readyState !== 'complete') await new Promise((done) => addEventListener('load', done));
+  await document.fonts.ready;
+  await Promise.allSettled([...document.querySelectorAll('img, image')].map((image) => image.decode()));
+  for (let i = 0; i < 2; ++i) await new Promise((done) => requestAnimationFrame(done));
+  await wait(0);
+};
+"""
 
-STUDY_PROBE = """<script>
+STUDY_PROBE = """
 // Of each plot with a logarithmic axis: what pointing at the first point of each series says, and what is saved.
-const logarithmic = () => [...document.querySelectorAll('figure svg[data-log]')].map((svg) => {
+const logarithmic = [...document.querySelectorAll('figure svg[data-log]')].map((svg) => {
   const says = svg.plumbline.shapes().map(({points: [[x, y]]}) => {
     const at = new DOMPoint(x, y).matrixTransform(svg.getScreenCTM());
     svg.dispatchEvent(new PointerEvent('pointermove', {clientX: at.x, clientY: at.y, bubbles: true}));
@@ -55,17 +65,13 @@ const logarithmic = () => [...document.querySelectorAll('figure svg[data-log]')]
   svg.dispatchEvent(new PointerEvent('pointerleave'));
   return {id: svg.id, says, csv: saved(svg, '.save-csv')};
 });
-setTimeout(() => {
-  const place = (e) => { const r = e.getBoundingClientRect(); return [r.left + scrollX, r.top + scrollY, r.width, r.height]; };
-  const out = document.createElement('script');
-  out.type = 'application/json';
-  out.id = 'probe';
-  out.textContent = JSON.stringify({errors: pageErrors, logarithmic: logarithmic(),
-    figures: [...document.querySelectorAll('figure svg')].map((s) => [s.id, ...place(s)]),
-    tables: [...document.querySelectorAll('table')].map((t) => place(t))});
-  document.body.append(out);
-}, 500);
-</script>"""
+return {errors: pageErrors, logarithmic, tables: document.querySelectorAll('table').length};
+"""
+
+# WebGL in software; what surrounds it is painted by the processor at once, not through WebGL.
+GPU = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-rasterization"]
+# Everything but the live scene is looked at without: painting tall windows takes a fifth of the time.
+FLAT = ["--disable-gpu", "--disable-3d-apis"]
 
 
 def fail(message):
@@ -73,58 +79,117 @@ def fail(message):
     sys.exit(1)
 
 
-def chromium(url, *options):
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    if not program:
-        fail("chromium is missing; install Debian's package chromium")
-    with tempfile.TemporaryDirectory() as profile:
-        command = [program, "--headless=new", "--no-sandbox", "--disable-background-networking",
-                   "--no-first-run", "--disable-component-update", "--disable-sync",
-                   "--disable-dev-shm-usage", "--hide-scrollbars", "--user-data-dir=" + profile,
-                   "--virtual-time-budget=3000", *options, url]
+class Chromium:
+    """Speaks DevTools' protocol: JSON, every message ended by a zero byte, over the descriptors 3 and 4. When this
+    end is closed Chromium ends."""
+
+    def __init__(self, *options, script=""):
+        program = shutil.which("chromium") or shutil.which("chromium-browser")
+        if not program:
+            fail("chromium is missing; install Debian's package chromium")
+        self.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        self.said = os.path.join(self.folder.name, "stderr")
+        self.line, theirs = socket.socketpair()
+        self.line.settimeout(PATIENCE)
+        theirs.set_inheritable(True)
+        command = [program, "--headless=new", "--no-sandbox", "--disable-background-networking", "--no-first-run",
+                   "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--hide-scrollbars",
+                   "--disable-extensions", "--remote-debugging-pipe", "--user-data-dir=" + self.folder.name, *options]
+        with open(self.said, "wb") as said:
+            self.process = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=said, stderr=said, close_fds=False,
+                preexec_fn=lambda: [os.dup2(theirs.fileno(), fd) for fd in (3, 4)])
+        theirs.close()
+        self.pending, self.count, self.session, self.loaded = b"", 0, None, set()
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        self.call("Inspector.enable")
+        self.call("Page.enable")
+        self.call("Page.setLifecycleEventsEnabled", enabled=True)
+        self.call("Page.addScriptToEvaluateOnNewDocument", source=COLLECTOR + script)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.line.close()
         try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+            self.process.wait(30)
         except subprocess.TimeoutExpired:
-            fail("chromium did not finish within 240 s: " + " ".join(command[-3:]))
-    if done.returncode != 0:
-        fail("chromium ended with %d: %s" % (done.returncode, done.stderr[-800:]))
-    return done.stdout
+            self.process.kill()
+        self.folder.cleanup()
 
+    def receive(self, doing):
+        """The next message, of an event or an answer."""
+        parts = [self.pending]
+        while b"\0" not in parts[-1]:
+            try:
+                parts.append(self.line.recv(1 << 20))
+            except (TimeoutError, ConnectionError):
+                parts.append(b"")
+            if not parts[-1]:
+                with open(self.said, encoding="utf-8", errors="replace") as said:
+                    fail("chromium ended, or was silent for %d s, at %s: %s" % (PATIENCE, doing, said.read()[-800:]))
+        message, self.pending = b"".join(parts).split(b"\0", 1)
+        message = json.loads(message)
+        event = message.get("params", {})
+        if message.get("method") == "Page.lifecycleEvent" and event["name"] == "load":
+            self.loaded.add(event["loaderId"])
+        if message.get("method") == "Inspector.targetCrashed":
+            fail("chromium's page crashed at " + doing)
+        return message
 
-# WebGL in software; what surrounds it is painted by the processor at once, not through WebGL.
-GPU = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-rasterization"]
-# Everything but the live scene is looked at without: painting tall windows takes a fifth of the time.
-FLAT = ["--disable-gpu", "--disable-3d-apis"]
-SLICE = 8000  # height of a window [px]
+    def call(self, method, **parameters):
+        self.count += 1
+        message = {"id": self.count, "method": method, "params": parameters}
+        if self.session:
+            message["sessionId"] = self.session
+        doing = "%s %s" % (method, str(parameters)[:200])
+        try:
+            self.line.sendall(json.dumps(message).encode() + b"\0")
+        except ConnectionError:
+            pass  # what Chromium said last is told by receiving
+        while True:
+            answer = self.receive(doing)
+            if answer.get("id") == self.count:
+                break
+        if "error" in answer:
+            fail("chromium at %s: %s" % (doing, answer["error"]))
+        return answer["result"]
 
+    def dress(self, width, height, scheme="light"):
+        """Size of the window, and the reader's scheme of colours."""
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
-def told(dom):
-    """What the page's probe left in it."""
-    found = re.search(r'<script type="application/json" id="probe">(.*?)</script>', dom, re.S)
-    if not found:
-        fail("the page's scripts did not run to their end")
-    return json.loads(found.group(1))
+    def open(self, page, width=1400, height=1000, scheme="light"):
+        """Opens a file anew, and waits until it is loaded and painted."""
+        self.dress(width, height, scheme)
+        begun = self.call("Page.navigate", url="file://" + page)
+        if "errorText" in begun:
+            fail("chromium cannot open %s: %s" % (page, begun["errorText"]))
+        while begun["loaderId"] not in self.loaded:
+            self.receive("loading " + page)
+        self.run("await settled();")
 
+    def run(self, script):
+        """What the body of an asynchronous function returns."""
+        done = self.call("Runtime.evaluate", expression="(async () => {%s})()" % script, awaitPromise=True,
+                         returnByValue=True)
+        if "exceptionDetails" in done:
+            fail("script in the page: " + json.dumps(done["exceptionDetails"])[:800])
+        return done["result"].get("value")
 
-def probe(url, *options):
-    return told(chromium(url, "--dump-dom", "--window-size=1400,1000", *options))
-
-
-def regions(tool, image, places):
-    """Per place: pixels, share that differs from the commonest colour, colours, hash."""
-    text = "\n".join(" ".join(str(v) for v in p) for p in places)
-    out = subprocess.run([tool, image], input=text, capture_output=True, text=True, check=True)
-    rows = [line.split() for line in out.stdout.splitlines()]
-    return [(int(r[0]), float(r[1]), int(r[2]), r[3]) for r in rows]
-
-
-def look(url, tool, folder, height, graphics):
-    """One start of Chromium: what the probe tells, and a function that gives the statistics of
-    places as they are painted."""
-    shot = os.path.join(folder, "shot.png")
-    dom = chromium(url, "--dump-dom", "--screenshot=" + shot, "--window-size=1400,%d" % height,
-                   *graphics)
-    return told(dom), lambda places: regions(tool, shot, places)
+    def regions(self, tool, places):
+        """Of what is painted now, per place: pixels, share that differs from the commonest colour, colours, hash."""
+        self.run("await settled();")
+        shot = os.path.join(self.folder.name, "shot.png")
+        with open(shot, "wb") as file:
+            file.write(base64.b64decode(self.call("Page.captureScreenshot", optimizeForSpeed=True)["data"]))
+        text = "\n".join(" ".join(str(v) for v in p) for p in places)
+        out = subprocess.run([tool, shot], input=text, capture_output=True, text=True, check=True)
+        rows = [line.split() for line in out.stdout.splitlines()]
+        return [(int(r[0]), float(r[1]), int(r[2]), r[3]) for r in rows]
 
 
 def is_blank(statistics):
@@ -132,49 +197,23 @@ def is_blank(statistics):
     return share < 0.02 or colours < 10
 
 
-def look_until_painted(url, tool, folder, places_of):
-    """What the probe tells, and the statistics of the places whole in sight. On a busy machine the
-    window is sometimes taken before the last of it is painted: what is blank is looked at again, after
-    ever longer waits."""
-    for attempt in range(6):
-        time.sleep(attempt)
-        result, painted = look(url, tool, folder, SLICE, FLAT)
-        seen = {i: p for i, p in enumerate(places_of(result)) if p[1] >= 0 and p[1] + p[3] <= SLICE}
-        found = dict(zip(seen, painted(seen.values())))
-        if not any(is_blank(statistics) for statistics in found.values()):
+def painted(browser, tool, selector):
+    """Statistics of all that is selected of the open page, the first of it scrolled into sight. What is blank is
+    looked at again: on a busy machine the last of it may not be painted."""
+    for _ in range(6):
+        places = browser.run("""const all = [...document.querySelectorAll('%s')];
+            all[0]?.scrollIntoView({block: 'center', behavior: 'instant'}); await settled(); return all.map(place);""" % selector)
+        found = browser.regions(tool, places)
+        if not any(is_blank(statistics) for statistics in found):
             break
-    return result, found
+    return found
 
 
-def photograph(url, tool, folder):
-    """What the probe tells of the whole page, and the statistics of each of its figures and of
-    what stands for the scene and of the single view, without a GPU; as many windows as it takes."""
-    def places_of(result):
-        return [f[1:] for f in result["figures"]] + [result[key] for key in ("single", "scene") if key in result]
-
-    first, found, top = None, {}, 0
-    while True:
-        result, seen = look_until_painted("%s?top=%d" % (url, top), tool, folder, places_of)
-        first = first or result
-        places = places_of(result)
-        if not seen.keys() - found.keys():
-            fail("no figure is whole in a window that starts at %d px" % top)
-        found = {**seen, **found}
-        missing = [p[1] for i, p in enumerate(places) if i not in found]
-        if not missing:
-            return first, [found[i] for i in range(len(places))]
-        top += max(0, int(min(missing)) - 10)
-
-
-def check_figures(name, result, painted, least_pixels):
-    for figure, statistics in zip(result["figures"], painted):
+def check_figures(browser, name, tool, least_pixels):
+    """How many figures the open page has; none is blank. They are looked at in one window that shows all."""
+    browser.dress(1400, browser.run("return document.documentElement.scrollHeight;"))
+    names = browser.run("return [...document.querySelectorAll('figure svg')].map((s) => s.id);")
+    for figure, statistics in zip(names, painted(browser, tool, "figure svg"), strict=True):
         if statistics[0] < least_pixels or is_blank(statistics):
-            fail("%s: figure %s is blank (%d px, %.3f, %d colours)" % (name, figure[0], *statistics[:3]))
-
-
-def instrument(page, probe_script):
-    with open(page, encoding="utf-8") as file:
-        text = file.read().replace("<head>", "<head>" + COLLECTOR, 1)
-    body = text.rindex("</body>")
-    with open(page, "w", encoding="utf-8") as file:
-        file.write(text[:body] + probe_script + text[body:])
+            fail("%s: figure %s is blank (%d px, %.3f, %d colours)" % (name, figure, *statistics[:3]))
+    return len(names)

@@ -16,10 +16,10 @@ import subprocess
 import sys
 import tempfile
 
-from browser import check_figures, fail, GPU, instrument, look, photograph, STUDY_PROBE
+from browser import Chromium, FLAT, GPU, STUDY_PROBE, check_figures, fail, painted
 
-PROBE = """<script>
-const place = (e) => { const r = e.getBoundingClientRect(); return [r.left + scrollX, r.top + scrollY, r.width, r.height]; };
+# What a reader does with a page; for every page that is opened.
+ACTS = """
 const send = (target, kind, x, y, buttons) => target.dispatchEvent(new PointerEvent(kind, {clientX: x, clientY: y,
   pointerId: 1, pointerType: 'mouse', isPrimary: true, button: 0, buttons, bubbles: true, cancelable: true}));
 const drag = () => {
@@ -157,10 +157,10 @@ const data = () => {
 const worstView = async () => {
   const row = document.querySelector('#views table tbody a');
   location.hash = row.hash;
-  await new Promise((done) => setTimeout(done, 200));
+  await until(() => document.querySelector('.views svg image'));
   const svg = document.querySelector('.views svg'), image = svg.querySelector('image');
   if (!image) return {image: false};
-  // Height and width stand behind the marker FFC0 of a JPEG. (Decoding is not waited for: time stands still here.)
+  // Height and width stand behind the marker FFC0 of a JPEG.
   const box = image.getBBox(), bytes = Uint8Array.from(atob(image.getAttribute('href').split(',')[1]), (c) => c.charCodeAt(0));
   const head = bytes.findIndex((b, i) => b === 0xff && bytes[i + 1] === 0xc0);
   const whole = svg.viewBox.baseVal.width, area = svg.getBoundingClientRect();
@@ -199,29 +199,12 @@ const turnByKeys = () => {
   const area = document.querySelector('.scene-canvas');
   for (let i = 0; i < 6; ++i) area.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowLeft', bubbles: true, cancelable: true}));
 };
-if (location.hash) moveUp(document.getElementById('scene-box').getBoundingClientRect().top - 20);
-setTimeout(async () => {
-  const hash = location.hash;
-  if (hash === '#drag') drag();
-  if (hash === '#keys') turnByKeys();
-  const clicked = hash === '#pick' ? pickInScene() : null;
-  const picked = hash === '#pick' ? null : pick();
-  let more = {clicked};
-  try {
-    if (!hash) more = {zoom: [...zoom(), ...pinch()], data: data(), view: await worstView()};
-  } catch (error) { pageErrors.push(String(error.stack)); }
-  const result = {...more, errors: pageErrors, height: document.documentElement.scrollHeight,
-    live: document.getElementById('scene-box').classList.contains('live'), hover: hover(), pick: picked,
-    single: place(document.querySelector('.views svg')),
-    scene: place(document.querySelector('#scene-box.live .scene-canvas') || document.querySelector('.scene-still')),
-    figures: [...document.querySelectorAll('figure svg')].map((s) => [s.id, ...place(s)])};
-  const out = document.createElement('script');
-  out.type = 'application/json';
-  out.id = 'probe';
-  out.textContent = JSON.stringify(result);
-  document.body.append(out);
-}, 1500);
-</script>"""
+"""
+
+USE = """
+const picked = pick(), more = {zoom: [...zoom(), ...pinch()], data: data(), view: await worstView()};
+return {...more, errors: pageErrors, live: document.getElementById('scene-box').classList.contains('live'), hover: hover(), pick: picked};
+"""
 
 
 def check_clicked(name, clicked, marked):
@@ -235,41 +218,36 @@ def check_clicked(name, clicked, marked):
         fail(name + ": the view that is picked is not marked in the scene")
 
 
-def live_scene(name, page, tool, folder, fragments):
-    """Statistics of the live scene as it is painted after each of the fragments' deeds, and what the
-    probe told of the last."""
-    painted = []
-    for fragment in fragments:
-        result, statistics = look("file://" + page + fragment, tool, folder, 900, GPU)
+def check_scene(browser, name, page, tool, turns):
+    """The live scene at rest, clicked and, where it `turns`, at rest again, dragged and turned by keys: the
+    scene of both kinds is one script. The share of the window that it covers."""
+    browser.open(page, height=900)
+
+    def after(act):
+        result = browser.run("""const clicked = %s ?? null; await settled();
+            return {clicked, live: document.getElementById('scene-box').classList.contains('live'), errors: pageErrors};""" % act)
         if result["errors"]:
             fail("%s: script errors: %s" % (name, result["errors"][:5]))
         if not result["live"]:
             fail(name + ": the 3D scene did not start although WebGL is there")
-        if result["scene"][1] < 0 or result["scene"][1] + result["scene"][3] > 900:
-            fail(name + ": the 3D scene is not in sight")
-        painted.append(statistics([result["scene"]])[0])
-    return painted, result
+        return result["clicked"], painted(browser, tool, ".scene.live .scene-canvas")[0]
 
-
-def check_scene(name, page, tool, folder, turns):
-    """The live scene at rest, clicked and, where it `turns`, at rest again, dragged and turned by keys: the
-    scene of both kinds is one script. The share of the window that it covers, and what hovering over a
-    figure says."""
-    fragments = ("#rest", "#drag", "#keys", "#rest") if turns else ("#rest",)
-    painted, result = live_scene(name, page, tool, folder, fragments + ("#pick",))
-    rest, picked = painted[0], painted[-1]
+    _, rest = after("null")
     if rest[1] < 0.03 or rest[2] < 10:
         fail("%s: the 3D scene is blank (%.3f, %d colours)" % (name, rest[1], rest[2]))
-    check_clicked(name, result["clicked"], picked[3] != rest[3])
+    before = rest
     if turns:
-        dragged, keys, again = painted[1:4]
-        if again[3] != rest[3]:
+        _, before = after("null")
+        if before[3] != rest[3]:
             fail(name + ": the scene at rest differs between two looks, so turning proves nothing")
-        if dragged[1] < 0.03 or dragged[3] == rest[3]:
-            fail(name + ": the 3D scene does not turn when dragged")
-        if keys[3] == rest[3]:
-            fail(name + ": the 3D scene does not turn by its keys")
-    return rest[1], result["hover"]
+        for act, how in (("drag()", "when dragged"), ("turnByKeys()", "by its keys")):
+            _, turned = after(act)
+            if turned[1] < 0.03 or turned[3] == before[3]:
+                fail("%s: the 3D scene does not turn %s" % (name, how))
+            before = turned
+    clicked, picked = after("pickInScene()")
+    check_clicked(name, clicked, picked[3] != before[3])
+    return rest[1]
 
 
 def check_pick(name, pick):
@@ -296,19 +274,19 @@ def check_use(name, result):
         fail("%s: hiding or zooming the view: %s" % (name, view))
 
 
-def check_page(name, page, tool, folder, turns):
-    covered, hover = check_scene(name, page, tool, folder, turns)
-    if not re.match(r"^cam\d: -?[\d.e+-]+, -?[\d.e+-]+$", hover):
-        fail("%s: hovering over a point says '%s'" % (name, hover))
-    for _ in range(3):  # a busy machine may take the picture before the image is decoded
-        result, (*figures, single, still) = photograph("file://" + page, tool, folder)
-        if single[1] >= 0.3 and still[1] >= 0.03:
-            break
+def check_page(live, flat, name, page, tool, turns):
+    covered = check_scene(live, name, page, tool, turns)
+    flat.open(page)
+    result = flat.run(USE)
     check_pick(name, result["pick"])
     check_use(name, result)
-    if len(result["figures"]) < 8:
-        fail("%s: only %d figures" % (name, len(result["figures"])))
-    check_figures(name, result, figures, 20000)
+    if not re.match(r"^cam\d: -?[\d.e+-]+, -?[\d.e+-]+$", result["hover"]):
+        fail("%s: hovering over a point says '%s'" % (name, result["hover"]))
+    figures = check_figures(flat, name, tool, 20000)
+    if figures < 8:
+        fail("%s: only %d figures" % (name, figures))
+    flat.dress(1400, 1000)
+    single, still = painted(flat, tool, ".views svg")[0], painted(flat, tool, ".scene-still")[0]
     if single[1] < 0.3:
         fail("%s: the image of the worst view is not painted: %.3f of its place" % (name, single[1]))
     if result["live"]:
@@ -316,7 +294,7 @@ def check_page(name, page, tool, folder, turns):
     if still[1] < 0.03 or still[2] < 10:
         fail(name + ", without WebGL: the still picture is blank")
     print("%s: %d figures, none blank; scene covers %.1f %% and turns; hover says %s; without WebGL "
-          "a still picture stands in" % (name, len(figures), 100 * covered, hover))
+          "a still picture stands in" % (name, figures, 100 * covered, result["hover"]))
 
 
 def check_basin(name, basin):
@@ -336,32 +314,33 @@ def check_basin(name, basin):
         fail("%s: the saved data begin with '%s'" % (name, basin["csv"].splitlines()[0]))
 
 
-def check_study(name, page, tool, folder):
-    result, figures = photograph("file://" + page, tool, folder)
+def check_study(browser, name, page, tool):
+    browser.open(page)
+    result = browser.run(STUDY_PROBE)
     if result["errors"]:
         fail("%s: script errors: %s" % (name, result["errors"][:5]))
-    if len(result["figures"]) < 4 or not result["tables"]:
-        fail("%s: only %d figures" % (name, len(result["figures"])))
-    check_figures(name, result, figures, 15000)
+    figures = check_figures(browser, name, tool, 15000)
+    if figures < 4 or not result["tables"]:
+        fail("%s: only %d figures" % (name, figures))
     if name == "perturbation":
         check_basin(name, {plot["id"]: plot for plot in result["logarithmic"]}["perturbation-basin"])
-    print("%s: %d figures, none blank" % (name, len(figures)))
+    print("%s: %d figures, none blank" % (name, figures))
 
 
 def check_calibrations(write_page, tool, folder):
-    for name, options in (("camera-IMU", ["60"]), ("cameras only", ["30", "camera-only"])):
-        page = os.path.join(folder, "page.html")
-        subprocess.run([write_page, page, *options], check=True, stdout=subprocess.DEVNULL)
-        instrument(page, PROBE)
-        check_page(name, page, tool, folder, turns=name == "camera-IMU")
+    with Chromium(*GPU, script=ACTS) as live, Chromium(*FLAT, script=ACTS) as flat:
+        for name, options in (("camera-IMU", ["60"]), ("cameras only", ["30", "camera-only"])):
+            page = os.path.join(folder, "page.html")
+            subprocess.run([write_page, page, *options], check=True, stdout=subprocess.DEVNULL)
+            check_page(live, flat, name, page, tool, turns=name == "camera-IMU")
 
 
 def check_studies(write_page, tool, folder):
-    for study in ("perturbation", "trajectory", "comparison", "study"):
-        page = os.path.join(folder, study + ".html")
-        subprocess.run([write_page, page, study], check=True)
-        instrument(page, STUDY_PROBE)
-        check_study(study, page, tool, folder)
+    with Chromium(*FLAT) as browser:
+        for study in ("perturbation", "trajectory", "comparison", "study"):
+            page = os.path.join(folder, study + ".html")
+            subprocess.run([write_page, page, study], check=True)
+            check_study(browser, study, page, tool)
 
 
 def main():

@@ -10,22 +10,23 @@ than 12 px (11 px in narrow windows), on canvases neither; text stands out from 
 section or table is empty; heads of tables have their scope, pictures and controls a name; the contents are there or unfold; every control can be used, and nothing is said on the console; a calibration is printed
 on eight sheets at most. With PAGE.html given, those pages are measured instead.
 """
+import base64
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
 import zlib
 
-from browser import FLAT, chromium, fail, instrument, told
+from browser import FLAT, Chromium, fail
 
 WIDTHS = (1400, 800, 390)
 KINDS = ("calibration", "perturbation", "trajectory", "comparison", "study", "replay")
 MOST_SHEETS = 8
 SHOWN = 6  # faults of a page that are printed
 
-PROBE = """<script>
+PROBE = """
+await settled();
 const faults = [];
 const say = (kind, what, more) => faults.push(`${kind}: ${what}${more ? ' (' + more + ')' : ''}`);
 const nameOf = (e) => {
@@ -192,69 +193,45 @@ const checkNames = () => {
   for (const e of document.querySelectorAll('main figure svg')) if (visible(e) && !e.querySelector('title') && nameless(e)) say('plot without a name', e.id);
   for (const e of document.querySelectorAll('canvas, button, input, select')) if (visible(e) && nameless(e)) say('control without a name', nameOf(e));
 };
-const finish = () => {
-  checkCanvases();
-  pageErrors.forEach((e) => say('console', e));
-  parent.postMessage(JSON.stringify({faults: [...new Set(faults)], width: innerWidth,
-    dark: matchMedia('(prefers-color-scheme: dark)').matches}), '*');
-};
-setTimeout(() => {
-  const all = texts();
-  if (document.documentElement.scrollWidth > innerWidth + 1) {
-    say('wider than the window', `${document.documentElement.scrollWidth} px`);
-    for (const e of document.querySelectorAll('main *'))
-      if (visible(e) && e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('section, header, .scroll, figure')) say('reaches beyond', nameOf(e));
-  }
-  checkSizes(all);
-  checkPlots();
-  checkBoxes();
-  checkEmpty();
-  checkContents();
-  checkNames();
-  checkContrast(all);
-  checkLines();
-  if (location.hash === '#use') use();
-  setTimeout(finish, 600);
-}, 800);
-</script>"""
-
-# A frame is as narrow as it is told to be; a window is not. Frames of all widths stand side by side in one
-# window that shows them all: what is out of sight is not laid out in time.
-FRAMES = """<!DOCTYPE html><html><body style="margin:0;display:flex"><script>
-const all = [];
-addEventListener('message', (event) => {
-  all.push(JSON.parse(event.data));
-  if (all.length < %d) return;
-  const out = document.createElement('script');
-  out.type = 'application/json';
-  out.id = 'probe';
-  out.textContent = JSON.stringify(all);
-  document.body.append(out);
-});
-</script>%s</body></html>"""
-FRAME = '<iframe src="%s" allow="clipboard-write" style="flex:none;width:%dpx;height:900px;border:0"></iframe>'
+const all = texts();
+if (document.documentElement.scrollWidth > innerWidth + 1) {
+  say('wider than the window', `${document.documentElement.scrollWidth} px`);
+  for (const e of document.querySelectorAll('main *'))
+    if (visible(e) && e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('section, header, .scroll, figure')) say('reaches beyond', nameOf(e));
+}
+checkSizes(all);
+checkPlots();
+checkBoxes();
+checkEmpty();
+checkContents();
+checkNames();
+checkContrast(all);
+checkLines();
+if (used) use();
+await settled();
+checkCanvases();
+pageErrors.forEach((e) => say('console', e));
+return {faults: [...new Set(faults)], width: innerWidth, dark: matchMedia('(prefers-color-scheme: dark)').matches};
+"""
 
 
-def measured(page, scheme):
-    """Faults by width. The controls are used where there is most room, in light."""
-    colours = ["--blink-settings=preferredColorScheme=%d" % (0 if scheme == "dark" else 1)]
-    outer, inner = page + ".frames.html", os.path.basename(page)
-    frames = [FRAME % (inner + ("#use" if (w, scheme) == (WIDTHS[0], "light") else ""), w) for w in WIDTHS]
-    with open(outer, "w", encoding="utf-8") as file:
-        file.write(FRAMES % (len(WIDTHS), "".join(frames)))
-    size = "--window-size=%d,900" % (sum(WIDTHS) + 10)
-    results = told(chromium("file://" + outer, "--dump-dom", size, *FLAT, *colours))
-    faults = {result["width"]: result["faults"] for result in results if result["dark"] == (scheme == "dark")}
-    if sorted(faults) != sorted(WIDTHS):
-        fail("measured at %s px; asked for %s, %s" % (sorted(faults), WIDTHS, scheme))
-    return faults
+def faults_of(browser, width, scheme):
+    """The controls are used where there is most room, in light."""
+    browser.dress(width, 900, scheme)
+    used = (width, scheme) == (WIDTHS[0], "light")
+    result = browser.run("const used = %s;" % str(used).lower() + PROBE)
+    if (result["width"], result["dark"]) != (width, scheme == "dark"):
+        fail("measured at %d px; asked for %d, %s" % (result["width"], width, scheme))
+    return result["faults"]
 
 
-def check_page(name, page):
-    instrument(page, PROBE)
+def check_page(browser, name, page):
+    """Opened anew at every width, now in dark and now in light, and then changed to the other."""
     found = 0
-    for scheme in ("light", "dark"):
-        for width, faults in measured(page, scheme).items():
+    for width, schemes in zip(WIDTHS, (("dark", "light"), ("light", "dark"), ("dark", "light")), strict=True):
+        browser.open(page, width, 900, schemes[0])
+        for scheme in schemes:
+            faults = faults_of(browser, width, scheme)
             found += len(faults)
             if faults:
                 print("%s at %d px, %s: %d faults" % (name, width, scheme, len(faults)))
@@ -262,12 +239,10 @@ def check_page(name, page):
     return found
 
 
-def sheets_of(page):
+def sheets_of(browser, page):
     """How many sheets the page is printed on: the largest count in its PDF's tree of pages."""
-    pdf = page + ".pdf"
-    chromium("file://" + page, "--no-pdf-header-footer", "--print-to-pdf=" + pdf, *FLAT)
-    with open(pdf, "rb") as file:
-        data = file.read()
+    browser.open(page)
+    data = base64.b64decode(browser.call("Page.printToPDF", printBackground=True)["data"])
     parts = [data]
     for stream in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", data, re.S):
         try:
@@ -287,14 +262,15 @@ def written(kind, write_page, write_replay_page, folder):
 def main():
     write_page, write_replay_page, *given = sys.argv[1:]
     found = 0
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, Chromium(*FLAT) as browser:
         for page in given:
-            found += check_page(page, shutil.copy(page, folder))
+            found += check_page(browser, page, os.path.abspath(page))
         for kind in KINDS if not given else ():
             page = written(kind, write_page, write_replay_page, folder)
-            if kind == "calibration" and sheets_of(page) > MOST_SHEETS:
-                fail("a calibration is printed on %d sheets" % sheets_of(page))
-            found += check_page(kind, page)
+            sheets = sheets_of(browser, page) if kind == "calibration" else 0
+            if sheets > MOST_SHEETS:
+                fail("a calibration is printed on %d sheets" % sheets)
+            found += check_page(browser, kind, page)
     if found:
         fail("%d faults of layout" % found)
     print("%d pages, each at %s px in light and dark: nothing wrong" % (len(given or KINDS), WIDTHS))

@@ -17,13 +17,13 @@ import sys
 import tempfile
 import time
 
-from browser import FLAT, chromium, fail, instrument, told
+from browser import FLAT, Chromium, fail
 from layout_browser_test import MOST_SHEETS, sheets_of
 
 PAGE_MB = 10
 REPLAY_MB = 12
 
-POLICY_PROBE = """<script>
+POLICY_PROBE = """
 let refused = 0;
 document.addEventListener('securitypolicyviolation', () => { ++refused; });
 for (const kind of ['img', 'script', 'iframe']) {
@@ -32,14 +32,9 @@ for (const kind of ['img', 'script', 'iframe']) {
   document.body.append(e);
 }
 fetch('https://example.invalid/data').catch(() => {});
-setTimeout(() => {
-  const out = document.createElement('script');
-  out.type = 'application/json';
-  out.id = 'probe';
-  out.textContent = JSON.stringify({refused});
-  document.body.append(out);
-}, 500);
-</script>"""
+await until(() => refused >= 4);
+return refused;
+"""
 
 
 def jobs(folder):
@@ -72,7 +67,7 @@ def text_of(page):
     return html.unescape(re.sub(r"<[^>]+>", "\n", text))
 
 
-def check(name, path):
+def check(browser, name, path):
     size = os.path.getsize(path) / 1e6
     limit = REPLAY_MB if name == "replay" else PAGE_MB
     if size > limit:
@@ -84,11 +79,11 @@ def check(name, path):
     zeros = re.findall(r"(?<![\w.\-])[-\u2212]0(?:\.0+)?(?![\d.\w])", text_of(page))
     if zeros:
         fail("%s: zeros with a minus sign: %s" % (name, zeros[:5]))
-    sheets = sheets_of(path) if name == "calibration" else 0
+    sheets = sheets_of(browser, path) if name == "calibration" else 0
     if sheets > MOST_SHEETS:
         fail("a calibration is printed on %d sheets" % sheets)
-    instrument(path, POLICY_PROBE)
-    refused = told(chromium("file://" + path, "--dump-dom", *FLAT))["refused"]
+    browser.open(path)
+    refused = browser.run(POLICY_PROBE)
     if refused < 4:
         fail("%s: only %d of 4 loads from outside were refused" % (name, refused))
     return "%s %.1f MB" % (name, size) + (", %d sheets" % sheets if sheets else "")
@@ -104,9 +99,10 @@ def main():
         if time.monotonic() - begun > 15 and not re.search(r"^plumbline: \w+: \d+ %, \d+ (s|min) left$", said, re.M):
             fail("rendering for %.0f s said no time left: %s" % (time.monotonic() - begun, said))
         told_of = []
-        for name, command in jobs(folder):
-            run(program, "%s --out %s" % (command, os.path.join(folder, name)))
-            told_of.append(check(name, os.path.join(folder, name, "report.html")))
+        with Chromium(*FLAT) as browser:
+            for name, command in jobs(folder):
+                run(program, "%s --out %s" % (command, os.path.join(folder, name)))
+                told_of.append(check(browser, name, os.path.join(folder, name, "report.html")))
         print("; ".join(told_of))
 
 
