@@ -44,6 +44,21 @@ Eigen::VectorXd higherOf(const TargetShape& shape, const std::optional<Remainder
   return h;
 }
 
+/// Of A^-1 = L^-T L^-1: the squares of the columns of L^-1, which begin at its diagonal.
+Eigen::VectorXd inverseDiagonal(const Eigen::LLT<Eigen::MatrixXd>& llt) {
+  constexpr Eigen::Index kColumns = 48;  // at a time
+  const Eigen::Index n = llt.rows();
+  const Eigen::MatrixXd L = llt.matrixL();
+  Eigen::VectorXd diagonal(n);
+  for (Eigen::Index j = 0; j < n; j += kColumns) {
+    const Eigen::Index rows = n - j, width = std::min(kColumns, rows);
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Identity(rows, width);
+    L.bottomRightCorner(rows, rows).triangularView<Eigen::Lower>().solveInPlace(columns);
+    diagonal.segment(j, width) = columns.colwise().squaredNorm();
+  }
+  return diagonal;
+}
+
 }  // namespace
 
 // With a prior of information P = noise / variance the mean is (H + P)^-1 linear; the variance of a
@@ -69,13 +84,14 @@ HigherPosterior higherPosterior(const Eigen::MatrixXd& H, const Eigen::VectorXd&
     for (int j = given; j < size; ++j) out.prior.information[j] = noise / variance[group(j)];
     Eigen::MatrixXd A = H;
     A.diagonal() += out.prior.information;
-    const Eigen::MatrixXd V = A.llt().solve(Eigen::MatrixXd::Identity(size, size));
-    out.mean = V * (linear + out.prior.information.cwiseProduct(out.prior.mean));
-    out.std = (noise * V.diagonal()).cwiseMax(0).cwiseSqrt();
+    const Eigen::LLT<Eigen::MatrixXd> llt(A);
+    const Eigen::VectorXd V = inverseDiagonal(llt);
+    out.mean = llt.solve(linear + out.prior.information.cwiseProduct(out.prior.mean));
+    out.std = (noise * V).cwiseMax(0).cwiseSqrt();
     std::array<double, kGroups> squares{}, determined{};
     for (int j = given; j < size; ++j) {
       squares[group(j)] += out.mean[j] * out.mean[j];
-      determined[group(j)] += 1 - out.prior.information[j] * V(j, j);
+      determined[group(j)] += 1 - out.prior.information[j] * V[j];
     }
     double change = 0;
     for (std::size_t g = 0; g < kGroups; ++g) {

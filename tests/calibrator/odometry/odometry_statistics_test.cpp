@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/statistics/statistics.h"
@@ -15,8 +16,10 @@
 namespace plumbline {
 namespace {
 
+/// With half the tracks that are followed by default: harder to fly by, and twice as fast.
 RoomFlight flightOf(std::uint64_t seed, double duration_s, int turns = 4) {
   RoomFlightOptions options;
+  options.tracks = 75;
   options.seed = seed;
   options.duration_s = duration_s;
   options.turns = turns;
@@ -79,6 +82,8 @@ TEST(OdometryStatistics, ErrorsAreSmallAndAsStated) {
   }
   EXPECT_LT(median(share), 0.003);
   const double mean = sampleStatistics(nees).mean;
+  RecordProperty("share", fmt::format("{:.5f}", median(share)));
+  RecordProperty("nees", fmt::format("{:.2f}", mean));
   EXPECT_GT(mean, 0.5 * 6) << "cautious";
   EXPECT_LT(mean, 2 * 6) << "overconfident";
 }
@@ -116,6 +121,7 @@ TEST(OdometryStatistics, FeelsWrongCalibrations) {
   const double focal = cost([](Calibration& c) {
     for (CameraCalibration& k : c.cameras) k.intrinsics.projection.head(2) *= 1.01;
   });
+  RecordProperty("costs_m", fmt::format("{:.4f} {:.4f} {:.4f}", rotation, offset, focal));
   EXPECT_GT(rotation, 0.002);
   EXPECT_GT(offset, 0.002);
   EXPECT_GT(focal, rotation);
