@@ -44,7 +44,9 @@ CounterfactualOptions studyOptions() {
   options.random_seeds = 7;
   options.other_model = false;
   options.threads = 2;
-  for (int n = 10; n <= 120; n += n < 80 ? 5 : 10) options.views.push_back(n);
+  // In tens up to the reference, and to its one and a half: four fifths of it, 64, are above 60 in
+  // steps of ten as in steps of five.
+  options.views = {10, 20, 30, 40, 50, 60, 70, 80, 100, 120};
   return options;
 }
 
