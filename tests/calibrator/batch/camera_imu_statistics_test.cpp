@@ -45,6 +45,7 @@ TEST_P(CameraImuStatistics, NormalisedErrorsOfEachBlockAreWithinTheirBounds) {
   for (int seed = 1; seed <= kRuns; ++seed) {
     SimulationOptions simulation = test::noisyRecording(static_cast<std::uint64_t>(seed), 6);
     simulation.trajectory.seed = static_cast<std::uint64_t>(seed);
+    simulation.camera_rate_hz = 10;  // half the frames: the claim is of runs, not of their frames
     const SimulatedSession s = test::simulate(simulation, GetParam());
     CameraImuOptions options = test::matchedOptions(s, simulation.corner_sigma_px);
     options.state_covariances = true;
