@@ -8,7 +8,15 @@
 namespace plumbline {
 namespace {
 
-class StudyKills : public StudyNights {};
+/// Two sessions: every third kill ends in a whole night, which costs most of the time.
+class StudyKills : public StudyNights {
+ protected:
+  static void SetUpTestSuite() {
+    makeNights(
+        "  - {name: p1_free, participant: p1, method: free, period: 1, path: p1_free}\n"
+        "  - {name: p1_guided, participant: p1, method: guided, period: 2, path: p1_guided}\n");
+  }
+};
 
 // PLUMBLINE_KILLS in the environment for a longer run.
 int killsAskedFor() {

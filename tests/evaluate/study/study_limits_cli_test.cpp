@@ -14,13 +14,13 @@ TEST_F(StudyLimits, AStepBeyondItsTimeEndsWithAllThatItStarted) {
             "sequences: [{name: s, path: eval, truth: "
             "eval/truth/trajectory.csv}]\n"
             "trajectories: {command: 'sleep 54321 & sleep 54321; echo {out}'}\n"
-            "limits: {step_s: 5}\n");
-  const Outcome outcome = study(data, scratch_ / "night", "--jobs 8");
+            "limits: {step_s: 2}\n");
+  const Outcome outcome = study(data, doneNight(), "--jobs 4");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
   const auto summary = nlohmann::json::parse(read(scratch_ / "night/summary.json"));
   ASSERT_EQ(summary.at("trajectories").size(), 4u);
   EXPECT_THAT(summary.at("trajectories")[0].at("failure").get<std::string>(),
-              HasSubstr("not done after 5 s"));
+              HasSubstr("not done after 2 s"));
   EXPECT_NE(std::system("pgrep -f 'sleep 5432[1]' >/dev/null"), 0) << "left running";
 }
 

@@ -19,7 +19,7 @@ TEST_F(StudySteps, AnotherToolsFolderIsComparedAndHeldOut) {
   const std::string text = read(root_ / "data/STUDY.yaml");
   write(data / "STUDY.yaml",
         replaced(text, path, "path: p1_free, other: [{tool: kalibr, path: kalibr}]}"));
-  const Outcome outcome = study(data, scratch_ / "night");
+  const Outcome outcome = study(data, doneNight());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   const Json summary = Json::parse(read(scratch_ / "night/summary.json"));
   ASSERT_EQ(summary.at("others").size(), 1u);

@@ -11,6 +11,7 @@ class StudyTrajectoryNights : public StudyStepNights {};
 
 TEST_F(StudyTrajectoryNights, TrajectoriesComeFromACommandOrAPattern) {
   const fs::path data = ownData();
+  doneNight();
   const std::string study_file = read(data / "STUDY.yaml") +
                                  "sequences: [{name: s, path: eval, truth: "
                                  "eval/truth/trajectory.csv}]\n";
