@@ -91,13 +91,14 @@ inline std::vector<std::string> listedCommands(const std::string& help) {
 /// A simulated session of corners, made once; tests that spoil it work on copies.
 class CommandLine : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
+  static void SetUpTestSuite() { makeSession("--duration 12"); }
+  static void makeSession(const std::string& options) {
     setenv("SOURCE_DATE_EPOCH", "1700000000", 1);
     root_ = fs::temp_directory_path() / ("plumbline_cli_" + std::to_string(getpid()));
     fs::remove_all(root_);
     fs::create_directories(root_);
     const Outcome outcome = plumbline("simulate --out " + (root_ / "session").string() +
-                                      " --rig euroc --seed 3 --duration 12");
+                                      " --rig euroc --seed 3 " + options);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   }
   static void TearDownTestSuite() { fs::remove_all(root_); }

@@ -14,8 +14,9 @@ class EvaluateCalibration : public CommandLine {
  protected:
   static void SetUpTestSuite() {
     CommandLine::SetUpTestSuite();
-    const Outcome outcome = plumbline("calibrate " + session().string() + " --out " +
-                                      (root_ / "own").string() + " --no-cache --no-report");
+    const Outcome outcome =
+        plumbline("calibrate " + session().string() + " --out " + (root_ / "own").string() +
+                  " --models pinhole-radtan --no-halves --no-cache --no-report");
     ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   }
   static std::string ours() { return (root_ / "own" / "calibration.json").string(); }
@@ -113,7 +114,7 @@ TEST_F(EvaluateCalibration, ASecondCameraAloneIsScored) {
   const fs::path alone = scratch() / "alone";
   fs::create_directories(scratch());
   ASSERT_EQ(plumbline("calibrate " + session().string() +
-                      " --only cam1 --no-halves --no-cache "
+                      " --only cam1 --models pinhole-radtan --no-halves --no-cache "
                       "--no-report --out " +
                       alone.string())
                 .exit_code,

@@ -19,7 +19,7 @@ fs::path emptyFolder(const char* name) {
 
 TEST(CommandSimulateOperator, WritesARecordingThatOurCommandsRead) {
   const std::string options =
-      "simulate operator --rig euroc --duration 15 --skill novice --compliance 1 --seed 4 ";
+      "simulate operator --rig euroc --duration 10 --skill novice --compliance 1 --seed 4 ";
   const fs::path one = emptyFolder("operator_1"), two = emptyFolder("operator_2");
   const Outcome made = plumbline(options + "--judge --out " + one.string());
   ASSERT_EQ(made.exit_code, 0) << made.text;
@@ -107,7 +107,7 @@ TEST(CommandSimulateOperator, PredictsTheWayToItsSuggestions) {
   const fs::path session = emptyFolder("operator_pace"), out = emptyFolder("operator_pace_out");
   const std::string guide = " --operator-speed 0.35 --stop-projection-px 0.1 ";
   const Outcome made =
-      plumbline("simulate operator --rig euroc --duration 15 --skill expert --seed 5" + guide +
+      plumbline("simulate operator --rig euroc --duration 10 --skill expert --seed 5" + guide +
                 "--out " + session.string());
   ASSERT_EQ(made.exit_code, 0) << made.text;
   const auto truth = nlohmann::json::parse(read(session / "truth/truth.json"));

@@ -46,7 +46,7 @@ class SimulatedSequence : public testing::Test {
 };
 
 TEST_F(SimulatedSequence, TracksAreRunAsTheyAre) {
-  const fs::path flight = simulate("flight", "--duration 20 --seed 5 --tracks 80");
+  const fs::path flight = simulate("flight", "--duration 12 --seed 5 --tracks 80");
   const json exact = run(flight, "--truth " + (flight / "truth/trajectory.csv").string());
   EXPECT_EQ(exact["status"], "complete");
   EXPECT_LT(exact["ate"]["translation_m"]["rmse"], 0.03);
@@ -96,7 +96,7 @@ TEST_F(SimulatedSequence, RestsAndTurnsThatDoNotFitAreSaid) {
 }
 
 TEST_F(SimulatedSequence, RenderedImagesAreRunAsTheyAre) {
-  const fs::path flight = simulate("flight", "--duration 5 --seed 2 --first-rest 1 --images");
+  const fs::path flight = simulate("flight", "--duration 3 --seed 2 --first-rest 0.5 --images");
   EXPECT_FALSE(fs::exists(flight / "mav0/cam0/tracks.csv"));
   const json exact =
       run(flight, "--min-coverage 0.7 --truth " + (flight / "truth/trajectory.csv").string());
@@ -110,7 +110,7 @@ class TwoCalibrations : public SimulatedSequence {
  protected:
   void SetUp() override {
     SimulatedSequence::SetUp();
-    flight_ = simulate("flight", "--duration 12 --seed 3 --first-rest 1 --tracks 60");
+    flight_ = simulate("flight", "--duration 6 --seed 3 --first-rest 1 --tracks 60");
     fs::copy_file(flight_ / "truth/camchain-imucam.yaml", folder_ / "true.yaml");
     const std::string text = read(folder_ / "true.yaml");
     write(folder_ / "wrong.yaml",

@@ -53,14 +53,29 @@ class EveryCommand : public CommandLine {
       const Outcome outcome = plumbline(words);
       ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
     };
-    make("simulate --rig d435i --seed 2 --duration 1 --images --out " + at("images"));
-    make("simulate sequence --seed 2 --duration 8 --out " + at("flight"));
+    make("simulate --rig d435i --seed 2 --duration 1 --camera-rate 5 --images --out " +
+         at("images"));
+    make("simulate sequence --seed 2 --duration 5 --tracks 80 --out " + at("flight"));
     make("calibrate " + at("session") + kAsStated + " --no-cache --no-report --out " +
          at("result"));
-    make("simulate study --participants 2 --duration 8 --sequences 0 --held-out 1 --seed 3 --out " +
-         at("study"));
-    const fs::path study = at("study/STUDY.yaml");
-    write(study, read(study) + "calibrate: {models: pinhole-radtan}\n");
+    // The commands read a study of `simulate study` in study_trajectories_cli_test.cpp.
+    std::string sessions;
+    for (const char* name : {"p1_free", "p1_guided", "p2_free", "p2_guided"}) {
+      const std::string participant = std::string(name).substr(0, 2);
+      const std::string method = std::string(name).substr(3);
+      const bool first = (participant == "p1") == (method == "free");
+      sessions += "  - {name: " + std::string(name) + ", participant: " + participant +
+                  ", method: " + method + ", period: " + (first ? "1" : "2") + ", path: " + name +
+                  "}\n";
+    }
+    int seed = 0;
+    for (const char* name : {"p1_free", "p1_guided", "p2_free", "p2_guided", "eval"}) {
+      make("simulate --duration 6 --camera-rate 5 --imu-rate 100 --seed " + std::to_string(++seed) +
+           " --out " + at("study/" + std::string(name)));
+    }
+    write(at("study/STUDY.yaml"), "study: small\nmethods: [free, guided]\nsessions:\n" + sessions +
+                                      "held_out: [{name: eval, path: eval}]\n"
+                                      "calibrate: {models: pinhole-radtan}\n");
   }
   static std::string at(const std::string& name) { return (root_ / name).string(); }
 
@@ -92,54 +107,31 @@ class EveryCommand : public CommandLine {
         {"target fit", at("session") + kAsStated, Writes::kFiles, "shape.yaml"},
         {"target print", "--rows 2 --cols 2 --tag-size 40mm", Writes::kFiles, "sheet.pdf"},
         {"perturb", short_s + " --offsets-ms 10", verdict},
-        {"replay", short_s + " --no-counterfactuals", verdict},
+        {"replay", at("session") + " --no-cache --to 4 --no-counterfactuals", verdict},
         {"report", at("result"), document, "page.html"},
     };
   }
   Outcome run(const Case& c, const std::string& more) const {
     return plumbline(c.words + " " + c.arguments + " --out " + (scratch() / c.out).string() + more);
   }
-};
-
-TEST_F(EveryCommand, IsInTheTable) {
-  std::set<std::string> known = {"study", "study accept", "completion", "man"};  // see below
-  for (const Case& c : cases()) known.insert(c.words);
-  EXPECT_EQ(allCommands(), known);
-}
-
-TEST_F(EveryCommand, ReplacesAResultOnlyWhenForced) {
-  for (const Case& c : cases()) {
-    fs::create_directories(scratch());
-    const Outcome first = run(c, "");
-    EXPECT_EQ(first.exit_code, 0) << c.words << ": " << first.text;
-    EXPECT_TRUE(fs::exists(scratch() / c.out)) << c.words;
-    EXPECT_THAT(first.text, Not(HasSubstr("\033["))) << c.words << ": colours in a pipe";
-    const Outcome again = run(c, "");
-    EXPECT_EQ(again.exit_code, 2) << c.words << ": " << again.text;
-    EXPECT_THAT(again.text, HasSubstr("--force")) << c.words;
-    const Outcome forced = run(c, " --force");
-    EXPECT_EQ(forced.exit_code, 0) << c.words << ": " << forced.text;
-    fs::remove_all(scratch());
-  }
-}
-
-TEST_F(EveryCommand, GivesItsDocumentWithItsOriginAndItsVerdictAsExitCode) {
-  for (const Case& c : cases()) {
-    const bool verdict = c.writes == Writes::kVerdict;
+  /// That the help of a command offers what it writes.
+  static void expectOptionsInHelp(const Case& c) {
     const std::string help = plumbline(c.words + " --help").text;
     EXPECT_EQ(help.find("--json") != std::string::npos, c.writes != Writes::kFiles) << c.words;
-    EXPECT_EQ(help.find("--fail-on") != std::string::npos, verdict || c.writes == Writes::kFigures)
+    EXPECT_EQ(help.find("--fail-on") != std::string::npos,
+              c.writes == Writes::kVerdict || c.writes == Writes::kFigures)
         << c.words;
-    if (c.writes == Writes::kFiles) continue;
-    fs::create_directories(scratch());
-    const Outcome piped =
-        run(c, std::string(" --json -") + (verdict ? " --fail-on caution" : "") + " 2>/dev/null");
+  }
+  /// Forced, with the document on standard output, its origin, and its verdict as exit code.
+  void expectDocument(const Case& c) const {
+    const bool verdict = c.writes == Writes::kVerdict;
+    const Outcome piped = run(c, std::string(" --force --json -") +
+                                     (verdict ? " --fail-on caution" : "") + " 2>/dev/null");
     const json document = json::parse(piped.text, nullptr, false);
     EXPECT_FALSE(document.is_discarded()) << c.words << ": " << piped.text.substr(0, 300);
     if (!verdict || document.is_discarded()) {
       EXPECT_EQ(piped.exit_code, 0) << c.words;
-      fs::remove_all(scratch());
-      continue;
+      return;
     }
     const std::string level = document["verdict"]["level"];
     EXPECT_EQ(piped.exit_code, level == "good" ? 0 : 4) << c.words << ": " << level;
@@ -149,6 +141,32 @@ TEST_F(EveryCommand, GivesItsDocumentWithItsOriginAndItsVerdictAsExitCode) {
     EXPECT_THAT(origin["command"], HasSubstr("--json -")) << c.words << ": all of the arguments";
     EXPECT_THAT(origin["plumbline"], testing::MatchesRegex("[0-9.]+( \\([0-9a-f+dirty-]+\\))?"));
     EXPECT_THAT(origin["input_hash"], HasSubstr("xxh64:")) << c.words;
+  }
+};
+
+TEST_F(EveryCommand, IsInTheTable) {
+  std::set<std::string> known = {"study", "study accept", "completion", "man"};  // see below
+  for (const Case& c : cases()) known.insert(c.words);
+  EXPECT_EQ(allCommands(), known);
+}
+
+TEST_F(EveryCommand, ReplacesAResultOnlyWhenForcedAndGivesItsDocumentWithOriginAndVerdict) {
+  for (const Case& c : cases()) {
+    expectOptionsInHelp(c);
+    fs::create_directories(scratch());
+    const Outcome first = run(c, "");
+    EXPECT_EQ(first.exit_code, 0) << c.words << ": " << first.text;
+    EXPECT_TRUE(fs::exists(scratch() / c.out)) << c.words;
+    EXPECT_THAT(first.text, Not(HasSubstr("\033["))) << c.words << ": colours in a pipe";
+    const Outcome again = run(c, "");
+    EXPECT_EQ(again.exit_code, 2) << c.words << ": " << again.text;
+    EXPECT_THAT(again.text, HasSubstr("--force")) << c.words;
+    if (c.writes == Writes::kFiles) {
+      const Outcome forced = run(c, " --force");
+      EXPECT_EQ(forced.exit_code, 0) << c.words << ": " << forced.text;
+    } else {
+      expectDocument(c);
+    }
     fs::remove_all(scratch());
   }
 }

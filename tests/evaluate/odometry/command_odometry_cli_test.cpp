@@ -358,11 +358,11 @@ TEST_F(OtherOdometry, RefusesWhatCannotBeCompared) {
   }
 }
 
-// Four seconds of rendered images, and what may be wrong with them and with the calibration.
+// Two seconds of rendered images, and what may be wrong with them and with the calibration.
 TEST_F(Scratch, RenderedImagesAndWhatTheyMayLack) {
   const std::string flight = (folder_ / "flight").string();
   const Outcome made = plumbline(
-      "simulate sequence --images --duration 4 --turns 0 --rests 0 --first-rest 0 --out " + flight);
+      "simulate sequence --images --duration 2 --turns 0 --rests 0 --first-rest 0 --out " + flight);
   ASSERT_EQ(made.exit_code, 0) << made.text;
   const fs::path truth = flight + "/truth/camchain-imucam.yaml";
   const auto with = [&](const fs::path& calibration, const std::string& more = "") {
