@@ -131,12 +131,9 @@ void addEffects(StudyRecord& record, const PairedOptions& options) {
     if (blocks.values.size() < 2) continue;
     const QuadeTest test = quade(blocks.values);
     const bool balanced = ordersAreBalanced(record, blocks.participants);
-    StudyQuade q{endpoint.name,
-                 static_cast<int>(blocks.values.size()),
-                 test.statistic,
-                 test.dof1,
-                 test.dof2,
-                 balanced ? std::optional(test.p) : std::nullopt};
+    StudyQuade q{endpoint.name,  static_cast<int>(blocks.values.size()),
+                 test.statistic, test.dof1,
+                 test.dof2,      balanced ? std::optional(test.p) : std::nullopt};
     q.sentence = quadeSentence(q, endpoint.words);
     s.quade.push_back(std::move(q));
   }
