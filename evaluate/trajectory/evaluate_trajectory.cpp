@@ -268,15 +268,6 @@ TrajectoryFile inverted(TrajectoryFile file, const std::filesystem::path& path) 
   return file;
 }
 
-/// A file whose order of quaternions, and whether they are conjugates, the request states.
-TrajectoryFile readAs(const std::filesystem::path& path, TrajectoryReadOptions options,
-                      bool w_first, bool is_inverted) {
-  options.order_is_stated = w_first;
-  TrajectoryFile file = readTrajectory(path, options);
-  if (w_first) file = reordered(std::move(file), path);
-  return is_inverted ? inverted(std::move(file), path) : file;
-}
-
 }  // namespace
 
 void TrajectoryMetricOptions::check() const {
@@ -321,12 +312,19 @@ Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
 }
 
 TrajectoryFile readEstimate(const TrajectoryRequest& request) {
-  return readAs(request.estimate, request.read_estimate, request.estimate_w_first,
-                request.estimate_inverted);
+  TrajectoryReadOptions options = request.read_estimate;
+  options.order_is_stated = request.estimate_w_first;
+  TrajectoryFile file = readTrajectory(request.estimate, options);
+  if (request.estimate_w_first) file = reordered(std::move(file), request.estimate);
+  return request.estimate_inverted ? inverted(std::move(file), request.estimate) : file;
 }
 
 TrajectoryFile readTruth(const TrajectoryRequest& request) {
-  return readAs(request.truth, request.read_truth, request.truth_w_first, request.truth_inverted);
+  TrajectoryReadOptions options = request.read_truth;
+  options.order_is_stated = request.truth_w_first;
+  TrajectoryFile file = readTrajectory(request.truth, options);
+  if (request.truth_w_first) file = reordered(std::move(file), request.truth);
+  return request.truth_inverted ? inverted(std::move(file), request.truth) : file;
 }
 
 Result<TrajectoryEvaluation> evaluateFiles(const TrajectoryFile& estimate,
