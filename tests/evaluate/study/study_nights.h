@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <csignal>
 #include <map>
 #include <set>
@@ -47,8 +48,10 @@ class StudyNights : public testing::Test {
           "study: small\nmethods: [free, guided]\nsessions:\n" + sessions +
               "held_out: [{name: eval, path: eval}]\nperturbations: {offsets_ms: [10]}\n" +
               kCalibrate);
+    const auto begin = std::chrono::steady_clock::now();
     const Outcome outcome = study(root_ / "data", root_ / "undisturbed");
     ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+    undisturbed_ = std::chrono::steady_clock::now() - begin;
   }
   static void TearDownTestSuite() {
     if (HasFailure()) return;
@@ -133,6 +136,7 @@ class StudyNights : public testing::Test {
 
   static constexpr const char* kCalibrate = "calibrate: {models: pinhole-radtan}\n";
   static inline fs::path root_;
+  static inline std::chrono::duration<double, std::milli> undisturbed_{};  ///< time of that night
   fs::path scratch_;
 };
 
