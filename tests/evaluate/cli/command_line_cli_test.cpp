@@ -361,7 +361,7 @@ TEST_F(CommandLine, CalibrateLeavesAllResultsWhateverTheThreadsAndTheRecordingAs
 }
 
 TEST_F(CommandLine, ReportIsMadeAgainFromTheRecordsAlone) {
-  // Short, with halves to compare and a model for cam0 to choose.
+  // With halves to compare and a lens model to choose, of one camera.
   ASSERT_EQ(calibrate(session(), "--only cam0").exit_code, 0);
   const fs::path out = scratch() / "out", again = scratch() / "again.html";
   const std::string page = read(out / "report.html");
