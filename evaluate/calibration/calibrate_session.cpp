@@ -194,6 +194,12 @@ CalibrationRecord emptyRecord(const CalibrateRequest& request, const LoadedSessi
   return record;
 }
 
+InputError nothingToEstimate() {
+  return InputError(
+      "the cameras are given and fixed, and there is no IMU to calibrate: there is nothing to "
+      "estimate; add imu0/data.csv and imu.yaml to the session, or refine the cameras");
+}
+
 }  // namespace
 
 void CalibrateRequest::check() const {
@@ -205,6 +211,9 @@ void CalibrateRequest::check() const {
   if (free_cameras && !cameras_file) {
     throw InputError("cameras can be refined only if a file gives them");
   }
+  if (cameras_file && !free_cameras && !use_imu) throw nothingToEstimate();
+  camera.check();
+  camera_imu.check();
 }
 
 Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
@@ -235,9 +244,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   }
   const bool with_imu = request.use_imu && loaded.session.imu.has_value();
   if (!with_imu && request.cameras_file && !request.free_cameras) {
-    throw InputError(
-        "the cameras are given and fixed, and there is no IMU to calibrate: there is nothing to "
-        "estimate; add imu0/data.csv and imu.yaml to the session, or refine the cameras");
+    throw nothingToEstimate();
   }
   if (!request.cameras_file || request.free_cameras) {
     if (auto failure = cameraStage(request, loaded, progress, record)) {

@@ -84,10 +84,13 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
                  "{calibration}, {sequence} and {run}");
   app.add_option("--truth", o.runs.truth,
                  "Ground truth of the trajectories: a pattern with {sequence}, or one file");
+  const std::size_t before = app.get_options().size();
   declareCoverage(app, o.metrics);
-  // Each would be without effect.
-  for (const char* of_runs : {"--min-coverage", "--coverage-from", "--max-ate"}) {
-    app.get_option(of_runs)->needs(app.get_option("--runs"));
+  declareTrajectoryMetrics(app, o.metrics);
+  // Without runs each would be without effect.
+  std::vector<CLI::Option*> options = app.get_options({});
+  for (std::size_t i = before; i < options.size(); ++i) {
+    options[i]->needs(app.get_option("--runs"));
   }
   o.output.declareResult(app);
 }
@@ -155,7 +158,7 @@ std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
   }
   if (o.runs.runs.empty()) return {};
   RunsRequest request = o.runs;
-  request.how.metrics = trajectoryMetricsFrom(o.metrics);
+  request.how = judgedAs(o.metrics);
   setLimits(o.metrics, request);
   // The field {calibration} of the pattern is a calibration's label; a run of none of them is
   // refused.

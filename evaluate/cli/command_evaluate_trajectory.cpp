@@ -60,14 +60,9 @@ void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
 }
 
 TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) {
-  TrajectoryRequest request;
+  TrajectoryRequest request = judgedAs(o.metrics);
   request.estimate = o.estimate;
   request.truth = o.truth;
-  request.metrics = trajectoryMetricsFrom(o.metrics);
-  request.estimate_w_first = o.metrics.estimate_w_first;
-  request.truth_w_first = o.metrics.truth_w_first;
-  request.estimate_inverted = o.metrics.estimate_inverted;
-  request.truth_inverted = o.metrics.truth_inverted;
   if (!o.format.empty()) request.read_truth.format = trajectoryFormatFrom("--format", o.format);
   if (!o.estimate_format.empty()) {
     request.read_estimate.format = trajectoryFormatFrom("--estimate-format", o.estimate_format);
@@ -173,12 +168,8 @@ void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) 
 
 RunsRequest evaluateTrajectoriesRequest(const EvaluateTrajectoriesOptions& o) {
   RunsRequest request = o.request;
-  request.how.metrics = trajectoryMetricsFrom(o.metrics);
+  request.how = judgedAs(o.metrics);
   setLimits(o.metrics, request);
-  request.how.estimate_w_first = o.metrics.estimate_w_first;
-  request.how.truth_w_first = o.metrics.truth_w_first;
-  request.how.estimate_inverted = o.metrics.estimate_inverted;
-  request.how.truth_inverted = o.metrics.truth_inverted;
   request.how.read_truth.body = o.body;
   return request;
 }

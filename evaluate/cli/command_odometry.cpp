@@ -86,10 +86,11 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   declareTrajectoryMetrics(app, o.metrics);
 }
 
-/// Not a command whose last word is a file of settings.
+/// Not a command whose last word is a file of settings: that has fields, as {sequence}.
 bool isRunnerFile(const std::string& with) {
+  std::error_code unknown;
   return with.ends_with(".yaml") &&
-         (with.find(' ') == std::string::npos || std::filesystem::exists(with));
+         (with.find('{') == std::string::npos || std::filesystem::exists(with, unknown));
 }
 
 /// Names that are known come first, then files; what is left is a command to run.

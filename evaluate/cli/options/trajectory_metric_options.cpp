@@ -119,6 +119,16 @@ void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
       ->check(positiveNumber());
 }
 
+TrajectoryRequest judgedAs(const TrajectoryMetricWords& o) {
+  TrajectoryRequest request;
+  request.metrics = trajectoryMetricsFrom(o);
+  request.estimate_w_first = o.estimate_w_first;
+  request.truth_w_first = o.truth_w_first;
+  request.estimate_inverted = o.estimate_inverted;
+  request.truth_inverted = o.truth_inverted;
+  return request;
+}
+
 TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
   TrajectoryMetricOptions metrics;
   metrics.association = {associationFrom(o.association), o.max_dt_s, o.max_gap_s, o.time_offset_s};

@@ -44,6 +44,9 @@ void setLimits(const TrajectoryMetricWords& words, Request& request) {
   if (words.max_ate_m > 0) request.max_ate_m = words.max_ate_m;
 }
 
+/// A request without its files: the words as values and how quaternions are read. Throws as below.
+TrajectoryRequest judgedAs(const TrajectoryMetricWords& words);
+
 /// The words as values; throws InputError that names an option and what it may be.
 TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& words);
 

@@ -161,8 +161,8 @@ Findings judgeFrameStamps(const CalibrationRecord& record, const std::vector<Cam
       above({"Views of a frame exposed together", "ms", t.frame_spread_ms,
              fmt::format("Lower --sync-tolerance-ms, or trigger the cameras together: {}", who)},
             ms,
-            fmt::format("in {} of {} frames views are paired whose stamps differ by more than "
-                        "{:g} ms, by {:.3g} ms at most",
+            fmt::format("in {} of {} frames views are paired that {:g} ms would not pair; beyond a "
+                        "constant shift of a camera their stamps differ by {:.3g} ms at most",
                         wide, frames.size(), 1e-6 * static_cast<double>(usual.tolerance), ms))};
 }
 

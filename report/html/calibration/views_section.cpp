@@ -23,7 +23,8 @@ constexpr double kQuarter = 4;             // steps per pixel of a corner; 8191 
 constexpr double kMilli = 1000;            // and of an error; 32 px and more are one
 
 /// Which views bring their corners: all if they are few, else the worst hundred and those of every
-/// n-th frame, of all cameras.
+/// n-th frame, of all cameras. Frames of one view each may alternate between the cameras, so that
+/// they are taken as many at a time as there are cameras.
 std::vector<bool> carried(const std::vector<ViewErrors>& views,
                           const std::vector<std::size_t>& order) {
   constexpr std::size_t worst = 100;
@@ -31,9 +32,11 @@ std::vector<bool> carried(const std::vector<ViewErrors>& views,
   for (const ViewErrors& view : views) all += view.corners.size();
   // 0 where no view has a corner.
   const std::size_t step = (all + kMostCorners - 1) / kMostCorners;
+  int cameras = 1;
+  for (const ViewErrors& view : views) cameras = std::max(cameras, view.camera + 1);
   std::vector<bool> kept(views.size(), false);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    kept[i] = step <= 1 || static_cast<std::size_t>(views[i].frame) % step == 0;
+    kept[i] = step <= 1 || static_cast<std::size_t>(views[i].frame / cameras) % step == 0;
   }
   for (std::size_t i = 0; i < std::min(worst, order.size()); ++i) kept[order[i]] = true;
   return kept;

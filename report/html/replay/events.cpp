@@ -102,13 +102,14 @@ class Events {
     if (run_ == 0) return;
     problem_ = d.reason;
     if (run_ == 1) {
-      detail_.clear();
+      detail_ = d.detail;
       others_ = "";
       at_ = events.size();
       push(d, "problem", "");
     }
+    // Also where some frames have none: what is said is not of all of them.
+    if (d.detail != detail_) others_ = " and others";
     if (detail_.empty()) detail_ = d.detail;
-    if (!d.detail.empty() && d.detail != detail_) others_ = " and others";
     std::string& text = events[at_].text;
     text = toString(d.reason) + (detail_.empty() ? "" : ": " + detail_) + others_;
     if (run_ > 1) text += fmt::format(" ({} frames)", run_);

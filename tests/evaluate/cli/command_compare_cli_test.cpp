@@ -118,15 +118,18 @@ TEST_F(CommandCompare, RunsThatFailedAreNoGoodVerdict) {
   write(scratch() / "truth.txt", circle(0));
   write(scratch() / "ours_loop_1.txt", circle(0.01));
   write(scratch() / "kalibr_loop_1.txt", circle(0.03));
-  const auto compared = [&] {
+  const auto compared = [&](const std::string& how) {
     return compare(ours() + " " + kalibrs() +
                    " --labels ours,kalibr --grid 5x3 --focus-radius 300" + " --runs '" +
                    (scratch() / "{calibration}_{sequence}_{run}.txt").string() + "' --truth " +
-                   (scratch() / "truth.txt").string() + " --fail-on bad");
+                   (scratch() / "truth.txt").string() + " --fail-on bad" + how);
   };
-  EXPECT_EQ(compared().exit_code, 0);
+  // As evaluate trajectories aligns and reads them, when asked to.
+  EXPECT_EQ(compared(" --align sim3 --truth-inverted").exit_code, 0);
+  EXPECT_THAT(document()["trajectories"].dump(), HasSubstr("sim3"));
+  EXPECT_EQ(compared("").exit_code, 0);
   write(scratch() / "kalibr_loop_1.txt", "");
-  const Outcome failed = compared();
+  const Outcome failed = compared("");
   EXPECT_EQ(failed.exit_code, 4) << failed.text;
   EXPECT_THAT(failed.text, HasSubstr("Complete runs of kalibr: 0 of 1 complete"));
   EXPECT_EQ(document()["verdict"]["level"], "bad");
@@ -151,7 +154,8 @@ TEST_F(CommandCompare, RunsAndTruthBelongTogether) {
   const Outcome lone = compare(ours() + " " + kalibrs() + " --runs x");
   EXPECT_EQ(lone.exit_code, 2);
   EXPECT_THAT(lone.text, HasSubstr("--truth"));
-  for (const char* of_runs : {"--min-coverage 0.5", "--coverage-from first-pose", "--max-ate 1"}) {
+  for (const char* of_runs :
+       {"--min-coverage 0.5", "--coverage-from first-pose", "--max-ate 1", "--hand-eye auto"}) {
     const Outcome without = compare(ours() + " " + kalibrs() + " " + of_runs);
     EXPECT_EQ(without.exit_code, 2) << of_runs;
     EXPECT_THAT(without.text, HasSubstr("--runs")) << of_runs;

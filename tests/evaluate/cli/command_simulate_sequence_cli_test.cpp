@@ -118,10 +118,10 @@ class TwoCalibrations : public SimulatedSequence {
   }
 
   json document(const std::string& options) const {
-    const Outcome outcome =
-        plumbline("odometry " + flight_.string() + " --calibration " +
-                  (folder_ / "true.yaml").string() + " " + (folder_ / "wrong.yaml").string() +
-                  " --force --out " + (folder_ / "loop").string() + " " + options);
+    const Outcome outcome = plumbline("odometry " + flight_.string() + " --calibration " +
+                                      (folder_ / "true.yaml").string() + " --calibration " +
+                                      (folder_ / "wrong.yaml").string() + " --force --out " +
+                                      (folder_ / "loop").string() + " " + options);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
     return json::parse(read(folder_ / "loop/odometry.json"));
   }

@@ -128,7 +128,8 @@ TEST_F(StudyRerun, OptionsOfCalibrateAreCheckedBeforeAnythingRuns) {
   for (const char* options :
        {"{loss: cauchy}", "{pixel-sigma: -1}", "{colour: red}", "{out: here}", "{models: fisheye}",
         "{fail-on: bad}", "{json: all.json}", "{threshold: 'rmse_px=abc'}", "{imu-shift-ms: 1e9}",
-        "{sync-tolerance-ms: 1e8}", "{from: 5, to: 4}", "{free-cameras: true}"}) {
+        "{sync-tolerance-ms: 1e8}", "{from: 5, to: 4}", "{free-cameras: true}",
+        "{loss: 'cauchy:1e-4'}", "{cameras: STUDY.yaml, no-imu: true}"}) {
     write(data / "STUDY.yaml",
           replaced(good, kCalibrate, std::string("calibrate: ") + options + "\n"));
     const Outcome outcome = study(data, scratch_ / "night");

@@ -215,10 +215,8 @@ return {faults: [...new Set(faults)], width: innerWidth, dark: matchMedia('(pref
 """
 
 
-def faults_of(browser, width, scheme):
-    """The controls are used where there is most room, in light."""
+def faults_of(browser, width, scheme, used):
     browser.dress(width, 900, scheme)
-    used = (width, scheme) == (WIDTHS[0], "light")
     result = browser.run("const used = %s;" % str(used).lower() + PROBE)
     if (result["width"], result["dark"]) != (width, scheme == "dark"):
         fail("measured at %d px; asked for %d, %s" % (result["width"], width, scheme))
@@ -226,12 +224,13 @@ def faults_of(browser, width, scheme):
 
 
 def check_page(browser, name, page):
-    """Opened anew at every width, now in dark and now in light, and then changed to the other."""
+    """Opened anew at every width, now in light and now in dark, and then changed to the other. The controls are
+    used where there is most room, and last: they leave plots zoomed and tables sorted."""
     found = 0
-    for width, schemes in zip(WIDTHS, (("dark", "light"), ("light", "dark"), ("dark", "light")), strict=True):
+    for width, schemes in zip(WIDTHS, (("light", "dark"), ("dark", "light"), ("light", "dark")), strict=True):
         browser.open(page, width, 900, schemes[0])
         for scheme in schemes:
-            faults = faults_of(browser, width, scheme)
+            faults = faults_of(browser, width, scheme, used=(width, scheme) == (WIDTHS[0], schemes[-1]))
             found += len(faults)
             if faults:
                 print("%s at %d px, %s: %d faults" % (name, width, scheme, len(faults)))
@@ -242,7 +241,8 @@ def check_page(browser, name, page):
 def sheets_of(browser, page):
     """How many sheets the page is printed on: the largest count in its PDF's tree of pages."""
     browser.open(page)
-    data = base64.b64decode(browser.call("Page.printToPDF", printBackground=True)["data"])
+    data = base64.b64decode(browser.call("Page.printToPDF", printBackground=True,
+                                         preferCSSPageSize=True)["data"])
     parts = [data]
     for stream in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", data, re.S):
         try:

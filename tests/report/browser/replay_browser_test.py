@@ -77,8 +77,12 @@ const playing = async () => {
   part('speed').value = '8';
   begun = performance.now();
   play.click();
-  await until(() => frame() > resting + 30);
-  const fast = {frame: frame(), took: performance.now() - begun};
+  // Of the moment at which it came to the frame: on a busy machine the look may come later.
+  let fast = {frame: resting, took: 0};
+  await until(() => {
+    if (frame() !== fast.frame) fast = {frame: frame(), took: performance.now() - begun};
+    return frame() > resting + 30;
+  });
   if (play.classList.contains('playing')) play.click();
   return {during, took, stopped, resting, fast};
 };
