@@ -18,11 +18,14 @@ namespace fs = std::filesystem;
 
 constexpr const char* kHashName = "xxh64:";
 
-// Everything within a folder, sorted; links are not followed.
+// Everything within a folder, sorted; links are not followed, and what may not be read is left out.
 std::vector<fs::path> entriesOf(const fs::path& folder) {
   std::vector<fs::path> entries;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    entries.push_back(entry.path());
+  std::error_code error;
+  const auto readable = fs::directory_options::skip_permission_denied;
+  for (fs::recursive_directory_iterator it(folder, readable, error), end; !error && it != end;
+       it.increment(error)) {
+    entries.push_back(it->path());
   }
   std::sort(entries.begin(), entries.end());
   return entries;

@@ -95,21 +95,35 @@ void removeWorkplace(const fs::path& folder) {
   ::rmdir(folder.c_str());
 }
 
-// Puts back the result that was moved aside by a process that died before the new one had its name.
-// False where that is needed and cannot be done.
-bool putBack(const fs::path& folder, std::string_view lock_text) {
-  std::error_code error;
-  if (!fs::exists(folder / kOld, error)) return true;
+// Where the result of a lock's process was to go; empty where the lock does not say.
+fs::path homeOf(const fs::path& folder, std::string_view lock_text) {
   const std::size_t at = lock_text.rfind("\nfor ");
-  if (at == std::string_view::npos) return false;
+  if (at == std::string_view::npos) return {};
   std::string name(lock_text.substr(at + 5));
   if (!name.empty() && name.back() == '\n') name.pop_back();
   // A name and never a path: what the lock says must not lead out of this folder.
-  if (name.empty() || name.find('/') != std::string::npos) return false;
-  const fs::path home = folder.parent_path() / name;
+  if (name.empty() || name.find('/') != std::string::npos) return {};
+  return folder.parent_path() / name;
+}
+
+// Puts back the result that was moved aside by a process that died before the new one had its name.
+// False where that is needed and cannot be done.
+bool putBack(const fs::path& folder, const fs::path& home) {
+  std::error_code error;
+  if (!fs::exists(folder / kOld, error)) return true;
+  if (home.empty()) return false;
   if (fs::exists(fs::symlink_status(home, error))) return true;
   fs::rename(folder / kOld, home, error);
   return !error;
+}
+
+// After an exchange: what others had put into the older result belongs into the new one.
+void moveOthers(const fs::path& folder, const fs::path& home) {
+  std::error_code error;
+  if (home.empty() || !fs::is_directory(fs::symlink_status(home, error))) return;
+  for (const fs::path& older : {folder / "result", folder / kOld}) {
+    if (const auto manifest = readManifest(older)) moveUnlisted(older, *manifest, home);
+  }
 }
 
 bool isOfThisUser(int file) {
@@ -132,13 +146,18 @@ void removeIfStale(const fs::path& folder) {
     const ssize_t size = ::read(lock, text.data(), text.size());
     text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
     if (text.substr(0, kMark.size()) == kMark) {
-      if (putBack(folder, text)) removeWorkplace(folder);
+      const fs::path home = homeOf(folder, text);
+      if (putBack(folder, home)) {
+        moveOthers(folder, home);
+        removeWorkplace(folder);
+      }
     } else if (text.empty()) {  // killed before it wrote into the lock: nothing else is there
       ::unlink(path.c_str());
       ::rmdir(folder.c_str());
     }
   }
   ::close(lock);
+  ::rmdir(folder.c_str());  // NFS keeps a removed file in it until that is closed
 }
 
 // Open, held and still where it was made: a workplace that another process took for stale in the
@@ -294,9 +313,10 @@ void Workplace::done() {
 
 void Workplace::remove() noexcept {
   if (!folder_.empty()) removeWorkplace(folder_);
-  folder_.clear();
   if (lock_ >= 0) ::close(lock_);
   lock_ = -1;
+  if (!folder_.empty()) ::rmdir(folder_.c_str());  // see removeIfStale()
+  folder_.clear();
   for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) ::rmdir(folder->c_str());
   made_.clear();
 }

@@ -151,6 +151,8 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
   request.checks = {checkCalibrate, checkTrajectory};
   request.redo_failed = o.redo_failed;
   request.recheck = o.recheck;
+  // Whatever the engine: the jobs of a night on Slurm do not hold its lock. The merging job is one.
+  if (o.merge_round == 0) request.refuse = refuseWhileUnderWay;
   auto given = givenOptions(app);
   // The definition is the input, which is stated by itself.
   std::erase_if(given, [](const auto& option) { return option.first == "study"; });
@@ -263,7 +265,7 @@ std::function<int()> configureRunPack(CLI::App& app) {
     for (const std::string& name : stepsOfPack(o->packs, o->index)) {
       try {
         (void)runStep(o->night, name, 1);
-      } catch (const InputError& error) {
+      } catch (const std::exception& error) {  // whatever it is, the others may do
         complain(error.what());
         exit_code = kBadInput;
       }

@@ -185,6 +185,7 @@ PreparedNight prepareNight(const NightRequest& request) {
   takeNightFolder(request.out, night.study);
   night.folder = fs::canonical(request.out);
   night.lock = std::make_unique<NightLock>(night.folder);
+  if (request.refuse) request.refuse(night.folder);
   night.provenance = request.provenance;
   const StudyStore store(night.folder /
                          kHistoryFile);  // a newer one ends the night before its work

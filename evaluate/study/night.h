@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ struct NightRequest {
   bool redo_failed = false;   ///< steps that failed are done again, though nothing changed
   int recheck = 0;            ///< so many steps that are done are done again: is the result equal?
   Provenance provenance;
+  /// Asked under the lock, before anything in the folder changes; throws where another night is
+  /// under way that does not hold the lock. Empty: not asked.
+  std::function<void(const std::filesystem::path& folder)> refuse;
 };
 
 /// A night that may begin: its folder is taken, its plan is written.

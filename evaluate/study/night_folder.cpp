@@ -25,6 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kLockFile = "study.lock";
+constexpr int kLockTries = 20;
+constexpr useconds_t kLockPauseUs = 20'000;
 
 BadInput unwritable(const fs::path& path, const std::string& why) {
   return badInput(path.string(), 0,
@@ -83,9 +85,14 @@ NightLock::NightLock(const fs::path& folder) {
   const fs::path path = folder / kLockFile;
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (file_ < 0) throw unwritable(folder, std::strerror(errno));
-  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
-    // Before close(), which may set it.
-    const int error = errno;
+  // A night that was just killed may have been starting a program, which has the lock until then.
+  int error = 0;
+  for (int tries = 0; tries < kLockTries; ++tries) {
+    error = flock(file_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+    if (error != EWOULDBLOCK) break;
+    usleep(kLockPauseUs);
+  }
+  if (error != 0) {
     char holder[512] = "";
     const ssize_t size = read(file_, holder, sizeof holder - 1);
     close(file_);

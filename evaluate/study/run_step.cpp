@@ -158,11 +158,12 @@ void judgeEnd(const ProcessEnd& end, const Step& step, const fs::path& log, Step
            return last.empty() ? "" : ": " + last;
          }()));
   } else if (end.exit_code != 0) {
-    // 1 and 2 are what this program returns for what it refused or could not do; a shell's command
-    // has its own codes, and all of them count.
-    const bool refused =
-        end.exit_code == 1 || end.exit_code == 2 || step.kind == StepKind::kEstimate;
+    // 1 and 2 are what this program returns for what it refused or could not do, and it says why:
+    // without a word there was no room for its log. A shell's command has its own codes, and all of
+    // them count.
     std::string message = lastMessage(log);
+    const bool refused = step.kind == StepKind::kEstimate ||
+                         ((end.exit_code == 1 || end.exit_code == 2) && !message.empty());
     if (message.empty()) message = fmt::format("exit code {}", end.exit_code);
     fail(result, refused ? StepStatus::kFailed : StepStatus::kLost, message);
   }
@@ -274,12 +275,18 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
   const Places places(night, folder.path().string(), threads);
   const ProcessEnd end = runProcess(requestOf(step, places, log));
   judgeEnd(end, step, log, result);
+  // Messages name the hidden folder in which the result was made, or (of this program) the final
+  // one.
+  const auto named = [&](const std::string& text) {
+    return replaceAll(withFinalNames(text), folder.path().string(), (night / step.name).string());
+  };
+  result.message = named(result.message);
   // A message opens with the file that it is about. One in the step's own folder could not be
   // written: no fault of the inputs, and another time there may be room.
-  if (result.status == StepStatus::kFailed &&
-      result.message.compare(0, folder.path().string().size(), folder.path().string()) == 0) {
-    result.status = StepStatus::kLost;
-  }
+  const std::string own = (night / step.name).string();
+  const bool about_own =
+      result.message.starts_with(own + "/") || result.message.starts_with(own + ":");
+  if (result.status == StepStatus::kFailed && about_own) result.status = StepStatus::kLost;
   // Whatever came of it, also a failure: it is of a state that the key does not name.
   const std::string changed = changedInput(step);
   if (!changed.empty()) {
@@ -293,14 +300,9 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
       rows = rowsOf(step, folder.path());
       if (!step.keep_records) fs::remove(folder.path() / kRecordsFile);
     } catch (const InputError& error) {
-      fail(result, StepStatus::kFailed, error.what());
+      fail(result, StepStatus::kFailed, named(error.what()));
     }
   }
-  // Messages name the hidden folder in which the result was made.
-  const auto named = [&](const std::string& text) {
-    return replaceAll(withFinalNames(text), folder.path().string(), (night / step.name).string());
-  };
-  result.message = named(result.message);
   // Half a result beside the mark of a failure would be taken for one; the log alone stays.
   if (result.status != StepStatus::kDone) folder.clear();
   // The command's manifest lists its files alone, and a kill would leave the others behind; the

@@ -220,19 +220,6 @@ bool anyJobLeft(const fs::path& folder, const std::vector<std::string>& jobs) {
   return false;
 }
 
-/// The lock of a night on the cluster is released while its jobs run: jobs.txt stands for it.
-void refuseWhileUnderWay(const fs::path& night) {
-  const fs::path folder = night / kFolder;
-  std::ifstream file(folder / kJobsFile);
-  const std::vector<std::string> jobs{std::istream_iterator<std::string>(file), {}};
-  if (jobs.empty() || !anyJobLeft(folder, jobs)) return;
-  throw badInput(
-      night.string(), 0,
-      {InputFault::kUnwritable,
-       fmt::format("another night is running here: Slurm's jobs {}", fmt::join(jobs, ", ")), "",
-       "wait until it ends, or cancel them (scancel)"});
-}
-
 struct Word {
   bool merged = false;
   SlurmEnd end;
@@ -338,9 +325,19 @@ void addLost(const PreparedNight& night, const std::set<std::string>& lost, cons
 
 }  // namespace
 
+void refuseWhileUnderWay(const fs::path& night) {
+  const fs::path folder = night / kFolder;
+  std::ifstream file(folder / kJobsFile);
+  const std::vector<std::string> jobs{std::istream_iterator<std::string>(file), {}};
+  if (jobs.empty() || !anyJobLeft(folder, jobs)) return;
+  throw badInput(
+      night.string(), 0,
+      {InputFault::kUnwritable,
+       fmt::format("another night is running here: Slurm's jobs {}", fmt::join(jobs, ", ")), "",
+       "wait until it ends, or cancel them (scancel)"});
+}
+
 SlurmEnd runOnSlurm(PreparedNight night, SlurmOptions options, const NightSink& sink) {
-  makeFoldersIn(night.folder, kFolder);
-  refuseWhileUnderWay(night.folder);
   // An earlier night's scripts and words: its round_1.json would pass for this one's.
   std::error_code left_there;
   fs::remove_all(night.folder / kFolder, left_there);  // of earlier nights

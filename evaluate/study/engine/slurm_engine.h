@@ -38,11 +38,16 @@ struct SlurmEnd {
   std::string text;
 };
 
+/// Throws InputError where jobs of a night on the cluster still wait or run: its lock is released
+/// meanwhile, and what they read and write must not change. Asks squeue only where a night has left
+/// its list of jobs.
+void refuseWhileUnderWay(const std::filesystem::path& night);
+
 /// Submits the steps that are not settled as one array for each stage (afterany of the one before),
 /// and a job after all of them that merges; waits for it. Markers in the night's folder say what is
 /// done; sacct is not asked. Steps that were lost with their task are submitted again, `rounds`
-/// times in all. The folder must be one that all nodes see. Throws InputError where sbatch cannot
-/// be run or refuses, or jobs of an earlier night still wait or run.
+/// times in all. The folder must be one that all nodes see, and no night be under way there
+/// (refuseWhileUnderWay()). Throws InputError where sbatch cannot be run or refuses.
 SlurmEnd runOnSlurm(PreparedNight night, SlurmOptions options, const NightSink& sink);
 
 /// The work of the merging job: merges, unless steps are missing and a round is left, and leaves

@@ -137,6 +137,18 @@ TEST_F(Output, WhatIsSomebodyElsesStaysHoweverOftenTheRestIsRemoved) {
   EXPECT_TRUE(files().empty());
 }
 
+TEST_F(Output, WhatIsSomebodyElsesMovesToTheResultThatTookThePlace) {
+  make(request("out"));
+  folder_.write("out/a/notes.txt", "mine");
+  folder_.write(".out.partial-dEAd01/lock", "plumbline\nfor out\n");
+  fs::rename(folder_.path("out"), folder_.path(".out.partial-dEAd01/result"));
+  folder_.write("out/a/b.txt", "newer");
+  removeDeadWorkplaces(folder_.path("out"));
+  EXPECT_EQ(text("out/a/notes.txt"), "mine");
+  EXPECT_EQ(text("out/a/b.txt"), "newer");
+  EXPECT_FALSE(fs::exists(folder_.path(".out.partial-dEAd01")));
+}
+
 TEST_F(Output, AnEmptyFolderIsTaken) {
   fs::create_directories(folder_.path("out"));
   make(request("out"));

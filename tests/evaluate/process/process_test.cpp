@@ -90,7 +90,7 @@ TEST_F(Process, AProgramDoesNotIgnoreTheSignalsThatWeIgnore) {
 
 TEST_F(Process, BeyondItsTimeItIsKilledWithAllItStarted) {
   ProcessRequest request;
-  request.limit_s = 0.3;
+  request.limit_s = 1;
   const ProcessEnd end = run("sleep 60 & echo $!; wait", request);
   EXPECT_TRUE(end.beyond_time);
   EXPECT_FALSE(end.ok());

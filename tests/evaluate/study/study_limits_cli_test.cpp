@@ -8,20 +8,38 @@ namespace {
 class StudyLimits : public StudyNights {};
 
 TEST_F(StudyLimits, AStepBeyondItsTimeEndsWithAllThatItStarted) {
+  const std::string seconds = "9" + std::to_string(getpid());  // no other test's
   const fs::path data = ownData();
-  write(data / "STUDY.yaml",
-        read(data / "STUDY.yaml") +
-            "sequences: [{name: s, path: eval, truth: "
-            "eval/truth/trajectory.csv}]\n"
-            "trajectories: {command: 'sleep 54321 & sleep 54321; echo {out}'}\n"
-            "limits: {step_s: 2}\n");
+  write(data / "STUDY.yaml", read(data / "STUDY.yaml") +
+                                 "sequences: [{name: s, path: eval, truth: "
+                                 "eval/truth/trajectory.csv}]\n"
+                                 "trajectories: {command: 'sleep " +
+                                 seconds + " & sleep " + seconds +
+                                 "; echo {out}'}\n"
+                                 "limits: {step_s: 2}\n");
   const Outcome outcome = study(data, doneNight(), "--jobs 4");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
   const auto summary = nlohmann::json::parse(read(scratch_ / "night/summary.json"));
   ASSERT_EQ(summary.at("trajectories").size(), 4u);
   EXPECT_THAT(summary.at("trajectories")[0].at("failure").get<std::string>(),
               HasSubstr("not done after 2 s"));
-  EXPECT_NE(std::system("pgrep -f 'sleep 5432[1]' >/dev/null"), 0) << "left running";
+  EXPECT_NE(std::system(("pgrep -f 'sleep [9]" + seconds.substr(1) + "' >/dev/null").c_str()), 0)
+      << "left running";
+}
+
+// By the message, which opens with the file: by its final name, as this program has it, or not.
+TEST_F(StudyLimits, AStepThatCannotWriteItsResultIsLostAndIsTriedAgain) {
+  const fs::path data = ownData();
+  write(data / "STUDY.yaml", read(data / "STUDY.yaml") +
+                                 "sequences: [{name: s, path: eval, truth: "
+                                 "eval/truth/trajectory.csv}]\n"
+                                 "trajectories: {command: 'echo {out}/x: no room | sed "
+                                 "\"s#/[.]\\([^/]*\\)[.]partial-[^/]*/result#/\\1#\"; exit 2'}\n");
+  const fs::path night = doneNight();
+  EXPECT_THAT(study(data, night).text, HasSubstr("no room"));
+  const auto once = times(night);
+  EXPECT_EQ(study(data, night).exit_code, 0);
+  EXPECT_EQ(doneAgain(once, night).size(), 4U) << "the estimates of four sessions";
 }
 
 TEST_F(StudyLimits, AStepBeyondItsMemoryFailsAlone) {

@@ -103,12 +103,16 @@ class StudyNights : public testing::Test {
   static std::map<std::string, std::int64_t> times(const fs::path& night) {
     std::map<std::string, std::int64_t> all;
     if (!fs::exists(night)) return all;
-    for (const auto& entry : fs::recursive_directory_iterator(night)) {
-      if (entry.path().filename() != "step.json") continue;
-      if (entry.path().string().find(".partial-") != std::string::npos) continue;
+    // Half-made results may vanish meanwhile, with a process that is dying.
+    for (fs::recursive_directory_iterator entry(night), end; entry != end; ++entry) {
+      if (entry->path().string().find(".partial-") != std::string::npos) {
+        entry.disable_recursion_pending();
+        continue;
+      }
+      if (entry->path().filename() != "step.json") continue;
       struct stat status {};
-      stat(entry.path().c_str(), &status);
-      all[fs::relative(entry.path().parent_path(), night).string()] =
+      stat(entry->path().c_str(), &status);
+      all[fs::relative(entry->path().parent_path(), night).string()] =
           status.st_mtim.tv_sec * 1'000'000'000LL + status.st_mtim.tv_nsec;
     }
     return all;
