@@ -48,15 +48,13 @@ bool sound(const ImageMap& map) {
 
 // Axes in pixels of the image, v downwards; `margin` in steps of the grid.
 PlotFrame mapFrame(const ImageMap& map, const std::string& title, double margin) {
-  PlotFrame frame;
-  frame.title = title;
-  frame.width = 480;
-  frame.height = 360;
   const double mx = margin * stepX(map), my = margin * stepY(map);
-  frame.x = {"u [px]", Range{-mx, map.width - 1 + mx}};
-  frame.y = {"v [px]", Range{-my, map.height - 1 + my}, {}, true, false};
-  frame.equal_axes = true;
-  return frame;
+  return {title,
+          {"u [px]", Range{-mx, map.width - 1 + mx}},
+          {"v [px]", Range{-my, map.height - 1 + my}, {}, true},
+          480,
+          360,
+          true};
 }
 
 HeatMap heatMap(const ImageMap& map, const std::string& title, const std::string& label) {

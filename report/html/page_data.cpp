@@ -109,8 +109,8 @@ data cellData(const Cell& cell) {
 void setTable(data& block, const std::optional<Table>& table) {
   block.set("has_table", flag(table.has_value()));
   if (!table) return;
-  block.set("columns", listOf(table->columns, [](const Column& c) {
-              return object({{"name", c.name}, {"class", classOf(c.kind)}});
+  block.set("columns", listOf(table->columns, [](const Cell& c) {
+              return object({{"name", c.text}, {"class", classOf(c.kind)}});
             }));
   block.set("rows", listOf(table->rows, [](const std::vector<Cell>& cells) {
               data row{data::type::object};

@@ -81,16 +81,12 @@ inline constexpr const char* kDash = "\u2013";  ///< in the cell of a value that
 inline Cell number(std::string text) { return {std::move(text), Cell::Kind::kNumber}; }
 /// A number of this format (fmt's), or a dash where there is none.
 Cell orDash(const std::optional<double>& value, double factor, const char* format);
+inline Cell words(std::string text) { return {std::move(text)}; }
 inline Cell tight(std::string text) { return {std::move(text), Cell::Kind::kTight}; }
 inline Cell code(std::string text) { return {std::move(text), Cell::Kind::kCode}; }
 
-struct Column {
-  std::string name;  ///< with the unit: "RMSE [px]"
-  Cell::Kind kind = Cell::Kind::kText;
-};
-
 struct Table {
-  std::vector<Column> columns;
+  std::vector<Cell> columns;  ///< names with the unit ("RMSE [px]"), and the kind of their cells
   std::vector<std::vector<Cell>> rows = {};
 };
 

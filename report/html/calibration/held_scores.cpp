@@ -28,16 +28,17 @@ bool anyImu(const Scores& scores) {
                      [](const CalibrationScore& s) { return s.camera_imu.has_value(); });
 }
 
-std::vector<Column> columnsOf(const std::vector<std::string>& cameras, bool with_imu) {
-  std::vector<Column> columns = {{"Recording"}, {"Part"}, {"Corners are"}, {"RMSE [px]", kNumber}};
-  for (const std::string& camera : cameras) columns.push_back({camera + " [px]", kNumber});
-  columns.push_back({"Median [px]", kNumber});
-  columns.push_back({"Corners", kNumber});
-  columns.push_back({"Views used", kNumber});
+std::vector<Cell> columnsOf(const std::vector<std::string>& cameras, bool with_imu) {
+  std::vector<Cell> columns = {words("Recording"), words("Part"), words("Corners are"),
+                               number("RMSE [px]")};
+  for (const std::string& camera : cameras) columns.push_back(number(camera + " [px]"));
+  columns.push_back(number("Median [px]"));
+  columns.push_back(number("Corners"));
+  columns.push_back(number("Views used"));
   if (!with_imu) return columns;
-  columns.push_back({"With IMU [px]", kNumber});
-  columns.push_back({"Gyro [mrad/s]", kNumber});
-  columns.push_back({"Accel [m/s\u00b2]", kNumber});
+  columns.push_back(number("With IMU [px]"));
+  columns.push_back(number("Gyro [mrad/s]"));
+  columns.push_back(number("Accel [m/s\u00b2]"));
   return columns;
 }
 
@@ -93,11 +94,7 @@ Figure barsOf(const Scores& scores) {
   }
   // One group of bars compares nothing.
   if (plot.values.size() < 2) return {};
-  plot.frame.title = "RMSE per camera";
-  plot.frame.width = 960;
-  plot.frame.height = 320;
-  plot.frame.x.label = "camera";
-  plot.frame.y.label = "RMSE [px]";
+  plot.frame = {"RMSE per camera", {"camera"}, {"RMSE [px]"}, 960, 320};
   return {toSvg(plot, "held-scores"),
           "A clearly larger error on held-out corners than on the corners of the calibration "
           "indicates an overfitted model, or different conditions.",

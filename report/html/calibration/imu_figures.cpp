@@ -18,11 +18,7 @@ using Pick = std::function<Eigen::Vector3d(const ImuIntervalResidual&)>;
 
 LinePlot overTime(const std::string& title, const std::string& label) {
   LinePlot plot;
-  plot.frame.title = title;
-  plot.frame.width = 900;
-  plot.frame.height = 260;
-  plot.frame.x.label = "time since the first frame [s]";
-  plot.frame.y.label = label;
+  plot.frame = {title, {"time since the first frame [s]"}, {label}, 900, 260};
   return plot;
 }
 
@@ -76,11 +72,7 @@ Figure normalisedHistogram(const CameraImuStageResult& stage, const std::string&
   // In assumed standard deviations.
   constexpr double kReach = 5;
   Histogram plot;
-  plot.frame.title = title;
-  plot.frame.width = 440;
-  plot.frame.height = 320;
-  plot.frame.x.label = "normalised residual [-]";
-  plot.frame.y.label = "count";
+  plot.frame = {title, {"normalised residual [-]"}, {"count"}, 440, 320};
   plot.first = -kReach;
   plot.bin_width = 2 * kReach / kBins;
   plot.series = {{"residuals", std::vector<double>(kBins, 0), {0, 94, 162, 160}}};

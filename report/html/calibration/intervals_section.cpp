@@ -20,15 +20,9 @@ constexpr std::size_t kMostRows = 12;  // of the table of gaps
 std::string milliseconds(double s) { return fmt::format("{:.3f}", 1e3 * s); }
 
 Table sensorTable(const std::vector<SampleIntervals>& sensors) {
-  Table table{{{"Sensor", Cell::Kind::kTight},
-               {"Samples", kNumber},
-               {"Rate [Hz]", kNumber},
-               {"Median [ms]", kNumber},
-               {"Shortest [ms]", kNumber},
-               {"Longest [ms]", kNumber},
-               {"1 to 99 % [ms]", kNumber},
-               {"Gaps", kNumber},
-               {"Missing", kNumber}}};
+  Table table{{tight("Sensor"), number("Samples"), number("Rate [Hz]"), number("Median [ms]"),
+               number("Shortest [ms]"), number("Longest [ms]"), number("1 to 99 % [ms]"),
+               number("Gaps"), number("Missing")}};
   for (const SampleIntervals& s : sensors) {
     table.rows.push_back({tight(s.sensor), number(grouped(s.samples)),
                           // By the median, which gaps leave as it is.
@@ -62,11 +56,8 @@ std::vector<NamedGap> longestGaps(const std::vector<SampleIntervals>& sensors) {
 }
 
 Table gapTable(const std::vector<NamedGap>& gaps, TimeNs origin) {
-  Table table{{{"Sensor", Cell::Kind::kTight},
-               {"After [s]", kNumber},
-               {"Stamp [ns]", kNumber},
-               {"Interval [ms]", kNumber},
-               {"Missing", kNumber}}};
+  Table table{{tight("Sensor"), number("After [s]"), number("Stamp [ns]"), number("Interval [ms]"),
+               number("Missing")}};
   for (const NamedGap& g : gaps) {
     table.rows.push_back({tight(g.sensor),
                           number(fmt::format("{:.3f}", secondsBetween(origin, g.gap.t))),

@@ -50,12 +50,9 @@ std::string reasonText(const ModelChoice& choice) {
 }
 
 Table candidateTable(const ModelChoice& choice) {
-  Table table{{{"Model", Cell::Kind::kCode},
-               {"Parameters", kNumber},
-               {"Frames", kNumber},
-               {"Held-out frames, RMS after the loss [px]", kNumber},
-               {"Above the best [px\u00b2]", kNumber},
-               {"Std error [px\u00b2]", kNumber}}};
+  Table table{{code("Model"), number("Parameters"), number("Frames"),
+               number("Held-out frames, RMS after the loss [px]"),
+               number("Above the best [px\u00b2]"), number("Std error [px\u00b2]")}};
   for (const ModelCandidate& c : choice.candidates) {
     // NaN: no solution, or none that the recording determines; the other figures say nothing
     // either.
@@ -74,13 +71,8 @@ Table candidateTable(const ModelChoice& choice) {
 /// A block of parameters a row: chi-square of the difference of both halves, and the parameter that
 /// differs most in its standard deviations.
 Table halvesTable(const HalvesCheck& check) {
-  Table table{{{"Parameters"},
-               {"Chi-square", kNumber},
-               {"Of", kNumber},
-               {"99 % bound", kNumber},
-               {"Largest difference", Cell::Kind::kCode},
-               {"Second half minus first", kNumber},
-               {"Std", kNumber}}};
+  Table table{{words("Parameters"), number("Chi-square"), number("Of"), number("99 % bound"),
+               code("Largest difference"), number("Second half minus first"), number("Std")}};
   for (const HalvesBlock& b : check.blocks) {
     const auto [shown, factor] = readable(b.unit);
     const std::string unit = b.unit == "-" ? "" : " " + shown;

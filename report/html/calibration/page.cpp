@@ -204,14 +204,14 @@ std::string parametersLead(const CalibrationRecord& record) {
 }
 
 Block parameterBlock(const ParameterGroup& group) {
-  Table table{{{"Parameter", Cell::Kind::kCode}, {"Estimate", kNumber}, {"Std", kNumber}}};
+  Table table{{code("Parameter"), number("Estimate"), number("Std")}};
   // A column that some parameter of the group needs, all of them have.
-  if (group.has_interval) table.columns.push_back({"90 % interval, \u00b1", kNumber});
-  if (group.has_formal) table.columns.push_back({"Formal std", kNumber});
-  table.columns.push_back({"Unit"});
+  if (group.has_interval) table.columns.push_back(number("90 % interval, \u00b1"));
+  if (group.has_formal) table.columns.push_back(number("Formal std"));
+  table.columns.push_back(words("Unit"));
   if (group.has_spread) {
-    table.columns.push_back({"Bootstrap std", kNumber});
-    table.columns.push_back({"Bootstrap / std", kNumber});
+    table.columns.push_back(number("Bootstrap std"));
+    table.columns.push_back(number("Bootstrap / std"));
   }
   for (const ParameterRow& r : group.rows) {
     std::vector<Cell> row = {code(r.name), number(r.value), number(r.std)};
@@ -247,11 +247,7 @@ Section parametersSection(const CalibrationRecord& record) {
 }
 
 Section offsetSection(const CalibrationRecord& record) {
-  Table table{{{"Tool"},
-               {"Field", Cell::Kind::kCode},
-               {"As written", kNumber},
-               {"Value", kNumber},
-               {"Note"}}};
+  Table table{{words("Tool"), code("Field"), number("As written"), number("Value"), words("Note")}};
   // Camera 0's; where the others have their own, the block's text says by how much they differ.
   for (const OffsetRow& r :
        offsetRows(record.camera_imu->imu.timeOffset(), shownOffsetStd(record))) {
@@ -309,10 +305,10 @@ std::vector<Cell> timingRow(const std::string& stage, const StageSeconds& s) {
 }
 
 std::vector<Block> timings(const CalibrationRecord& record) {
-  Table table{{{"Stage"}}};
+  Table table{{words("Stage")}};
   for (const char* part :
        {"load", "detect", "initialise", "solve", "checks", "covariance", "total"}) {
-    table.columns.push_back({part, kNumber});
+    table.columns.push_back(number(part));
   }
   if (record.camera) table.rows.push_back(timingRow("cameras", record.camera->summary.seconds));
   if (record.camera_imu) {

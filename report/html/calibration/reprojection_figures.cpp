@@ -62,14 +62,12 @@ ImageGrid binErrors(const StageView& stage, int camera, int columns, Corners whi
 /// The whole image, whose outer edge is half a pixel beyond the centres of its first and last ones;
 /// v downwards.
 PlotFrame imageFrame(const std::string& title, const Resolution& size) {
-  PlotFrame frame;
-  frame.title = title;
-  frame.width = 470;
-  frame.height = 320;
-  frame.x = {"u [px]", Range{-0.5, size.width - 0.5}};
-  frame.y = {"v [px]", Range{-0.5, size.height - 0.5}, {}, true, false};
-  frame.equal_axes = true;
-  return frame;
+  return {title,
+          {"u [px]", Range{-0.5, size.width - 0.5}},
+          {"v [px]", Range{-0.5, size.height - 0.5}, {}, true},
+          470,
+          320,
+          true};
 }
 
 /// Measured minus projected [px], of the corners that the solution used.
@@ -128,11 +126,7 @@ Figure histogramFigure(const std::vector<Eigen::Vector2d>& errors, const std::st
   constexpr int kBins = 61;
   const double range = shownRange(errors);
   Histogram plot;
-  plot.frame.title = name + ": distribution";
-  plot.frame.width = 440;
-  plot.frame.height = 400;
-  plot.frame.x.label = "error component [px]";
-  plot.frame.y.label = "corners";
+  plot.frame = {name + ": distribution", {"error component [px]"}, {"corners"}, 440, 400};
   plot.first = -range;
   plot.bin_width = 2 * range / kBins;
   plot.series = {{"e_u", std::vector<double>(kBins, 0), {0, 94, 162, 150}},
@@ -226,11 +220,7 @@ std::string cameraName(const StageView& stage, std::size_t camera) {
 
 Figure frameFigure(const StageView& stage) {
   LinePlot plot;
-  plot.frame.title = "RMSE of every frame";
-  plot.frame.width = 900;
-  plot.frame.height = 280;
-  plot.frame.x.label = "time since the first frame [s]";
-  plot.frame.y.label = "RMSE [px]";
+  plot.frame = {"RMSE of every frame", {"time since the first frame [s]"}, {"RMSE [px]"}, 900, 280};
   const std::vector<double> seconds = frameSeconds(stage);
   const auto rmse = frameRmse(stage);
   double largest = 0;

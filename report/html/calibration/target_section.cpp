@@ -110,8 +110,7 @@ std::string foundText(const TargetFit& fit, bool kept) {
 }
 
 Table termTable(const TargetFit& fit) {
-  Table table{
-      {{"Term", Cell::Kind::kCode}, {"RMS displacement [mm]", kNumber}, {"Std [mm]", kNumber}}};
+  Table table{{code("Term"), number("RMS displacement [mm]"), number("Std [mm]")}};
   for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
     table.rows.push_back({code(kTargetTermNames[j]),
@@ -123,14 +122,12 @@ Table termTable(const TargetFit& fit) {
 
 /// The board and `margin` [m] around it, in millimetres.
 PlotFrame boardFrame(const AprilGrid& grid, const std::string& title, double margin) {
-  PlotFrame frame;
-  frame.title = title;
-  frame.x = {"x of the board [mm]", Range{-kMm * margin, kMm * (grid.width() + margin)}, {}};
-  frame.y = {"y of the board [mm]", Range{-kMm * margin, kMm * (grid.height() + margin)}, {}};
-  frame.equal_axes = true;
-  frame.width = 470;
-  frame.height = 420;
-  return frame;
+  return {title,
+          {"x of the board [mm]", Range{-kMm * margin, kMm * (grid.width() + margin)}},
+          {"y of the board [mm]", Range{-kMm * margin, kMm * (grid.height() + margin)}},
+          470,
+          420,
+          true};
 }
 
 /// Mean height of each tag, from the top row down.

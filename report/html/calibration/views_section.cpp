@@ -111,12 +111,8 @@ Cell viewCell(const StageView& stage, const std::vector<ViewErrors>& views, std:
 
 Table worstTable(const StageView& stage, const std::vector<ViewErrors>& views,
                  const std::vector<std::size_t>& order) {
-  Table table{{{"View", Cell::Kind::kTight},
-               {"Time [s]", kNumber},
-               {"RMSE [px]", kNumber},
-               {"Largest error [px]", kNumber},
-               {"Corners used", kNumber},
-               {"Rejected", kNumber}}};
+  Table table{{tight("View"), number("Time [s]"), number("RMSE [px]"), number("Largest error [px]"),
+               number("Corners used"), number("Rejected")}};
   const std::vector<double> seconds = frameSeconds(stage);
   for (std::size_t i = 0; i < std::min(kWorstViews, order.size()); ++i) {
     const ViewErrors& v = views[order[i]];
@@ -154,14 +150,9 @@ std::vector<Rejected> rejectedOf(const std::vector<ViewErrors>& views) {
 
 Block rejectedBlock(const StageView& stage, const std::vector<ViewErrors>& views,
                     const std::vector<Rejected>& list) {
-  Table table{{{"View", Cell::Kind::kTight},
-               {"Time [s]", kNumber},
-               {"Corner", kNumber},
-               {"u [px]", kNumber},
-               {"v [px]", kNumber},
-               {"Error u [px]", kNumber},
-               {"Error v [px]", kNumber},
-               {"Length [px]", kNumber}}};
+  Table table{{tight("View"), number("Time [s]"), number("Corner"), number("u [px]"),
+               number("v [px]"), number("Error u [px]"), number("Error v [px]"),
+               number("Length [px]")}};
   const std::vector<double> seconds = frameSeconds(stage);
   for (std::size_t k = 0; k < std::min(kMostRejected, list.size()); ++k) {
     const CornerResidual& r = *list[k].corner;

@@ -42,17 +42,10 @@ std::vector<Cell> scoreRow(const CalibrationScore& s) {
 }
 
 Table scoresTable(const std::vector<CalibrationScore>& scores) {
-  Table table{{{"Calibration"},
-               {"Recording"},
-               {"Part"},
-               {"Known to be held out"},
-               {"RMSE [px]", kNumber},
-               {"Per camera [px]"},
-               {"Views used", kNumber},
-               {"With IMU [px]", kNumber},
-               {"Gyro [mrad/s]", kNumber},
-               {"Accel [m/s\u00b2]", kNumber},
-               {"Problem"}}};
+  Table table{{words("Calibration"), words("Recording"), words("Part"),
+               words("Known to be held out"), number("RMSE [px]"), words("Per camera [px]"),
+               number("Views used"), number("With IMU [px]"), number("Gyro [mrad/s]"),
+               number("Accel [m/s\u00b2]"), words("Problem")}};
   for (const CalibrationScore& s : scores) table.rows.push_back(scoreRow(s));
   return table;
 }
@@ -119,12 +112,9 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
 
 /// Calibrations against the first, on the views that both were scored on.
 Table pairedTable(const ComparisonRecord& record) {
-  Table table{{{"Calibration"},
-               {"Camera"},
-               {"Views", kNumber},
-               {"Mean difference [px\u00b2]", kNumber},
-               {"Std error [px\u00b2]", kNumber},
-               {"Reading"}}};
+  Table table{{words("Calibration"), words("Camera"), number("Views"),
+               number("Mean difference [px\u00b2]"), number("Std error [px\u00b2]"),
+               words("Reading")}};
   const std::string first = record.calibrations.empty() ? "" : record.calibrations[0].label;
   for (const PairedPrediction& p : record.paired) {
     // Negative: the calibration that is compared with the first predicts better.
@@ -149,12 +139,8 @@ Table pairedTable(const ComparisonRecord& record) {
 Table entropyTable(const std::vector<CalibrationScore>& scores,
                    std::optional<double> CalibrationScore::*entropy,
                    std::vector<std::string> CalibrationScore::*parameters) {
-  Table table{{{"Calibration"},
-               {"Recording"},
-               {"Part"},
-               {"Entropy [nats]", kNumber},
-               {"Parameters", kNumber},
-               {"Of"}}};
+  Table table{{words("Calibration"), words("Recording"), words("Part"), number("Entropy [nats]"),
+               number("Parameters"), words("Of")}};
   bool any = false;
   for (const CalibrationScore& s : scores) {
     const std::optional<double>& value = s.*entropy;

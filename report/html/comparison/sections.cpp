@@ -72,13 +72,12 @@ Cell significanceCell(const ComparedParameter& p, std::size_t k) {
 /// What a table shows of each calibration but the first: its values too, or what differs alone.
 enum class Shown { kValues, kDifferences };
 
-std::vector<Column> parameterColumns(const std::vector<std::string>& labels, Shown shown) {
-  std::vector<Column> columns = {
-      {"Parameter", Cell::Kind::kCode}, {"Unit"}, {labels.front(), kNumber}};
+std::vector<Cell> parameterColumns(const std::vector<std::string>& labels, Shown shown) {
+  std::vector<Cell> columns = {code("Parameter"), words("Unit"), number(labels.front())};
   for (std::size_t k = 1; k < labels.size(); ++k) {
-    if (shown == Shown::kValues) columns.push_back({labels[k], kNumber});
-    columns.push_back({shown == Shown::kValues ? "Difference" : "\u0394 " + labels[k], kNumber});
-    columns.push_back({"Significance", kNumber});
+    if (shown == Shown::kValues) columns.push_back(number(labels[k]));
+    columns.push_back(number(shown == Shown::kValues ? "Difference" : "\u0394 " + labels[k]));
+    columns.push_back(number("Significance"));
   }
   return columns;
 }
@@ -132,16 +131,16 @@ std::string notHeldOut(const ComparisonRecord& record) {
 
 /// One column a calibration: camera 0's offset as a tool writes it.
 Table offsetTable(const ComparisonRecord& record) {
-  Table table{{{"Tool"}, {"Field", Cell::Kind::kCode}}};
+  Table table{{words("Tool"), code("Field")}};
   std::vector<std::vector<OffsetRow>> rows;
   for (const OffsetSummary& o : record.offsets) {
-    table.columns.push_back({o.label, kNumber});
+    table.columns.push_back(number(o.label));
     // The mean of the cameras' is for comparing: no tool has it.
     const auto offset =
         o.per_camera_s.empty() ? o.time_offset_s : std::optional(o.per_camera_s.front());
     rows.push_back(offset ? offsetRows(*offset, o.std_s) : std::vector<OffsetRow>());
   }
-  table.columns.push_back({"Note"});
+  table.columns.push_back(words("Note"));
   // Tools, fields and notes are those of any offset.
   const auto tools = offsetRows(0, std::nullopt);
   for (std::size_t i = 0; i < tools.size(); ++i) {
@@ -170,10 +169,8 @@ std::string unlikeOffsets(const ComparisonRecord& record) {
 
 /// Offset, deviation and, where cameras have one each, theirs; all in Kalibr's sign.
 Table offsetDetails(const ComparisonRecord& record) {
-  Table table{{{"Calibration"},
-               {"t_d [ms]", kNumber},
-               {"Std [ms]", kNumber},
-               {"Per camera [ms]", kNumber}}};
+  Table table{
+      {words("Calibration"), number("t_d [ms]"), number("Std [ms]"), number("Per camera [ms]")}};
   for (const OffsetSummary& o : record.offsets) {
     std::string each;
     for (const double t : o.per_camera_s) {
@@ -193,7 +190,8 @@ Table offsetDetails(const ComparisonRecord& record) {
 
 Section calibrationsSection(const ComparisonRecord& record) {
   Section section{"calibrations", "Calibrations", "Differences below are relative to the first."};
-  Table table{{{"Label"}, {"Tool"}, {"File"}, {"Cameras"}, {"IMU"}, {"Conventions"}}};
+  Table table{{words("Label"), words("Tool"), words("File"), words("Cameras"), words("IMU"),
+               words("Conventions")}};
   for (const ComparedCalibration& c : record.calibrations) {
     table.rows.push_back({{c.label},
                           {c.tool.empty() ? kDash : c.tool},

@@ -73,14 +73,14 @@ Table casesTable(const PerturbationRecord& record, const CaseGroup& group) {
   Table table;
   table.columns = {{"Change"}};
   if (hasOffset(record)) {
-    table.columns.push_back({"Recovered offset [ms]", kNumber});
-    table.columns.push_back({"Std [ms]", kNumber});
-    table.columns.push_back({"Error [\u00b5s]", kNumber});
+    table.columns.push_back(number("Recovered offset [ms]"));
+    table.columns.push_back(number("Std [ms]"));
+    table.columns.push_back(number("Error [\u00b5s]"));
   }
-  table.columns.push_back({"RMSE [px]", kNumber});
-  table.columns.push_back({"Frames", kNumber});
-  table.columns.push_back({"Iterations", kNumber});
-  table.columns.push_back({"Largest other change"});
+  table.columns.push_back(number("RMSE [px]"));
+  table.columns.push_back(number("Frames"));
+  table.columns.push_back(number("Iterations"));
+  table.columns.push_back(words("Largest other change"));
   // First of all what every case is compared with.
   table.rows.push_back(solvedRow(record, record.base, true));
   for (const PerturbationCase* c : group.cases) {
@@ -131,10 +131,7 @@ Section casesSection(const PerturbationRecord& record, const std::vector<CaseGro
 }
 
 Section baseSection(const PerturbationRecord& record) {
-  Table table{{{"Parameter", Cell::Kind::kCode},
-               {"Estimate", Cell::Kind::kNumber},
-               {"Std", Cell::Kind::kNumber},
-               {"Unit"}}};
+  Table table{{code("Parameter"), number("Estimate"), number("Std"), words("Unit")}};
   for (std::size_t i = 0; i < std::min(record.parameters.size(), record.base.values.size()); ++i) {
     const auto [unit, factor] = readable(i < record.units.size() ? record.units[i] : "");
     const double std = i < record.base_std.size() ? record.base_std[i] : 0;

@@ -161,13 +161,9 @@ std::string medianRegret(const CounterfactualBand& band) {
 }
 
 Table strategyTable(const Bands& bands) {
-  Table table{{{"Order"},
-               {"Seeds", kNumber},
-               {"Most views", kNumber},
-               {"Views to come within 10 %", kNumber},
-               {"Median regret [px]", kNumber},
-               {"Last entropy [nats]", kNumber},
-               {"Last held-out RMSE [px]", kNumber}}};
+  Table table{{words("Order"), number("Seeds"), number("Most views"),
+               number("Views to come within 10 %"), number("Median regret [px]"),
+               number("Last entropy [nats]"), number("Last held-out RMSE [px]")}};
   for (const CounterfactualBand& b : bands) {
     table.rows.push_back({tight(b.strategy), number(std::to_string(b.seeds)),
                           number(b.views.empty() ? kDash : std::to_string(b.views.back())),

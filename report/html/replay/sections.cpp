@@ -56,17 +56,9 @@ std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary&
 }
 
 Table stageTable(const ReplayRecord& record) {
-  Table table{{{"Stage"},
-               {"Offered", kNumber},
-               {"Dropped", kNumber},
-               {"Used", kNumber},
-               {"Redundant", kNumber},
-               {"Missed", kNumber},
-               {"Suggested", kNumber},
-               {"Reached", kNumber},
-               {"Started [s]", kNumber},
-               {"Finish [s]", kNumber},
-               {"Gained after it", kNumber}}};
+  Table table{{words("Stage"), number("Offered"), number("Dropped"), number("Used"),
+               number("Redundant"), number("Missed"), number("Suggested"), number("Reached"),
+               number("Started [s]"), number("Finish [s]"), number("Gained after it")}};
   for (const ReplayStageSummary& s : record.stages) table.rows.push_back(stageRow(record, s));
   return table;
 }
@@ -85,14 +77,9 @@ std::vector<Cell> batchRow(const ReplayStageSummary& s, const char* over,
 }
 
 Table batchTable(const ReplayRecord& record) {
-  Table table{{{"Stage"},
-               {"Batch over"},
-               {"Views, all cameras", kNumber},
-               {"Corners", kNumber},
-               {"RMSE [px]", kNumber},
-               {"Entropy [nats]", kNumber},
-               {"Entropy [bits]", kNumber},
-               {"Converged"}}};
+  Table table{{words("Stage"), words("Batch over"), number("Views, all cameras"), number("Corners"),
+               number("RMSE [px]"), number("Entropy [nats]"), number("Entropy [bits]"),
+               words("Converged")}};
   for (const ReplayStageSummary& s : record.stages) {
     if (s.kept_batch) table.rows.push_back(batchRow(s, "views kept", *s.kept_batch));
     if (s.full_batch) table.rows.push_back(batchRow(s, "all frames", *s.full_batch));
@@ -132,19 +119,10 @@ std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome
 }
 
 Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutcome>& outcomes) {
-  Table table{{{"#", kNumber},
-               {"Stage"},
-               {"Suggestion"},
-               {"Predicted gain", kNumber},
-               {"Shown [s]", kNumber},
-               {"Open [s]", kNumber},
-               {"End"},
-               {"Predicted time [s]", kNumber},
-               {"Reached after [s]", kNumber},
-               {"Closest [px]", kNumber},
-               {"Mean [px]", kNumber},
-               {"Position [mm]", kNumber},
-               {"Rotation [\u00b0]", kNumber}}};
+  Table table{{number("#"), words("Stage"), words("Suggestion"), number("Predicted gain"),
+               number("Shown [s]"), number("Open [s]"), words("End"), number("Predicted time [s]"),
+               number("Reached after [s]"), number("Closest [px]"), number("Mean [px]"),
+               number("Position [mm]"), number("Rotation [\u00b0]")}};
   for (const SuggestionOutcome& o : outcomes) table.rows.push_back(outcomeRow(record, o));
   return table;
 }
@@ -223,18 +201,11 @@ Section stopAuditSection(const ReplayRecord& record) {
       "with all frames, as predicted by the guide and as measured on held-out frames. Points by "
       "the IMU: by how much points that it predicts are off, as expected by the guide and against "
       "the calibration of all frames. Ended: without a stop, so that the other stage is replayed."};
-  Table table{{{"Stage"},
-               {"Judgement"},
-               {"Finish [s]", kNumber},
-               {"Sufficient [s]", kNumber},
-               {"Missing or wasted [s]", kNumber},
-               {"Saved [s]", kNumber},
-               {"Excess, predicted [%]", kNumber},
-               {"Measured [%]", kNumber},
-               {"Points by the IMU, expected [px]", kNumber},
-               {"Measured [px]", kNumber},
-               {"Entropy then [nats]", kNumber},
-               {"Of all frames [nats]", kNumber}}};
+  Table table{{words("Stage"), words("Judgement"), number("Finish [s]"), number("Sufficient [s]"),
+               number("Missing or wasted [s]"), number("Saved [s]"),
+               number("Excess, predicted [%]"), number("Measured [%]"),
+               number("Points by the IMU, expected [px]"), number("Measured [px]"),
+               number("Entropy then [nats]"), number("Of all frames [nats]")}};
   for (const StopAudit& a : record.stop_audits) {
     table.rows.push_back(auditRow(record, a));
     if (!a.explanation.empty()) section.remarks.push_back(titleOf(a.stage) + ": " + a.explanation);

@@ -154,11 +154,8 @@ Figure survivalFigure(const StudyRecord& record) {
 /// The scatter over sessions beside the deviations that the calibrations state, which are formal
 /// ones.
 Table offsetTable(const StudyRecord& record) {
-  Table table{{{"Method"},
-               {"Sessions", kNumber},
-               {"Mean [ms]", kNumber},
-               {"Std over sessions [ms]", kNumber},
-               {"Median formal std [ms]", kNumber}}};
+  Table table{{words("Method"), number("Sessions"), number("Mean [ms]"),
+               number("Std over sessions [ms]"), number("Median formal std [ms]")}};
   for (const StudyMethod& m : record.statistics.methods) {
     std::vector<double> stated;
     std::size_t count = 0;

@@ -37,14 +37,8 @@ std::string comparison(const StudyEffect& e) {
 }
 
 Table effectsTable(const StudyRecord& record) {
-  Table table{{{"Endpoint", Cell::Kind::kCode},
-               {"Method"},
-               {"Effect", kNumber},
-               {"95 % interval", kNumber},
-               {"p", kNumber},
-               {"p (Holm)", kNumber},
-               {"Participants", kNumber},
-               {"Design"}}};
+  Table table{{code("Endpoint"), words("Method"), number("Effect"), number("95 % interval"),
+               number("p"), number("p (Holm)"), number("Participants"), words("Design")}};
   for (const StudyEffect& e : record.statistics.effects) {
     if (e.design == StudyDesign::kTooFew) continue;
     table.rows.push_back({code(comparison(e)),
@@ -61,12 +55,8 @@ Table effectsTable(const StudyRecord& record) {
 
 /// The effects of effectsTable() once more, by other methods.
 Table besideTable(const StudyRecord& record) {
-  Table table{{{"Endpoint", Cell::Kind::kCode},
-               {"Method"},
-               {"BCa interval", kNumber},
-               {"Hodges\u2013Lehmann", kNumber},
-               {"95 % interval", kNumber},
-               {"Wilcoxon p", kNumber}}};
+  Table table{{code("Endpoint"), words("Method"), number("BCa interval"),
+               number("Hodges\u2013Lehmann"), number("95 % interval"), number("Wilcoxon p")}};
   for (const StudyEffect& e : record.statistics.effects) {
     if (e.design == StudyDesign::kTooFew) continue;
     table.rows.push_back({code(comparison(e)),
@@ -80,19 +70,13 @@ Table besideTable(const StudyRecord& record) {
 }
 
 Table methodsTable(const StudyRecord& record) {
-  Table table{{{"Method"},
-               {"Sessions", kNumber},
-               {"Calibrated", kNumber},
-               {"Gave up", kNumber},
-               {"Good", kNumber},
-               {"Caution", kNumber},
-               {"Bad", kNumber},
-               {"Median time [s]", kNumber},
-               {"Median held-out RMSE [px]", kNumber}}};
+  Table table{{words("Method"), number("Sessions"), number("Calibrated"), number("Gave up"),
+               number("Good"), number("Caution"), number("Bad"), number("Median time [s]"),
+               number("Median held-out RMSE [px]")}};
   const auto& methods = record.statistics.methods;
   const bool guided = std::any_of(methods.begin(), methods.end(),
                                   [](const StudyMethod& m) { return m.compliance.has_value(); });
-  if (guided) table.columns.push_back({"Suggestions reached", kNumber});
+  if (guided) table.columns.push_back(number("Suggestions reached"));
   for (const StudyMethod& m : record.statistics.methods) {
     std::vector<Cell> row{{m.method}};
     for (const int n : {m.sessions, m.calibrated, m.gave_up, m.good, m.caution, m.bad}) {
@@ -143,14 +127,9 @@ Section resultsSection(const StudyRecord& record) {
 }
 
 Section orderSection(const StudyRecord& record) {
-  Table table{{{"Endpoint", Cell::Kind::kCode},
-               {"Method"},
-               {"Baseline first", kNumber},
-               {"Method first", kNumber},
-               {"Second session", kNumber},
-               {"95 % interval", kNumber},
-               {"Carry-over", kNumber},
-               {"95 % interval", kNumber}}};
+  Table table{{code("Endpoint"), words("Method"), number("Baseline first"), number("Method first"),
+               number("Second session"), number("95 % interval"), number("Carry-over"),
+               number("95 % interval")}};
   for (const StudyEffect& e : record.statistics.effects) {
     if (!e.period) continue;
     table.rows.push_back({code(comparison(e)),
@@ -182,13 +161,8 @@ Section perturbationSection(const StudyRecord& record) {
       ++group.failed;
     }
   }
-  Table table{{{"Injected [ms]", kNumber},
-               {"Method"},
-               {"Sessions", kNumber},
-               {"Failed", kNumber},
-               {"Recovered [ms]", kNumber},
-               {"Std [ms]", kNumber},
-               {"Largest error [ms]", kNumber}}};
+  Table table{{number("Injected [ms]"), words("Method"), number("Sessions"), number("Failed"),
+               number("Recovered [ms]"), number("Std [ms]"), number("Largest error [ms]")}};
   for (const auto& [key, group] : groups) {
     const SampleStatistics all = sampleStatistics(group.ms, 1);
     double worst = 0;

@@ -17,15 +17,9 @@ constexpr double kShownTerm_m = 2e-5;  // below it a board's term is not drawn; 
 
 /// Spread: of the estimates over the sessions of a method. Stated: by the calibrations themselves.
 Table spreadTable(const StudyRecord& record) {
-  Table table{{{"Parameter", Cell::Kind::kCode},
-               {"Method"},
-               {"Sessions", kNumber},
-               {"Mean", kNumber},
-               {"Spread", kNumber},
-               {"Stated", kNumber},
-               {"Unit"},
-               {"Ratio", kNumber},
-               {"95 % interval", kNumber}}};
+  Table table{{code("Parameter"), words("Method"), number("Sessions"), number("Mean"),
+               number("Spread"), number("Stated"), words("Unit"), number("Ratio"),
+               number("95 % interval")}};
   for (const StudySpread& s : record.statistics.spread) {
     const auto [unit, factor] = readable(s.unit);
     Cell ratio = number(fmt::format("{:.2f}", s.ratio));

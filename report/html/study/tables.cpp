@@ -103,13 +103,8 @@ Figure nightsFigure(const StudyRecord& record) {
 }
 
 Table nightsTable(const StudyRecord& record) {
-  Table table{{{"Night", kNumber},
-               {"Date"},
-               {"Version"},
-               {"Sessions", kNumber},
-               {"Failed", kNumber},
-               {"Alarms", kNumber},
-               {"Time [s]", kNumber}}};
+  Table table{{number("Night"), words("Date"), words("Version"), number("Sessions"),
+               number("Failed"), number("Alarms"), number("Time [s]")}};
   for (const StudyNight& n : record.nights) {
     table.rows.push_back({number(std::to_string(n.night)), tight(n.date), tight(n.version),
                           number(std::to_string(n.sessions)), number(std::to_string(n.failed)),
@@ -120,13 +115,8 @@ Table nightsTable(const StudyRecord& record) {
 
 /// With the command that makes the figure again by hand.
 Table alarmsTable(const StudyRecord& record) {
-  Table table{{{"Figure"},
-               {"Session"},
-               {"First bad night", kNumber},
-               {"By"},
-               {"Was", kNumber},
-               {"Is", kNumber},
-               {"To run again", Cell::Kind::kCode}}};
+  Table table{{words("Figure"), words("Session"), number("First bad night"), words("By"),
+               number("Was"), number("Is"), code("To run again")}};
   for (const StudyAlarm& a : record.alarms) {
     Cell figure = code(a.metric);
     figure.level = VerdictLevel::kBad;
@@ -154,11 +144,8 @@ const StudySession* sessionOf(const StudyRecord& record, const std::string& name
 }
 
 Section othersSection(const StudyRecord& record) {
-  Table table{{{"Session"},
-               {"Tool"},
-               {"Held-out RMSE [px]", kNumber},
-               {"Plumbline [px]", kNumber},
-               {"Largest differences from Plumbline"}}};
+  Table table{{words("Session"), words("Tool"), number("Held-out RMSE [px]"),
+               number("Plumbline [px]"), words("Largest differences from Plumbline")}};
   for (const StudyOther& o : record.others) {
     const StudySession* s = sessionOf(record, o.session);
     Cell differences{o.failure.empty() ? largestDifferences(o) : "failed: " + o.failure};
@@ -190,7 +177,8 @@ Section nightsSection(const StudyRecord& record) {
 }
 
 Section failuresSection(const StudyRecord& record) {
-  Table table{{{"Session"}, {"Participant"}, {"Method"}, {"What"}, {"Why"}}};
+  Table table{
+      {words("Session"), words("Participant"), words("Method"), words("What"), words("Why")}};
   for (const StudySession& s : record.sessions) {
     const Problem problem = problemOf(s);
     if (problem.what.empty()) continue;
@@ -205,18 +193,13 @@ Section failuresSection(const StudyRecord& record) {
 }
 
 Section sessionsSection(const StudyRecord& record) {
-  Table table{{{"Session"},
-               {"Participant"},
-               {"Method"},
-               {"Period", kNumber},
-               {"Time [s]", kNumber},
-               {"Camera [px]", kNumber},
-               {"Held out [px]", kNumber},
-               {"Offset [ms]", kNumber}}};
+  Table table{{words("Session"), words("Participant"), words("Method"), number("Period"),
+               number("Time [s]"), number("Camera [px]"), number("Held out [px]"),
+               number("Offset [ms]")}};
   const bool guided = std::any_of(record.sessions.begin(), record.sessions.end(),
                                   [](const StudySession& s) { return s.compliance.has_value(); });
-  if (guided) table.columns.push_back({"Suggestions reached", kNumber});
-  table.columns.push_back({"Verdict"});
+  if (guided) table.columns.push_back(number("Suggestions reached"));
+  table.columns.push_back(words("Verdict"));
   for (const StudySession& s : record.sessions) {
     Cell seconds = orDash(s.capture_s, 1, "{:.1f}");
     if (!s.finished) seconds.text += " (gave up)";

@@ -146,12 +146,7 @@ Figure viewFigure(const TrajectoryRun& run, const View& view, const Range& error
   const double least = 0.35 * std::max(x.max - x.min, y.max - y.min);  // no slits
   x = wider(x, least);
   y = wider(y, least);
-  plot.frame.title = view.name;
-  plot.frame.width = 480;
-  plot.frame.height = 420;
-  plot.frame.equal_axes = true;
-  plot.frame.x = {kAxes[view.x], x};
-  plot.frame.y = {kAxes[view.y], y};
+  plot.frame = {view.name, {kAxes[view.x], x}, {kAxes[view.y], y}, 480, 420, true};
   plot.series = {{"truth", tx, ty, kTruth, 1}};
   plot.coloured = {{ex, ey, run.error_m, 2}};
   plot.value_label = "position error [m]";
@@ -222,12 +217,11 @@ Figure timeFigure(const std::vector<TrajectoryRun>& runs, const std::string& seq
     for (const double e : values) top = std::isfinite(e) ? std::max(top, e) : top;
   }
   if (plot.series.empty()) return {};
-  plot.frame.title = sequence.empty() ? error.title : fmt::format("{}: {}", sequence, error.title);
-  plot.frame.width = 960;
-  plot.frame.height = 260;
-  plot.frame.x.label = "time since the first pair [s]";
-  plot.frame.y.label = error.label;
-  plot.frame.y.range = Range{0, top > 0 ? 1.06 * top : 1};
+  plot.frame = {sequence.empty() ? error.title : fmt::format("{}: {}", sequence, error.title),
+                {"time since the first pair [s]"},
+                {error.label, Range{0, top > 0 ? 1.06 * top : 1}},
+                960,
+                260};
   return {toSvg(plot, id), "", true};
 }
 
@@ -265,11 +259,7 @@ Figure componentsFigure(const TrajectoryRun& run, const PoseComponents& of, cons
                                      seriesColour(i), run.t.front()));
     plot.series.back().name = of.names[i];
   }
-  plot.frame.title = of.title;
-  plot.frame.width = 960;
-  plot.frame.height = 260;
-  plot.frame.x.label = "time since the first pair [s]";
-  plot.frame.y.label = of.label;
+  plot.frame = {of.title, {"time since the first pair [s]"}, {of.label}, 960, 260};
   return {toSvg(plot, id + "-" + of.id), "", true};
 }
 

@@ -30,11 +30,11 @@ Cell hintCell(const OdometryRunRecord& o) {
 
 /// What the odometry would change of T_SC0, by component.
 Table extrinsicsTable(const std::vector<TrajectoryRun>& runs) {
-  Table table{{{"Run"}}};
+  Table table{{words("Run")}};
   for (const char* axis : {"x", "y", "z"})
-    table.columns.push_back({std::string("t") + axis + " [mm]", kNumber});
+    table.columns.push_back(number(std::string("t") + axis + " [mm]"));
   for (const char* axis : {"x", "y", "z"})
-    table.columns.push_back({std::string("r") + axis + " [\u00b0]", kNumber});
+    table.columns.push_back(number(std::string("r") + axis + " [\u00b0]"));
   for (const TrajectoryRun& run : runs) {
     if (!run.odometry || !run.odometry->T_SC0_hint) continue;
     const OdometryRunRecord& o = *run.odometry;
@@ -127,11 +127,8 @@ std::string sentenceOf(const CalibrationSensitivity& s) {
 }
 
 Table parametersTable(const CalibrationSensitivity& s) {
-  Table table{{{"Parameter"},
-               {"Step", kNumber},
-               {"+ step [mm]", kNumber},
-               {"\u2212 step [mm]", kNumber},
-               {"Change of the ATE [mm]", kNumber}}};
+  Table table{{words("Parameter"), number("Step"), number("+ step [mm]"),
+               number("\u2212 step [mm]"), number("Change of the ATE [mm]")}};
   for (const ParameterSensitivity& p : s.parameters) {
     Cell mean = change(s, p.change_m);
     if (p.above_chance) mean.level = VerdictLevel::kCaution;
@@ -154,17 +151,10 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
       "extrinsics. For other systems it is the final value of their online calibration, with its "
       "change over the second half. Lower is better between calibrations on one recording, but "
       "none of these is a trajectory error."};
-  Table table{{{"Run"},
-               {"Epipolar [px]", kNumber},
-               {"Innovation [px]", kNumber},
-               {"Closure [m]", kNumber},
-               {"Closure [\u00b0]", kNumber},
-               {"t_d used [ms]", kNumber},
-               {"t_d, odometry's hint [ms]", kNumber},
-               {"Frame, median [ms]", kNumber},
-               {"95 % [ms]", kNumber},
-               {"99 % [ms]", kNumber},
-               {"Longest [ms]", kNumber}}};
+  Table table{{words("Run"), number("Epipolar [px]"), number("Innovation [px]"),
+               number("Closure [m]"), number("Closure [\u00b0]"), number("t_d used [ms]"),
+               number("t_d, odometry's hint [ms]"), number("Frame, median [ms]"),
+               number("95 % [ms]"), number("99 % [ms]"), number("Longest [ms]")}};
   for (const TrajectoryRun& run : runs) {
     if (!run.odometry) continue;
     const OdometryRunRecord& o = *run.odometry;

@@ -98,13 +98,8 @@ std::vector<Cell> relativeRow(const std::vector<TrajectoryRun>& runs, const std:
 }
 
 Table relativeTable(const std::vector<TrajectoryRun>& runs) {
-  Table table{{{"Calibration"},
-               {"Length"},
-               {"Pair selection"},
-               {"Runs", kNumber},
-               {"Pairs", kNumber},
-               {"Translation RMSE [m]", kNumber},
-               {"Rotation RMSE [\u00b0]", kNumber}}};
+  Table table{{words("Calibration"), words("Length"), words("Pair selection"), number("Runs"),
+               number("Pairs"), number("Translation RMSE [m]"), number("Rotation RMSE [\u00b0]")}};
   for (const Distance& distance : distancesOf(runs)) {
     for (const std::string& name : calibrationsOf(runs)) {
       auto row = relativeRow(runs, name, distance);

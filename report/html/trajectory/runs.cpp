@@ -48,16 +48,9 @@ std::vector<Cell> runRow(const TrajectoryRun& run) {
 }
 
 Table runsTable(const std::vector<TrajectoryRun>& runs) {
-  Table table{{{"Sequence"},
-               {"Calibration"},
-               {"Run"},
-               {"Status"},
-               {"Covered [%]", kNumber},
-               {"ATE RMSE [m]", kNumber},
-               {"Median [m]", kNumber},
-               {"Max [m]", kNumber},
-               {"Rotation RMSE [\u00b0]", kNumber},
-               {"Reason"}}};
+  Table table{{words("Sequence"), words("Calibration"), words("Run"), words("Status"),
+               number("Covered [%]"), number("ATE RMSE [m]"), number("Median [m]"),
+               number("Max [m]"), number("Rotation RMSE [\u00b0]"), words("Reason")}};
   for (const TrajectoryRun& run : runs) table.rows.push_back(runRow(run));
   return withoutEmptyColumns(std::move(table));
 }
@@ -67,11 +60,8 @@ std::string medianText(const RunsSummary& s) {
 }
 
 Table completionTable(const TrajectoryStudy& study) {
-  Table table{{{"Calibration"},
-               {"Completed"},
-               {"Partial", kNumber},
-               {"Failed", kNumber},
-               {"Median ATE RMSE [m]", kNumber}}};
+  Table table{{words("Calibration"), words("Completed"), number("Partial"), number("Failed"),
+               number("Median ATE RMSE [m]")}};
   for (const RunsSummary& s : overAll(study)) {
     table.rows.push_back(
         {{s.calibration.empty() ? kDash : s.calibration},
@@ -86,8 +76,8 @@ Table completionTable(const TrajectoryStudy& study) {
 /// Sequences by calibrations; the smallest median of a row of several is set off.
 Table sequencesTable(const TrajectoryStudy& study) {
   const std::vector<std::string> calibrations = calibrationsOf(study.runs);
-  Table table{{{"Sequence"}}};
-  for (const std::string& c : calibrations) table.columns.push_back({c + " [m]", kNumber});
+  Table table{{words("Sequence")}};
+  for (const std::string& c : calibrations) table.columns.push_back(number(c + " [m]"));
   for (const std::string& sequence : sequencesOf(study.runs)) {
     std::vector<std::optional<double>> medians;
     double least = std::numeric_limits<double>::infinity();
@@ -124,7 +114,7 @@ Table remarksTable(const std::vector<TrajectoryRun>& runs) {
       known->second.push_back(runName(run));
     }
   }
-  Table table{{{"Remark"}, {"Runs"}}};
+  Table table{{words("Remark"), words("Runs")}};
   for (const auto& [text, names] : remarks) {
     const auto shown = static_cast<std::ptrdiff_t>(std::min(names.size(), kNamed));
     std::string list = fmt::format("{}", fmt::join(names.begin(), names.begin() + shown, ", "));

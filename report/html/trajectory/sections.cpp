@@ -13,30 +13,19 @@ namespace {
 /// Differences in metres; the reading is the record's, `better` of the interval.
 std::vector<Cell> pairedRow(const PairedDifference& d) {
   // The record's difference is b - a, so that below 0 b is the better one.
-  const auto n = std::to_string(d.pairs);
-  if (d.pairs == 0) {
-    return {{d.b + " \u2212 " + d.a},
-            number(n),
-            number(std::to_string(d.left_out)),
-            number(kDash),
-            number(kDash),
-            number(kDash),
-            number(kDash),
-            number(kDash),
-            number(kDash),
-            {"no pair is complete under both"}};
-  }
   const bool interval = d.low_m && d.high_m;
+  const auto figure = [&](const std::string& text) { return number(d.pairs > 0 ? text : kDash); };
   return {{d.b + " \u2212 " + d.a},
-          number(n),
+          number(std::to_string(d.pairs)),
           number(std::to_string(d.left_out)),
-          number(fmt::format("{:+.4f}", d.mean_m)),
-          number(interval ? fmt::format("{:+.4f} to {:+.4f}", *d.low_m, *d.high_m) : kDash),
-          number(fmt::format("{:+.4f}", d.median_m)),
-          number(fmt::format("{} of {}", d.b_better, d.pairs)),
-          number(fmt::format("{:.3g}", d.sign_test_p)),
-          number(d.pairs_needed ? grouped(static_cast<std::size_t>(*d.pairs_needed)) : kDash),
-          {!interval          ? "too few sequences for an interval (five are needed)"
+          figure(fmt::format("{:+.4f}", d.mean_m)),
+          figure(interval ? fmt::format("{:+.4f} to {:+.4f}", *d.low_m, *d.high_m) : kDash),
+          figure(fmt::format("{:+.4f}", d.median_m)),
+          figure(fmt::format("{} of {}", d.b_better, d.pairs)),
+          figure(fmt::format("{:.3g}", d.sign_test_p)),
+          figure(d.pairs_needed ? grouped(static_cast<std::size_t>(*d.pairs_needed)) : kDash),
+          {d.pairs == 0       ? "no pair is complete under both"
+           : !interval        ? "too few sequences for an interval (five are needed)"
            : d.better.empty() ? "no difference at 95 %"
                               : d.better + " is better"}};
 }
@@ -123,16 +112,9 @@ Section pairedSection(const std::vector<PairedDifference>& differences) {
       "would "
       "be significant at 95 % in four of five studies, given the spread of the sequences\u2019 "
       "means; fewer than three give no spread, fewer than five no interval."};
-  Table table{{{"Difference"},
-               {"Pairs", kNumber},
-               {"Left out", kNumber},
-               {"Mean [m]", kNumber},
-               {"95 % interval [m]", kNumber},
-               {"Median [m]", kNumber},
-               {"Better", kNumber},
-               {"p (sign test)", kNumber},
-               {"Sequences needed", kNumber},
-               {"Reading"}}};
+  Table table{{words("Difference"), number("Pairs"), number("Left out"), number("Mean [m]"),
+               number("95 % interval [m]"), number("Median [m]"), number("Better"),
+               number("p (sign test)"), number("Sequences needed"), words("Reading")}};
   for (const PairedDifference& d : differences) table.rows.push_back(pairedRow(d));
   return withTable(std::move(section), std::move(table));
 }
@@ -140,7 +122,7 @@ Section pairedSection(const std::vector<PairedDifference>& differences) {
 Section clockSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"clock-offset", "Clock offset",
                   "t_truth = t_estimate + offset, from correlating the angular rates of both."};
-  Table table{{{"Run"}, {"Offset [ms]", kNumber}, {"Std [ms]", kNumber}, {"Correlation", kNumber}}};
+  Table table{{words("Run"), number("Offset [ms]"), number("Std [ms]"), number("Correlation")}};
   for (const TrajectoryRun& run : runs) {
     if (!run.clock_offset) continue;
     const ClockOffsetRecord& c = *run.clock_offset;
@@ -156,13 +138,9 @@ Section handEyeSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"hand-eye", "Hand-eye",
                   "T_SM maps points of the marker body M into the IMU frame S, estimated from the "
                   "trajectories themselves, with the residuals after it."};
-  Table table{{{"Run"},
-               {"t_SM [mm]", kNumber},
-               {"Std [mm]", kNumber},
-               {"Angle [\u00b0]", kNumber},
-               {"Std [\u00b0]", kNumber},
-               {"RMS residual [mm]", kNumber},
-               {"RMS residual [\u00b0]", kNumber}}};
+  Table table{{words("Run"), number("t_SM [mm]"), number("Std [mm]"), number("Angle [\u00b0]"),
+               number("Std [\u00b0]"), number("RMS residual [mm]"),
+               number("RMS residual [\u00b0]")}};
   Block matrices;
   for (const TrajectoryRun& run : runs) {
     if (!run.hand_eye) continue;
@@ -179,13 +157,8 @@ Section neesSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"nees", "Consistency (NEES)",
                   "Mean normalised estimation error squared against its two-sided chi-square "
                   "bounds: are the estimate's covariances consistent with its errors?"};
-  Table table{{{"Run"},
-               {"Part"},
-               {"Dof", kNumber},
-               {"Mean", kNumber},
-               {"Bounds", kNumber},
-               {"Confidence [%]", kNumber},
-               {"Reading"}}};
+  Table table{{words("Run"), words("Part"), number("Dof"), number("Mean"), number("Bounds"),
+               number("Confidence [%]"), words("Reading")}};
   for (const TrajectoryRun& run : runs) {
     for (const NeesRecord& n : run.nees) table.rows.push_back(neesRow(run, n));
   }
@@ -196,18 +169,10 @@ Section associationSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"association", "Pairing and alignment",
                   "How the stamps of estimate and truth were paired, and their anomalies. A median "
                   "difference far from zero indicates a clock offset."};
-  Table table{{{"Run"},
-               {"Rule"},
-               {"Pairs", kNumber},
-               {"Poses, estimate / truth", kNumber},
-               {"Max \u0394t [ms]", kNumber},
-               {"Median \u0394t [ms]", kNumber},
-               {"Offset added [ms]", kNumber},
-               {"Duplicates", kNumber},
-               {"Largest gap [s]", kNumber},
-               {"In gaps", kNumber},
-               {"Alignment"},
-               {"Scale", kNumber}}};
+  Table table{{words("Run"), words("Rule"), number("Pairs"), number("Poses, estimate / truth"),
+               number("Max \u0394t [ms]"), number("Median \u0394t [ms]"),
+               number("Offset added [ms]"), number("Duplicates"), number("Largest gap [s]"),
+               number("In gaps"), words("Alignment"), number("Scale")}};
   for (const TrajectoryRun& run : runs) {
     // A run that failed before its stamps were paired.
     if (run.association.estimate_poses + run.association.matches == 0) continue;
