@@ -55,9 +55,8 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
       // One draw has no scatter to take a deviation from.
       ->check(CLI::IsMember({0}) | numberFrom(2));
   app.add_flag("--no-halves", o.no_halves, "Do not compare the halves of the recording");
-  app.add_option("--seed", o.seed, "Seed of resampling and view selection")
-      ->check(seedFrom(0))
-      ->capture_default_str();
+  addWithDefault(app, "--seed", o.seed, "Seed of resampling and view selection")
+      ->check(seedFrom(0));
 }
 
 void declareOutput(CLI::App& app, CalibrateOptions& o) {

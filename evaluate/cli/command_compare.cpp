@@ -51,19 +51,16 @@ void declareMaps(CLI::App& app, CompareOptions& o) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->capture_default_str();
-  app.add_option("--grid", o.grid, "Grid of points over the image, COLUMNSxROWS")
-      ->capture_default_str();
-  app.add_option(
-         "--focus-radius", o.focus_radius_px,
-         "Align over this radius around the image's centre with equal weights [px] (0: weighted by "
-         "the projection uncertainty, or a sixth of the image if there is none)")
-      ->check(numberFrom(0))
-      ->capture_default_str();
+  addWithDefault(app, "--grid", o.grid, "Grid of points over the image, COLUMNSxROWS");
+  addWithDefault(
+      app, "--focus-radius", o.focus_radius_px,
+      "Align over this radius around the image's centre with equal weights [px] (0: weighted by "
+      "the projection uncertainty, or a sixth of the image if there is none)")
+      ->check(numberFrom(0));
   // As mrcal 2 fits: for benchmarks against it alone, so that no help names it.
   app.add_option("--fit", o.fit, "Cost of the alignment: squares, or fourth-power")->group("");
-  app.add_option("--uncertainty", o.uncertainty,
-                 "How points are tied to the boards: cross-reprojection or mean-frames")
-      ->capture_default_str();
+  addWithDefault(app, "--uncertainty", o.uncertainty,
+                 "How points are tied to the boards: cross-reprojection or mean-frames");
 }
 
 void declareCompare(CLI::App& app, CompareOptions& o) {

@@ -160,9 +160,8 @@ void declareEvaluateTrajectories(CLI::App& app, EvaluateTrajectoriesOptions& o) 
   o.output.declareResult(app);
   declareCoverage(app, o.metrics);
   app.add_option("--body", o.body, "Rigid body of motion-capture exports");
-  app.add_option("--threads", o.request.threads, "Threads (0: all cores)")
-      ->check(numberFrom(0))
-      ->capture_default_str();
+  addWithDefault(app, "--threads", o.request.threads, "Threads (0: all cores)")
+      ->check(numberFrom(0));
   declareTrajectoryMetrics(app, o.metrics);
 }
 

@@ -46,15 +46,13 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
                  "Calibration to compare, in any format; repeatable")
       ->required()
       ->allow_extra_args(false);
-  app.add_option("--with", o.with,
+  addWithDefault(app, "--with", o.with,
                  "builtin, orbslam3, openvins, a runner's .yaml, or a command with {settings}, "
-                 "{sequence}, {output}")
-      ->capture_default_str();
+                 "{sequence}, {output}");
   app.add_option("--executable", r.executable, "Program of orbslam3, openvins or the runner");
-  app.add_option("--runs", r.runs,
+  addWithDefault(app, "--runs", r.runs,
                  "Runs per sequence and calibration (0: as many as the system needs; builtin: 1)")
-      ->check(numberFrom(0))
-      ->capture_default_str();
+      ->check(numberFrom(0));
   app.add_option("--imu", r.imu, "IMU noise (Kalibr's imu.yaml) for all calibrations");
   app.add_option(
       "--truth", r.truth,
@@ -62,25 +60,19 @@ void declareOdometry(CLI::App& app, OdometryCommandOptions& o) {
   app.add_flag("--sensitivity", r.sensitivity,
                "builtin: also the sensitivity of the ATE to each parameter, changed by its std and "
                "to the other calibrations' values (about 60 runs)");
-  app.add_option("--estimate", o.estimate,
+  addWithDefault(app, "--estimate", o.estimate,
                  "Also estimate, as a hint, the values that the odometry prefers: offset, or "
                  "extrinsics (offset and T_SC0). builtin: 3 to 15, or 36 to 180, additional runs; "
                  "openvins: one additional run with online calibration")
-      ->check(CLI::IsMember({"none", "offset", "extrinsics"}))
-      ->capture_default_str();
-  app.add_option("--cameras", r.builtin.cameras, "builtin: use the first N cameras (0: all)")
-      ->check(numberFrom(0))
-      ->capture_default_str();
-  app.add_option("--time-limit", r.run_seconds,
+      ->check(CLI::IsMember({"none", "offset", "extrinsics"}));
+  addWithDefault(app, "--cameras", r.builtin.cameras, "builtin: use the first N cameras (0: all)")
+      ->check(numberFrom(0));
+  addWithDefault(app, "--time-limit", r.run_seconds,
                  "Limit on the wall time of an external system's run [s]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--memory-limit", r.memory_mb, "Limit on its address space [MB] (0: none)")
-      ->check(numberWithin(0, kMostMegabytes))
-      ->capture_default_str();
-  app.add_option("--threads", r.threads, "Parallel runs (0: all cores)")
-      ->check(numberFrom(0))
-      ->capture_default_str();
+      ->check(positiveNumber());
+  addWithDefault(app, "--memory-limit", r.memory_mb, "Limit on its address space [MB] (0: none)")
+      ->check(numberWithin(0, kMostMegabytes));
+  addWithDefault(app, "--threads", r.threads, "Parallel runs (0: all cores)")->check(numberFrom(0));
   o.output.declareResult(app);
   declareCoverage(app, o.metrics);
   declareTrajectoryMetrics(app, o.metrics);

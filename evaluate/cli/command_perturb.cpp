@@ -65,13 +65,11 @@ void declarePerturb(CLI::App& app, PerturbOptions& o) {
   for (std::size_t i = 0; i < std::size(kKinds); ++i) {
     app.add_option(kKinds[i].name, o.amounts[i], kKinds[i].help);
   }
-  app.add_option("--repeats", o.repeats,
+  addWithDefault(app, "--repeats", o.repeats,
                  "Draws of each random perturbation, with consecutive seeds")
-      ->check(numberFrom(1))
-      ->capture_default_str();
-  app.add_option("--seed", o.seed, "First seed of the random perturbations")
-      ->check(seedFrom(1))
-      ->capture_default_str();
+      ->check(numberFrom(1));
+  addWithDefault(app, "--seed", o.seed, "First seed of the random perturbations")
+      ->check(seedFrom(1));
   o.estimation.declare(app);
   o.output.declareResult(app);
 }

@@ -87,99 +87,80 @@ void readLatency(const std::string& text, GuideLatency& latency) {
 }
 
 void declareViews(CLI::App& app, ViewGuideOptions& o) {
-  app.add_option("--start-frames", o.start_frames,
+  addWithDefault(app, "--start-frames", o.start_frames,
                  "Frames from which the camera stage is initialised")
-      ->check(numberFrom(2))
-      ->capture_default_str();
-  app.add_option("--start-move-px", o.start_move_px,
+      ->check(numberFrom(2));
+  addWithDefault(app, "--start-move-px", o.start_move_px,
                  "Least motion of the corners between two of them [px]")
-      ->check(numberFrom(0))
-      ->capture_default_str();
-  app.add_option("--start-anew-after", o.start_anew_after,
+      ->check(numberFrom(0));
+  addWithDefault(app, "--start-anew-after", o.start_anew_after,
                  "Restart after this many consecutive frames without a plausible pose")
-      ->check(numberFrom(1))
-      ->capture_default_str();
-  app.add_option("--window", o.window, "Views in the camera stage's window")
-      ->check(numberFrom(1))
-      ->capture_default_str();
-  app.add_option("--patience", o.patience,
+      ->check(numberFrom(1));
+  addWithDefault(app, "--window", o.window, "Views in the camera stage's window")
+      ->check(numberFrom(1));
+  addWithDefault(app, "--patience", o.patience,
                  "Frames below the threshold before a next-best view is computed")
-      ->check(numberFrom(1))
-      ->capture_default_str();
-  app.add_option("--reached-px", o.reached_px,
+      ->check(numberFrom(1));
+  addWithDefault(app, "--reached-px", o.reached_px,
                  "A suggested view is reached at this mean distance of the corners [px] ...")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--reached-s", o.reached_s, "... kept for this time [s]")
-      ->check(numberFrom(0))
-      ->capture_default_str();
-  app.add_option("--min-views", o.min_views,
+      ->check(positiveNumber());
+  addWithDefault(app, "--reached-s", o.reached_s, "... kept for this time [s]")
+      ->check(numberFrom(0));
+  addWithDefault(app, "--min-views", o.min_views,
                  "Least number of views before the camera stage may finish")
-      ->check(numberFrom(0))
-      ->capture_default_str();
+      ->check(numberFrom(0));
 }
 
 void declareTrajectories(CLI::App& app, TrajectoryGuideOptions& o) {
-  app.add_option("--imu-start-frames", o.start_frames,
+  addWithDefault(app, "--imu-start-frames", o.start_frames,
                  "Frames from which the camera-IMU stage is initialised, more than --imu-window")
-      ->check(numberFrom(3))
-      ->capture_default_str();
-  app.add_option("--imu-window", o.window, "States in the camera-IMU stage's window")
-      ->check(numberFrom(2))
-      ->capture_default_str();
-  app.add_option("--evaluate-every-s", o.evaluate_every_s,
+      ->check(numberFrom(3));
+  addWithDefault(app, "--imu-window", o.window, "States in the camera-IMU stage's window")
+      ->check(numberFrom(2));
+  addWithDefault(app, "--evaluate-every-s", o.evaluate_every_s,
                  "Time between two scorings of the candidate trajectories [s]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--max-speed", o.max_speed_m_s, "Speed limit of a trajectory [m/s]")
-      ->check(positiveNumber())
-      ->capture_default_str();
+      ->check(positiveNumber());
+  addWithDefault(app, "--max-speed", o.max_speed_m_s, "Speed limit of a trajectory [m/s]")
+      ->check(positiveNumber());
   app.add_flag("--score-offset", o.score_offset, "Score trajectories for the time offset too");
 }
 
 void GuideOptionSet::declare(CLI::App& app) {
-  app.add_option("--threshold-bits", threshold_bits,
+  addWithDefault(app, "--threshold-bits", threshold_bits,
                  "Threshold on the expected information gain of a view or trajectory [bits]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--criterion", criterion,
-                 "Criterion to choose views and trajectories, and to stop: mi or predicted-error")
-      ->capture_default_str();
-  app.add_option("--camera-stage-s", guide.camera_stage_s,
+      ->check(positiveNumber());
+  addWithDefault(app, "--criterion", criterion,
+                 "Criterion to choose views and trajectories, and to stop: mi or predicted-error");
+  addWithDefault(app, "--camera-stage-s", guide.camera_stage_s,
                  "End the camera stage after this time even if it does not say stop [s] (0: only "
                  "where it would take the whole recording, at half of it)")
-      ->check(numberFrom(0))
-      ->capture_default_str();
-  app.add_option("--later-use", later_use,
+      ->check(numberFrom(0));
+  addWithDefault(app, "--later-use", later_use,
                  "Where the error is predicted: image (the whole image) or seen (where corners "
-                 "were seen so far)")
-      ->capture_default_str();
-  app.add_option("--stop-excess", stop_excess_percent,
+                 "were seen so far)");
+  addWithDefault(app, "--stop-excess", stop_excess_percent,
                  "predicted-error: finish the stage when the parameters' uncertainty adds at most "
                  "this to a corner's error [%]")
-      ->check(positiveNumber())
-      ->capture_default_str();
+      ->check(positiveNumber());
   declareViews(app, guide.views);
   declareTrajectories(app, guide.trajectories);
   declareTrajectoriesAndStops(app, guide, first_trajectory);
-  app.add_option("--max-rate", max_rate_deg_s, "Angular-rate limit of a trajectory [deg/s]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--max-acceleration", max_acceleration_g, "Acceleration limit of a trajectory [g]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--expires-s", guide.views.expires_s, "Time after which a suggestion expires [s]")
-      ->check(positiveNumber())
-      ->capture_default_str();
+  addWithDefault(app, "--max-rate", max_rate_deg_s, "Angular-rate limit of a trajectory [deg/s]")
+      ->check(positiveNumber());
+  addWithDefault(app, "--max-acceleration", max_acceleration_g,
+                 "Acceleration limit of a trajectory [g]")
+      ->check(positiveNumber());
+  addWithDefault(app, "--expires-s", guide.views.expires_s,
+                 "Time after which a suggestion expires [s]")
+      ->check(positiveNumber());
   app.add_option("--latency-ms", latencies,
                  "Simulated computing time of a step, e.g. camera-frame=5,next-view=40 [ms]")
       ->delimiter(',')
       ->allow_extra_args(false);
-  app.add_option("--arrival-ms", arrival_ms,
+  addWithDefault(app, "--arrival-ms", arrival_ms,
                  "Simulated delay of an image after its stamp; the IMU samples until then are "
                  "there too [ms]")
-      ->check(numberWithin(0, kLongest_ms))
-      ->capture_default_str();
+      ->check(numberWithin(0, kLongest_ms));
 }
 
 GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
@@ -225,19 +206,15 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
   app.add_option(
       "--suggestions", o.suggestions,
       "Suggestions that the operator was shown (default: suggestions.csv in the session)");
-  app.add_option("--random-orders", o.random_orders,
+  addWithDefault(app, "--random-orders", o.random_orders,
                  "Number of random view orders among the counterfactuals")
-      ->check(numberFrom(1))
-      ->capture_default_str();
-  app.add_option("--seed", o.seed, "Seed of the first random order")
-      ->check(seedFrom(1))
-      ->capture_default_str();
+      ->check(numberFrom(1));
+  addWithDefault(app, "--seed", o.seed, "Seed of the first random order")->check(seedFrom(1));
   app.add_flag("--no-counterfactuals", o.no_counterfactuals,
                "Skip the counterfactuals (other orders of views)");
-  app.add_option("--stop-tolerance-s", o.stop_tolerance_s,
+  addWithDefault(app, "--stop-tolerance-s", o.stop_tolerance_s,
                  "A stop up to this long after the views were sufficient counts as right [s]")
-      ->check(numberFrom(0))
-      ->capture_default_str();
+      ->check(numberFrom(0));
   o.output.declareResult(app);
   app.add_flag("--no-images", o.no_images, "Do not embed images in the page");
 }

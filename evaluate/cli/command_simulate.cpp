@@ -37,27 +37,23 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
   auto& s = o.simulation;
   // Not required() for CLI11: --fault list and the subcommands do without.
   o.output.declare(app, "Folder to write (required, except with --fault list)");
-  app.add_option("--rig", o.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
-      ->capture_default_str();
-  app.add_option(
-         "--motion", o.motion,
-         "Motion of the rig: full, or a degenerate one under which parameters are unobservable: "
-         "pure-rotation, single-axis, planar (both about y of the IMU), static, fronto-parallel")
-      ->capture_default_str();
-  app.add_option("--seed", s.seed, "Seed of motion and noise: same seed, same bytes")
-      ->check(seedFrom(0))
-      ->capture_default_str();
+  addWithDefault(app, "--rig", o.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i");
+  addWithDefault(
+      app, "--motion", o.motion,
+      "Motion of the rig: full, or a degenerate one under which parameters are unobservable: "
+      "pure-rotation, single-axis, planar (both about y of the IMU), static, fronto-parallel");
+  addWithDefault(app, "--seed", s.seed, "Seed of motion and noise: same seed, same bytes")
+      ->check(seedFrom(0));
   app.add_flag("--images", o.images, "Render images instead of writing corners");
-  app.add_option("--duration", s.duration_s, "Length [s]")->capture_default_str();
+  addWithDefault(app, "--duration", s.duration_s, "Length [s]");
   app.add_option("--camera-rate", s.camera_rate_hz, "Camera rate [Hz] (default: the rig's)");
   app.add_option("--imu-rate", s.imu_rate_hz, "IMU rate [Hz] (default: the rig's)");
   app.add_option("--time-offset-ms", o.time_offset_ms,
                  "t_imu = t_cam + this [ms] (default: the rig's)");
-  app.add_option("--corner-sigma", s.corner_sigma_px, "Noise of corners [px] (not with --images)")
-      ->capture_default_str();
-  app.add_option("--outliers", s.outlier_fraction,
-                 "Fraction of outlier corners (not with --images)")
-      ->capture_default_str();
+  addWithDefault(app, "--corner-sigma", s.corner_sigma_px,
+                 "Noise of corners [px] (not with --images)");
+  addWithDefault(app, "--outliers", s.outlier_fraction,
+                 "Fraction of outlier corners (not with --images)");
   app.add_option("--fault", o.faults,
                  "Inject a fault, e.g. gyro-delay=5ms; repeatable; list: prints all faults")
       ->allow_extra_args(false);
@@ -68,9 +64,8 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
   for (const char* of_corners : {"--corner-sigma", "--outliers"}) {
     app.get_option("--images")->excludes(app.get_option(of_corners));
   }
-  app.add_option("--threads", o.threads, "Rendering threads (0: all cores)")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  addWithDefault(app, "--threads", o.threads, "Rendering threads (0: all cores)")
+      ->check(CLI::Range(0, 1024));
 }
 
 int simulate(SimulateOptions o) {

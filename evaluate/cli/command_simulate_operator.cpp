@@ -63,35 +63,28 @@ struct SimulateOperatorOptions {
 void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   auto& s = o.simulation;
   o.output.declare(app, "Folder to write")->required();
-  app.add_option("--rig", s.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
-      ->capture_default_str();
-  app.add_option("--method", o.method,
+  addWithDefault(app, "--rig", s.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i");
+  addWithDefault(app, "--method", o.method,
                  "guided; free (views around the board, then faster motion); dance (back and forth "
                  "along and about each axis, then faster)")
-      ->check(CLI::IsMember({"guided", "free", "dance"}))
-      ->capture_default_str();
-  app.add_option("--criterion", o.criterion, "Criterion of the guide: mi or predicted-error")
-      ->capture_default_str();
-  app.add_option("--skill", o.skill,
+      ->check(CLI::IsMember({"guided", "free", "dance"}));
+  addWithDefault(app, "--criterion", o.criterion, "Criterion of the guide: mi or predicted-error");
+  addWithDefault(app, "--skill", o.skill,
                  "expert, practised, novice, or a clumsiness from 0 to 1; the options below set "
-                 "single values")
-      ->capture_default_str();
+                 "single values");
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
     app.add_option(kFigures[i].option, o.figures[i], kFigures[i].text);
   }
   declareTrajectoriesAndStops(app, s.guide, o.first_trajectory);
-  app.add_option("--duration", s.duration_s,
+  addWithDefault(app, "--duration", s.duration_s,
                  "Length of an unguided recording, and limit of a guided one [s]")
-      ->check(CLI::Range(5.0, 3600.0))
-      ->capture_default_str();
-  app.add_option("--trajectories", s.trajectories,
+      ->check(CLI::Range(5.0, 3600.0));
+  addWithDefault(app, "--trajectories", s.trajectories,
                  "Guided: end after this many trajectories, if the guide has not finished before "
                  "(0: no limit)")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  app.add_option("--seed", s.seed, "Seed of operator and noise: same seed, same bytes")
-      ->check(seedFrom(0))
-      ->capture_default_str();
+      ->check(CLI::Range(0, 1000));
+  addWithDefault(app, "--seed", s.seed, "Seed of operator and noise: same seed, same bytes")
+      ->check(seedFrom(0));
   declareSimulatedBoard(app, s.corner_sigma_px, s.board_bend_mm, o.guide_board);
   app.add_flag("--judge", s.judge, "Also find when the recording was sufficient");
 }

@@ -23,48 +23,38 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
   SequenceOptions& s = o.sequence;
   s.simulation.duration_s = 40;
   o.output.declare(app, "Folder to write")->required();
-  app.add_option("--rig", s.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i")
-      ->capture_default_str();
-  app.add_option("--seed", s.simulation.seed,
+  addWithDefault(app, "--rig", s.rig, "Rig: euroc (radtan), tumvi (equidistant), d435i");
+  addWithDefault(app, "--seed", s.simulation.seed,
                  "Seed of motion, room, noise and motion capture: same seed, same bytes")
-      ->check(seedFrom(0))
-      ->capture_default_str();
-  app.add_option("--duration", s.simulation.duration_s, "Length [s]")->capture_default_str();
-  app.add_option("--pace", s.flight.pace, "Factor on every frequency of the motion")
-      ->capture_default_str();
-  app.add_option("--first-rest", s.flight.first_rest_s,
-                 "Rest before take-off [s] (0: starts in motion)")
-      ->capture_default_str();
-  app.add_option("--rests", s.flight.rests,
-                 "Number of rests during the flight, 1.5 s each, as many as fit")
-      ->capture_default_str();
-  app.add_option("--turns", s.flight.turns,
-                 "Number of fast turns of 80 degrees in 0.9 s, as many as fit")
-      ->capture_default_str();
+      ->check(seedFrom(0));
+  addWithDefault(app, "--duration", s.simulation.duration_s, "Length [s]");
+  addWithDefault(app, "--pace", s.flight.pace, "Factor on every frequency of the motion");
+  addWithDefault(app, "--first-rest", s.flight.first_rest_s,
+                 "Rest before take-off [s] (0: starts in motion)");
+  addWithDefault(app, "--rests", s.flight.rests,
+                 "Number of rests during the flight, 1.5 s each, as many as fit");
+  addWithDefault(app, "--turns", s.flight.turns,
+                 "Number of fast turns of 80 degrees in 0.9 s, as many as fit");
   app.add_option("--time-offset-ms", o.time_offset_ms,
                  "t_imu = t_cam + this [ms] (default: the rig's)");
-  app.add_option("--tracks", s.tracks.tracks, "Landmarks tracked at a time (not with --images)")
-      ->capture_default_str();
-  app.add_option("--track-sigma", s.tracks.sigma_px, "Noise of tracks [px] (not with --images)")
-      ->capture_default_str();
-  app.add_option("--outliers", s.tracks.outlier_share,
-                 "Fraction of outlier observations (not with --images)")
-      ->capture_default_str();
+  addWithDefault(app, "--tracks", s.tracks.tracks,
+                 "Landmarks tracked at a time (not with --images)");
+  addWithDefault(app, "--track-sigma", s.tracks.sigma_px,
+                 "Noise of tracks [px] (not with --images)");
+  addWithDefault(app, "--outliers", s.tracks.outlier_share,
+                 "Fraction of outlier observations (not with --images)");
   auto* images =
       app.add_flag("--images", s.images.rendered, "Render images instead of writing tracks");
   // They are of tracks, which images do not have.
   for (const char* of_tracks : {"--tracks", "--track-sigma", "--outliers"}) {
     images->excludes(app.get_option(of_tracks));
   }
-  app.add_option("--exposure-ms", o.exposure_ms, "Exposure time of images (motion blur) [ms]")
-      ->needs(images)
-      ->capture_default_str();
-  app.add_option("--drop-outs", s.motion_capture.drop_outs,
-                 "Number of gaps of the motion capture, 0.6 s each")
-      ->capture_default_str();
-  app.add_option("--threads", s.images.threads, "Rendering threads (0: all cores)")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  addWithDefault(app, "--exposure-ms", o.exposure_ms, "Exposure time of images (motion blur) [ms]")
+      ->needs(images);
+  addWithDefault(app, "--drop-outs", s.motion_capture.drop_outs,
+                 "Number of gaps of the motion capture, 0.6 s each");
+  addWithDefault(app, "--threads", s.images.threads, "Rendering threads (0: all cores)")
+      ->check(CLI::Range(0, 1024));
 }
 
 int simulateSequenceFolder(SimulateSequenceOptions o) {

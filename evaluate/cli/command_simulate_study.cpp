@@ -24,30 +24,24 @@ struct SimulateStudyOptions {
 void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
   auto& s = o.study;
   o.output.declare(app, "Folder to write")->required();
-  app.add_option("--participants", s.participants, "Number of participants, each with both methods")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--duration", s.duration_s, "Approximate length of a free recording [s]")
-      ->check(CLI::Range(5.0, 600.0))
-      ->capture_default_str();
-  app.add_option("--seed", s.seed, "Seed of participants, motion and noise: same seed, same bytes")
-      ->check(seedFrom(0))
-      ->capture_default_str();
-  app.add_option("--held-out", s.held_out, "Held-out evaluation recordings")
-      ->check(CLI::Range(0, 100))
-      ->capture_default_str();
-  app.add_option("--sequences", s.sequences, "Sequences with motion capture")
-      ->check(CLI::Range(0, 100))
-      ->capture_default_str();
+  addWithDefault(app, "--participants", s.participants,
+                 "Number of participants, each with both methods")
+      ->check(CLI::Range(1, 1000));
+  addWithDefault(app, "--duration", s.duration_s, "Approximate length of a free recording [s]")
+      ->check(CLI::Range(5.0, 600.0));
+  addWithDefault(app, "--seed", s.seed,
+                 "Seed of participants, motion and noise: same seed, same bytes")
+      ->check(seedFrom(0));
+  addWithDefault(app, "--held-out", s.held_out, "Held-out evaluation recordings")
+      ->check(CLI::Range(0, 100));
+  addWithDefault(app, "--sequences", s.sequences, "Sequences with motion capture")
+      ->check(CLI::Range(0, 100));
   app.add_flag("--images", s.images, "Render images of the sequences, for odometry");
-  app.add_option("--learning", s.learning,
+  addWithDefault(app, "--learning", s.learning,
                  "Learning: errors, reaction and time of the second session relative to the first "
-                 "(1: none)")
-      ->capture_default_str();
+                 "(1: none)");
   declareSimulatedBoard(app, s.corner_sigma_px, s.board_bend_mm, o.guide_board);
-  app.add_option("--threads", s.threads, "Threads (0: all cores)")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+  addWithDefault(app, "--threads", s.threads, "Threads (0: all cores)")->check(CLI::Range(0, 1024));
 }
 
 std::string timeOf(const std::optional<double>& median_s) {

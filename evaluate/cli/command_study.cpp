@@ -296,27 +296,22 @@ void declareStudy(CLI::App& app, StudyOptions& o) {
   // --out.
   app.add_option("study", o.study, "The study's definition: STUDY.yaml");
   app.add_option("--out", o.out, "Folder of the results, the same every night");
-  app.add_option("--jobs", o.jobs, "Parallel steps on this machine (0: all cores)")
-      ->check(numberWithin(0, kMostJobs))
-      ->capture_default_str();
-  app.add_option("--engine", o.engine,
+  addWithDefault(app, "--jobs", o.jobs, "Parallel steps on this machine (0: all cores)")
+      ->check(numberWithin(0, kMostJobs));
+  addWithDefault(app, "--engine", o.engine,
                  "local; slurm (job arrays); commands (prints them, for another scheduler)")
-      ->check(CLI::IsMember({"local", "slurm", "commands"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"local", "slurm", "commands"}));
   app.add_flag("--redo-failed", o.redo_failed, "Rerun failed steps even if nothing changed");
-  app.add_option("--recheck", o.recheck,
+  addWithDefault(app, "--recheck", o.recheck,
                  "Rerun this many unchanged steps and compare; different ones every night")
-      ->check(numberFrom(0))
-      ->capture_default_str();
+      ->check(numberFrom(0));
   app.add_option("--slurm-throttle", o.slurm.throttle,
                  "Parallel tasks of a job array (0: no limit)")
       ->check(numberFrom(0));
-  app.add_option("--slurm-pack", o.slurm.pack_s, "Expected work of one task [s]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--slurm-rounds", o.slurm.rounds, "Times that a lost step is submitted")
-      ->check(numberWithin(1, 20))
-      ->capture_default_str();
+  addWithDefault(app, "--slurm-pack", o.slurm.pack_s, "Expected work of one task [s]")
+      ->check(positiveNumber());
+  addWithDefault(app, "--slurm-rounds", o.slurm.rounds, "Times that a lost step is submitted")
+      ->check(numberWithin(1, 20));
   app.add_option("--slurm-options", o.slurm.options,
                  "Additional options of sbatch, e.g. '--partition=short --account=lab'");
   o.json.declare(app);

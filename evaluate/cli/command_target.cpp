@@ -44,17 +44,15 @@ double lengthFrom(const std::string& option, const std::string& word) {
 
 void declarePrint(CLI::App& app, PrintOptions& o) {
   AprilGrid& grid = o.sheet.target;
-  app.add_option("--rows", grid.rows, "Rows of tags")->check(numberFrom(1))->capture_default_str();
-  app.add_option("--cols", grid.cols, "Tags in a row")->check(numberFrom(1))->capture_default_str();
+  addWithDefault(app, "--rows", grid.rows, "Rows of tags")->check(numberFrom(1));
+  addWithDefault(app, "--cols", grid.cols, "Tags in a row")->check(numberFrom(1));
   app.add_option("--tag-size", o.tag_size, "Edge of a tag's black border, e.g. 88mm")->required();
-  app.add_option("--spacing", grid.spacing, "Gap between tags as a ratio of --tag-size")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--paper", o.paper, "A4 to A0, letter, tabloid, or WIDTHxHEIGHT in mm")
-      ->capture_default_str();
-  app.add_option("--border-bits", o.sheet.border_bits, "Black border of the tags: 2 (Kalibr) or 1")
-      ->check(CLI::IsMember({1, 2}))
-      ->capture_default_str();
+  addWithDefault(app, "--spacing", grid.spacing, "Gap between tags as a ratio of --tag-size")
+      ->check(positiveNumber());
+  addWithDefault(app, "--paper", o.paper, "A4 to A0, letter, tabloid, or WIDTHxHEIGHT in mm");
+  addWithDefault(app, "--border-bits", o.sheet.border_bits,
+                 "Black border of the tags: 2 (Kalibr) or 1")
+      ->check(CLI::IsMember({1, 2}));
   o.output.declare(app, "PDF to write; its target.yaml is written beside it")->required();
 }
 
@@ -101,14 +99,12 @@ void declareFit(CLI::App& app, FitOptions& o) {
       "--models", o.models,
       "Lens model for all cameras (default: auto, chosen by the error of held-out frames of the "
       "first session of a rig)");
-  app.add_option("--loss", o.loss, "none, or cauchy:SCALE [px]")->capture_default_str();
-  app.add_option("--target-degree", o.degree,
+  addWithDefault(app, "--loss", o.loss, "none, or cauchy:SCALE [px]");
+  addWithDefault(app, "--target-degree", o.degree,
                  "Highest degree of the shape: 4 where the sessions ask for it, or 2")
-      ->check(CLI::IsMember({2, 4}))
-      ->capture_default_str();
-  app.add_option("--threads", o.threads, "Threads (0: all cores); results do not depend on it")
-      ->check(numberFrom(0))
-      ->capture_default_str();
+      ->check(CLI::IsMember({2, 4}));
+  addWithDefault(app, "--threads", o.threads, "Threads (0: all cores); results do not depend on it")
+      ->check(numberFrom(0));
   app.add_option("--cache", o.cache, "Cache of detected corners");
   o.output.declare(app, "target_shape.yaml to write")->required();
 }

@@ -25,10 +25,9 @@ std::optional<OutputFile> JsonOption::reserve(const OutputOptions& output,
 }
 
 void FailOnOption::declare(CLI::App& app) {
-  app.add_option("--fail-on", level,
+  addWithDefault(app, "--fail-on", level,
                  "Exit with code 4 if the verdict is at least this bad: caution, bad, or never")
-      ->check(CLI::IsMember({"caution", "bad", "never"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"caution", "bad", "never"}));
 }
 
 int FailOnOption::exitCode(VerdictLevel verdict) const {

@@ -108,10 +108,9 @@ void SessionOptions::declareDetails(CLI::App& app) {
   // Only there does stating the default change nothing.
   if (target_shape == kAuto) shape->capture_default_str();
   if (estimating_) {
-    app.add_option("--target-degree", target_degree,
+    addWithDefault(app, "--target-degree", target_degree,
                    "Highest degree of an estimated shape: 4 where held-out frames ask for it, or 2")
-        ->check(CLI::IsMember({2, 4}))
-        ->capture_default_str();
+        ->check(CLI::IsMember({2, 4}));
     app.add_flag("--no-target-corners", no_target_corners,
                  "No remainders of single corners beside degree 4, whatever held-out frames say");
   }
@@ -125,22 +124,17 @@ void SessionOptions::declareDetails(CLI::App& app) {
       ->check(numberFrom(0));
   app.add_option("--to", to_s, "Ignore frames later than this [s after the first]")
       ->check(positiveNumber());
-  app.add_option("--stride", stride, "Use every n-th frame")
-      ->check(numberFrom(1))
-      ->capture_default_str();
-  app.add_option("--sync-tolerance-ms", sync_tolerance_ms,
+  addWithDefault(app, "--stride", stride, "Use every n-th frame")->check(numberFrom(1));
+  addWithDefault(app, "--sync-tolerance-ms", sync_tolerance_ms,
                  "Largest time difference between the views of one frame [ms], beyond a constant "
                  "shift of a camera's stamps of up to a quarter of the frame interval")
-      ->check(numberFrom(0))
-      ->capture_default_str();
-  app.add_option("--threads", threads, "Threads (0: all cores); results do not depend on it")
-      ->check(numberWithin(0, kMostThreads))
-      ->capture_default_str();
+      ->check(numberFrom(0));
+  addWithDefault(app, "--threads", threads, "Threads (0: all cores); results do not depend on it")
+      ->check(numberWithin(0, kMostThreads));
   auto* kept = app.add_option("--cache", cache, "Cache of detected corners (default: the user's)");
   app.add_flag("--no-cache", no_cache, "Do not cache corners")->excludes(kept);
-  app.add_option("--border-bits", border_bits, "Black border of the tags: 2 (Kalibr) or 1")
-      ->check(CLI::IsMember({1, 2}))
-      ->capture_default_str();
+  addWithDefault(app, "--border-bits", border_bits, "Black border of the tags: 2 (Kalibr) or 1")
+      ->check(CLI::IsMember({1, 2}));
 }
 
 LoadRequest SessionOptions::request() const {
@@ -191,17 +185,14 @@ std::optional<std::string> SessionOptions::cacheFolder() const {
 }
 
 void MeasurementOptions::declare(CLI::App& app) {
-  app.add_option("--gravity", model.gravity_m_s2, "Magnitude of gravity [m/s^2]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--loss", loss, "none, or cauchy:SCALE [px]")->capture_default_str();
-  app.add_option("--pixel-sigma", model.pixel_sigma,
+  addWithDefault(app, "--gravity", model.gravity_m_s2, "Magnitude of gravity [m/s^2]")
+      ->check(positiveNumber());
+  addWithDefault(app, "--loss", loss, "none, or cauchy:SCALE [px]");
+  addWithDefault(app, "--pixel-sigma", model.pixel_sigma,
                  "Standard deviation of a corner, per axis [px]")
-      ->check(positiveNumber())
-      ->capture_default_str();
-  app.add_option("--min-corners", frames.min_corners, "Ignore views with fewer corners")
-      ->check(numberFrom(1))
-      ->capture_default_str();
+      ->check(positiveNumber());
+  addWithDefault(app, "--min-corners", frames.min_corners, "Ignore views with fewer corners")
+      ->check(numberFrom(1));
 }
 
 MeasurementModel MeasurementOptions::chosen() const {
@@ -223,7 +214,7 @@ void EstimationOptions::declare(CLI::App& app) {
       ->excludes(app.get_option("--models"));  // the models are those of the file
   app.add_flag("--no-imu", no_imu, "Calibrate the cameras only");
   measurements.declare(app);
-  app.add_option("--outliers", outliers, "none, sigma:K, or kalibr")->capture_default_str();
+  addWithDefault(app, "--outliers", outliers, "none, sigma:K, or kalibr");
 }
 
 bool EstimationOptions::choosesModels() const {

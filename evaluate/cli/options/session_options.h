@@ -86,6 +86,13 @@ std::vector<std::pair<std::string, std::string>> givenOptions(const CLI::App& ap
 /// would have no effect.
 void refuseBefore(const CLI::App& app, const CLI::App& sub);
 
+/// An option whose default help shows.
+template <class Value>
+CLI::Option* addWithDefault(CLI::App& app, const char* name, Value& value,
+                            const std::string& help) {
+  return app.add_option(name, value, help)->capture_default_str();
+}
+
 /// What an option's number must be; NaN and infinity never are. Whole numbers where it is an int.
 CLI::Validator positiveNumber();
 CLI::Validator numberWithin(double least, double most);

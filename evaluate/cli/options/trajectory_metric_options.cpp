@@ -17,34 +17,28 @@ constexpr double kLongestTime = 4e9;  // [s], more than any two clocks differ; h
 constexpr double kNarrowest = 0.05, kWidest = 600;  // [s] of the search for a clock offset
 
 void declarePairing(CLI::App& app, TrajectoryMetricWords& o) {
-  app.add_option("--association", o.association,
-                 "How stamps are paired: one-to-one, interpolate, evo, rpg or ov_eval")
-      ->capture_default_str();
-  app.add_option("--max-dt", o.max_dt_s, "Largest difference of paired stamps [s]")
-      ->check(numberWithin(0, kLongestTime))
-      ->capture_default_str();
-  app.add_option("--max-gap", o.max_gap_s,
+  addWithDefault(app, "--association", o.association,
+                 "How stamps are paired: one-to-one, interpolate, evo, rpg or ov_eval");
+  addWithDefault(app, "--max-dt", o.max_dt_s, "Largest difference of paired stamps [s]")
+      ->check(numberWithin(0, kLongestTime));
+  addWithDefault(app, "--max-gap", o.max_gap_s,
                  "interpolate: widest gap of the truth to interpolate over [s]")
-      ->check(numberWithin(0, kLongestTime))
-      ->capture_default_str();
-  app.add_option("--time-offset", o.time_offset_s,
+      ->check(numberWithin(0, kLongestTime));
+  addWithDefault(app, "--time-offset", o.time_offset_s,
                  "Add this to the estimate's stamps before pairing [s]")
-      ->check(numberWithin(-kLongestTime, kLongestTime))
-      ->capture_default_str();
+      ->check(numberWithin(-kLongestTime, kLongestTime));
 }
 
 void declareFrames(CLI::App& app, TrajectoryMetricWords& o) {
-  app.add_option("--clock-offset", o.clock_offset,
-                 "t_truth - t_estimate: auto (from angular rates), seconds, or none")
-      ->capture_default_str();
+  addWithDefault(app, "--clock-offset", o.clock_offset,
+                 "t_truth - t_estimate: auto (from angular rates), seconds, or none");
   app.add_option("--clock-range", o.clock_range_s,
                  fmt::format("auto: search within +- this around --time-offset [s] (default: {:g})",
                              ClockOffsetOptions{}.max_offset_s))
       ->check(numberWithin(kNarrowest, kWidest));
-  app.add_option("--hand-eye", o.hand_eye,
+  addWithDefault(app, "--hand-eye", o.hand_eye,
                  "Transform from marker body to the estimate's body: auto (estimated, and applied "
-                 "to the truth) or none")
-      ->capture_default_str();
+                 "to the truth) or none");
   app.add_flag("--estimate-w-first", o.estimate_w_first,
                "The estimate is TUM with quaternions w x y z");
   app.add_flag("--truth-w-first", o.truth_w_first, "The truth is TUM with quaternions w x y z");
@@ -55,20 +49,16 @@ void declareFrames(CLI::App& app, TrajectoryMetricWords& o) {
 }
 
 void declareErrors(CLI::App& app, TrajectoryMetricWords& o) {
-  app.add_option("--align", o.align,
-                 "Alignment: se3, sim3, scale, yaw, origin, se3-first, yaw-first or none")
-      ->capture_default_str();
-  app.add_option("--align-first", o.align_first, "Align by the first N pairs only (0: all)")
-      ->check(numberFrom(0))
-      ->capture_default_str();
-  app.add_option("--rpe", o.rpe,
-                 "Segment lengths of relative errors (RPE): 1m,10m,1frames,0.5s, or none")
-      ->capture_default_str();
-  app.add_option("--rpe-pairs", o.rpe_pairs,
+  addWithDefault(app, "--align", o.align,
+                 "Alignment: se3, sim3, scale, yaw, origin, se3-first, yaw-first or none");
+  addWithDefault(app, "--align-first", o.align_first, "Align by the first N pairs only (0: all)")
+      ->check(numberFrom(0));
+  addWithDefault(app, "--rpe", o.rpe,
+                 "Segment lengths of relative errors (RPE): 1m,10m,1frames,0.5s, or none");
+  addWithDefault(app, "--rpe-pairs", o.rpe_pairs,
                  "Pair selection for the RPE: plumbline (from every pose, within 10 % along the "
                  "truth), evo (consecutive segments along the estimate), evo-all (from every pose "
-                 "along the estimate), rpg (within 20 %) or ov_eval (within 0.5 m)")
-      ->capture_default_str();
+                 "along the estimate), rpg (within 20 %) or ov_eval (within 0.5 m)");
 }
 
 // --clock-offset in seconds; "none" is 0.
@@ -106,13 +96,11 @@ void declareTrajectoryMetrics(CLI::App& app, TrajectoryMetricWords& words) {
 }
 
 void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
-  app.add_option("--min-coverage", o.min_coverage,
+  addWithDefault(app, "--min-coverage", o.min_coverage,
                  "Share of the truth's time span below which a run is partial")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  app.add_option("--coverage-from", o.coverage_from,
-                 "Where that span starts: start (of the truth) or first-pose (of the estimate)")
-      ->capture_default_str();
+      ->check(CLI::Range(0.0, 1.0));
+  addWithDefault(app, "--coverage-from", o.coverage_from,
+                 "Where that span starts: start (of the truth) or first-pose (of the estimate)");
   app.add_option("--max-ate", o.max_ate_m,
                  "ATE [m] above which a run has diverged (default: the ATE of an estimate that "
                  "never moves; half of it with --align sim3)")
