@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -137,11 +135,7 @@ void checkCalibrateLine(std::vector<std::string> reversed) {
 
 Command calibrateCommand() {
   return {"calibrate", "Calibrate cameras and IMU from a recording",
-          "plumbline calibrate session --out result", [](CLI::App& app) {
-            auto options = std::make_shared<CalibrateOptions>();
-            declareCalibrate(app, *options);
-            return std::function<int()>([options, &app] { return calibrate(*options, app); });
-          }};
+          "plumbline calibrate session --out result", withOptions(declareCalibrate, calibrate)};
 }
 
 }  // namespace plumbline

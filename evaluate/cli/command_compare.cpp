@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <functional>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -211,11 +209,7 @@ Command compareCommand() {
   return {"compare", "Compare calibrations: parameters, projections, scores",
           "plumbline compare ours/calibration.json kalibr/camchain-imucam.yaml --session recording "
           "--out comparison",
-          [](CLI::App& app) {
-            auto options = std::make_shared<CompareOptions>();
-            declareCompare(app, *options);
-            return std::function<int()>([options, &app] { return compare(*options, app); });
-          }};
+          withOptions(declareCompare, compare)};
 }
 
 }  // namespace plumbline

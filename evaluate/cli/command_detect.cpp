@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -23,6 +21,14 @@ struct DetectOptions {
   OutputOptions output;
   JsonOption json;
 };
+
+void declareDetect(CLI::App& app, DetectOptions& o) {
+  o.session.declare(app);
+  // Corners do not depend on the board's shape, and a session of them states none.
+  app.remove_option(app.get_option("--target-shape"));
+  o.output.declare(app, "Folder to write")->required();
+  o.json.declare(app);
+}
 
 // What a machine wants to know of the detection: counts of every camera and the input's hash.
 std::string detectionDocument(const LoadedSession& loaded) {
@@ -83,15 +89,7 @@ int detect(const DetectOptions& o) {
 
 Command detectCommand() {
   return {"detect", "Detect the corners in every image and write a session of corners",
-          "plumbline detect session --out corners", [](CLI::App& app) {
-            auto options = std::make_shared<DetectOptions>();
-            options->session.declare(app);
-            // Corners do not depend on the board's shape, and a session of them states none.
-            app.remove_option(app.get_option("--target-shape"));
-            options->output.declare(app, "Folder to write")->required();
-            options->json.declare(app);
-            return std::function<int()>([options] { return detect(*options); });
-          }};
+          "plumbline detect session --out corners", withOptions(declareDetect, detect)};
 }
 
 }  // namespace plumbline

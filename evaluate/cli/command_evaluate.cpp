@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <functional>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -111,12 +109,7 @@ Command evaluateCommand() {
 Command evaluateCalibrationCommand() {
   return {"calibration", "Score a calibration on sessions: only poses are estimated",
           "plumbline evaluate calibration camchain-imucam.yaml session --folds 5 --out scores",
-          [](CLI::App& app) {
-            auto options = std::make_shared<EvaluateCalibrationOptions>();
-            declareEvaluateCalibration(app, *options);
-            return std::function<int()>(
-                [options, &app] { return evaluateCalibrationFile(*options, app); });
-          }};
+          withOptions(declareEvaluateCalibration, evaluateCalibrationFile)};
 }
 
 }  // namespace plumbline

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -39,7 +38,7 @@ struct EvaluateTrajectoryOptions {
   FailOnOption fail_on;
 };
 
-void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
+void declareEvaluateTrajectory(CLI::App& app, EvaluateTrajectoryOptions& o) {
   app.add_option("estimate", o.estimate,
                  "Estimated trajectory: TUM, EuRoC or KITTI; - for standard input")
       ->required();
@@ -57,6 +56,8 @@ void declareFiles(CLI::App& app, EvaluateTrajectoryOptions& o) {
   declareNoReport(app, o.no_report);
   app.get_option("--no-report")->needs(app.get_option("--out"));
   o.fail_on.declare(app);
+  declareTrajectoryMetrics(app, o.metrics);
+  declareCoverage(app, o.metrics);
 }
 
 TrajectoryRequest evaluateTrajectoryRequest(const EvaluateTrajectoryOptions& o) {
@@ -196,26 +197,14 @@ int evaluateTrajectoryRuns(const EvaluateTrajectoriesOptions& o, const CLI::App&
 Command evaluateTrajectoryCommand() {
   return {"trajectory", "Errors of an estimated trajectory against ground truth",
           "plumbline evaluate trajectory estimate.txt groundtruth.csv --align se3 --rpe 1m,10m",
-          [](CLI::App& app) {
-            auto options = std::make_shared<EvaluateTrajectoryOptions>();
-            declareFiles(app, *options);
-            declareTrajectoryMetrics(app, options->metrics);
-            declareCoverage(app, options->metrics);
-            return std::function<int()>(
-                [options, &app] { return evaluateTrajectoryFiles(*options, app); });
-          }};
+          withOptions(declareEvaluateTrajectory, evaluateTrajectoryFiles)};
 }
 
 Command evaluateTrajectoriesCommand() {
   return {"trajectories", "Errors of many runs, sequences and calibrations, failures counted",
           "plumbline evaluate trajectories 'results/{calibration}/{sequence}_{run}.txt' --truth "
           "'truth/{sequence}.csv' --out errors",
-          [](CLI::App& app) {
-            auto options = std::make_shared<EvaluateTrajectoriesOptions>();
-            declareEvaluateTrajectories(app, *options);
-            return std::function<int()>(
-                [options, &app] { return evaluateTrajectoryRuns(*options, app); });
-          }};
+          withOptions(declareEvaluateTrajectories, evaluateTrajectoryRuns)};
 }
 
 }  // namespace plumbline

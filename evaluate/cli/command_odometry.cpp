@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -161,15 +159,10 @@ int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {
 }  // namespace
 
 Command odometryCommand() {
-  return {
-      "odometry", "Run an odometry with each calibration and compare the trajectory errors",
-      "plumbline odometry MH_01 --calibration ours/calibration.json --calibration kalibr.yaml "
-      "--out loop",
-      [](CLI::App& app) {
-        auto options = std::make_shared<OdometryCommandOptions>();
-        declareOdometry(app, *options);
-        return std::function<int()>([options, &app] { return runOdometryCommand(*options, app); });
-      }};
+  return {"odometry", "Run an odometry with each calibration and compare the trajectory errors",
+          "plumbline odometry MH_01 --calibration ours/calibration.json --calibration kalibr.yaml "
+          "--out loop",
+          withOptions(declareOdometry, runOdometryCommand)};
 }
 
 }  // namespace plumbline

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -143,11 +141,8 @@ int perturb(const PerturbOptions& o, const CLI::App& app) {
 
 Command perturbCommand() {
   return {"perturb", "Recalibrate under known perturbations: what is recovered, what else changes",
-          "plumbline perturb session --offsets-ms 100,10,1 --out study", [](CLI::App& app) {
-            auto options = std::make_shared<PerturbOptions>();
-            declarePerturb(app, *options);
-            return std::function<int()>([options, &app] { return perturb(*options, app); });
-          }};
+          "plumbline perturb session --offsets-ms 100,10,1 --out study",
+          withOptions(declarePerturb, perturb)};
 }
 
 }  // namespace plumbline

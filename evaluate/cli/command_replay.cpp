@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <functional>
-#include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -263,11 +261,7 @@ int replay(const ReplayOptions& o, const CLI::App& app) {
 
 Command replayCommand() {
   return {"replay", "Replay a recording through the interactive guide and judge its decisions",
-          "plumbline replay session --out replay", [](CLI::App& app) {
-            auto options = std::make_shared<ReplayOptions>();
-            declareReplay(app, *options);
-            return std::function<int()>([options, &app] { return replay(*options, app); });
-          }};
+          "plumbline replay session --out replay", withOptions(declareReplay, replay)};
 }
 
 }  // namespace plumbline

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -31,6 +29,13 @@ struct ReportOptions {
   JsonOption json;
   std::optional<std::int64_t> run;
 };
+
+void declareReport(CLI::App& app, ReportOptions& o) {
+  app.add_option("input", o.input, "Result folder, or a records file")->required();
+  o.output.declare(app, "HTML file to write");
+  o.json.declare(app);
+  app.add_option("--run", o.run, "Number of the run (default: the latest)");
+}
 
 /// Of a folder its records file; any other path is taken for one, and the store says what is wrong
 /// with it.
@@ -95,14 +100,7 @@ int report(const ReportOptions& o) {
 
 Command reportCommand() {
   return {"report", "Rebuild the page or the JSON document from the records alone",
-          "plumbline report result --out page.html", [](CLI::App& app) {
-            auto options = std::make_shared<ReportOptions>();
-            app.add_option("input", options->input, "Result folder, or a records file")->required();
-            options->output.declare(app, "HTML file to write");
-            options->json.declare(app);
-            app.add_option("--run", options->run, "Number of the run (default: the latest)");
-            return std::function<int()>([options] { return report(*options); });
-          }};
+          "plumbline report result --out page.html", withOptions(declareReport, report)};
 }
 
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <CLI/App.hpp>
@@ -40,13 +41,18 @@ inline std::function<int()> addCommands(CLI::App& app, const std::vector<Command
 }
 
 /// The `configure` of a command whose options are a struct: `declare` puts them on the app, `run`
-/// does the work and returns the ExitCode.
+/// does the work, with the options and, if it takes it, the app, and returns the ExitCode.
 template <class Options, class Run>
 auto withOptions(void (*declare)(CLI::App&, Options&), Run run) {
   return [declare, run](CLI::App& app) {
     auto options = std::make_shared<Options>();
     declare(app, *options);
-    return std::function<int()>([options, run] { return run(*options); });
+    return std::function<int()>([options, run, &app] {
+      if constexpr (std::is_invocable_v<Run, Options&, CLI::App&>)
+        return run(*options, app);
+      else
+        return run(*options);
+    });
   };
 }
 
