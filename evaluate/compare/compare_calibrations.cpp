@@ -70,31 +70,25 @@ void addOwnFigures(const KalibrResults& results, ComparedFile& file) {
     parts.push_back(fmt::format("accelerometer {:.3g} m/s^2", results.accel_m_s2->rms()));
   }
   if (parts.empty()) return;
-  Finding f;
-  f.rule = "Kalibr's own errors";
-  f.evidence = fmt::format("RMS in sample, from its text: {}", fmt::join(parts, ", "));
-  file.remarks.push_back(std::move(f));
+  file.remarks.push_back({"Kalibr's own errors", VerdictLevel::kGood,
+                          fmt::format("RMS in sample, from its text: {}", fmt::join(parts, ", "))});
 }
 
 /// Its place and offset hold for samples that are corrected by the model.
 void addImuModel(const KalibrImuFile& imu, ComparedFile& file) {
   if (!imu.imus.front().isDistorted()) return;
-  Finding f;
-  f.rule = "Kalibr's IMU model";
-  f.level = VerdictLevel::kCaution;
-  f.evidence = imu.path + " states scale and misalignment of the IMU (" + imu.imus.front().model +
-               "), which are not compared and not applied to samples";
-  f.advice = "compare with a calibration of the model `calibrated`";
+  Finding f{"Kalibr's IMU model", VerdictLevel::kCaution,
+            imu.path + " states scale and misalignment of the IMU (" + imu.imus.front().model +
+                "), which are not compared and not applied to samples",
+            "compare with a calibration of the model `calibrated`"};
   f.subject = FindingSubject::kExtrinsics;
   file.remarks.push_back(std::move(f));
 }
 
 void addUnknownOffset(ComparedFile& file) {
-  Finding f;
-  f.rule = "Time offset";
-  f.evidence =
-      "the file states none (no timeshift_cam_imu): it is not compared, and scores with the IMU "
-      "assume 0";
+  Finding f{"Time offset", VerdictLevel::kGood,
+            "the file states none (no timeshift_cam_imu): it is not compared, and scores with the "
+            "IMU assume 0"};
   f.subject = FindingSubject::kExtrinsics;
   file.remarks.push_back(std::move(f));
 }
@@ -102,10 +96,7 @@ void addUnknownOffset(ComparedFile& file) {
 void addRemarks(const std::vector<std::string>& remarks, const std::string& rule,
                 ComparedFile& file) {
   for (const std::string& remark : remarks) {
-    Finding f;
-    f.rule = rule;
-    f.evidence = remark;
-    file.remarks.push_back(std::move(f));
+    file.remarks.push_back({rule, VerdictLevel::kGood, remark});
   }
 }
 

@@ -45,9 +45,13 @@ Finding significantFinding(const ComparisonRecord& record, std::size_t i,
     names.push_back(fmt::format("{} ({:.1f})", beyond[k]->name, *beyond[k]->significance[i]));
   }
   if (beyond.size() > kMostNamed) names.push_back("...");
-  Finding f;
-  f.rule = "Parameters of " + pairName(record, i);
-  f.level = beyond.empty() ? VerdictLevel::kGood : VerdictLevel::kCaution;
+  Finding f{"Parameters of " + pairName(record, i),
+            beyond.empty() ? VerdictLevel::kGood : VerdictLevel::kCaution,
+            "",
+            "",
+            largest,
+            bounds.significance,
+            "sigma"};
   if (known == 0) {
     f.evidence = "no parameter has a standard deviation in both: significance is unknown";
   } else if (beyond.empty()) {
@@ -60,9 +64,6 @@ Finding significantFinding(const ComparisonRecord& record, std::size_t i,
         "look at the projection difference: parameters may compensate each other without any "
         "effect";
   }
-  f.value = largest;
-  f.threshold = bounds.significance;
-  f.unit = "sigma";
   return f;
 }
 
@@ -234,36 +235,36 @@ void addProjection(const ComparisonRecord& record, std::size_t i,
 Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction& p) {
   const double sigmas = p.sigmas();
   const std::string& first = record.calibrations[0].label;
-  Finding f;
-  f.rule = fmt::format("Corners of {} predicted, {} against {}", p.camera, p.label, first);
+  const std::string rule =
+      fmt::format("Corners of {} predicted, {} against {}", p.camera, p.label, first);
   if (!(p.half_px2 > 0)) {
-    f.evidence = fmt::format(
-        "mean squared error {:+.3g} px^2 over {} views scored under both: too few, or too much "
-        "alike, for an interval",
-        p.difference_px2, p.views);
-    return f;
+    return {rule, VerdictLevel::kGood,
+            fmt::format("mean squared error {:+.3g} px^2 over {} views scored under both: too few, "
+                        "or too much alike, for an interval",
+                        p.difference_px2, p.views)};
   }
-  f.evidence =
+  return {
+      rule,
+      VerdictLevel::kGood,
       fmt::format("{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
                   p.isClear() ? (sigmas < 0 ? p.label : first) + " is better"
                               : std::string("no clear difference"),
-                  p.difference_px2, p.std_px2, p.views);
-  f.value = std::abs(sigmas);
-  f.threshold = p.half_px2 / p.std_px2;
-  f.unit = "sigma";
-  return f;
+                  p.difference_px2, p.std_px2, p.views),
+      "",
+      std::abs(sigmas),
+      p.half_px2 / p.std_px2,
+      "sigma"};
 }
 
 void addUnscored(const ComparisonRecord& record, std::vector<Finding>& findings) {
   for (const CalibrationScore& score : record.scores) {
     if (score.problem.empty()) continue;
-    Finding f;
-    f.rule = fmt::format("{} on {}", score.label, score.session);
     // With corners scored only a part is missing; without there is no score, on a recording that
     // others may be scored on.
-    f.level = score.reprojection.count > 0 ? VerdictLevel::kCaution : VerdictLevel::kBad;
-    f.evidence = (score.reprojection.count > 0 ? "" : "not scored: ") + score.problem;
-    findings.push_back(std::move(f));
+    const bool scored = score.reprojection.count > 0;
+    findings.push_back({fmt::format("{} on {}", score.label, score.session),
+                        scored ? VerdictLevel::kCaution : VerdictLevel::kBad,
+                        (scored ? "" : "not scored: ") + score.problem});
   }
 }
 
@@ -292,11 +293,9 @@ void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Findin
   }
   if (a.size() != b.size()) parts.push_back(fmt::format("{} and {} cameras", b.size(), a.size()));
   if (parts.empty()) return;
-  Finding f;
-  f.rule = "Models of " + pairName(record, i);
-  f.level = comparable ? VerdictLevel::kGood : VerdictLevel::kCaution;
-  f.evidence = fmt::format("{}", fmt::join(parts, "; "));
-  findings.push_back(std::move(f));
+  findings.push_back({"Models of " + pairName(record, i),
+                      comparable ? VerdictLevel::kGood : VerdictLevel::kCaution,
+                      fmt::format("{}", fmt::join(parts, "; "))});
 }
 
 }  // namespace

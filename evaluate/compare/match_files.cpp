@@ -76,8 +76,7 @@ std::vector<Finding> pairing(const FileCameras& file, const std::vector<StatedCa
     const bool used = std::find(file.places.begin(), file.places.end(), k) != file.places.end();
     if (!used) left_out.push_back(file.stated[k]);
   }
-  Finding f;
-  f.rule = "Cameras of " + file.label;
+  Finding f{"Cameras of " + file.label};
   std::vector<std::string> parts;
   const std::string pairs =
       fmt::format("{} as {} of {}", listOf(paired), listOf(wanted), reference);
@@ -101,11 +100,9 @@ std::vector<Finding> pairing(const FileCameras& file, const std::vector<StatedCa
 /// Where camera 0 of the comparison is another one than the first file's.
 std::vector<Finding> otherReference(const FileCameras& first) {
   if (first.places.front() == 0) return {};
-  Finding f;
-  f.rule = "Cameras of " + first.label;
-  f.evidence = fmt::format("camera 0 of the comparison is {}, the first one that all files have",
-                           wordsOf(first.stated[first.places.front()]));
-  return {f};
+  return {{"Cameras of " + first.label, VerdictLevel::kGood,
+           fmt::format("camera 0 of the comparison is {}, the first one that all files have",
+                       wordsOf(first.stated[first.places.front()]))}};
 }
 
 }  // namespace

@@ -32,20 +32,16 @@ std::string ruleName(GuideStage stage, const char* what) {
 
 /// A stage that no frame came to could not be judged; one that had frames and never started is bad.
 Finding startFinding(const ReplayStageSummary& s, TimeNs begin) {
-  Finding f;
-  f.rule = ruleName(s.stage, "start");
+  const std::string rule = ruleName(s.stage, "start");
   if (s.frames_offered == 0) {
-    f.level = VerdictLevel::kCaution;
-    f.evidence = "not judged, because it was not replayed: " + s.problem;
-    f.advice = "give the cameras' calibration to replay this stage over the whole recording";
-    return f;
+    return {rule, VerdictLevel::kCaution, "not judged, because it was not replayed: " + s.problem,
+            "give the cameras' calibration to replay this stage over the whole recording"};
   }
   if (!s.ran) {
-    f.level = VerdictLevel::kBad;
-    f.evidence = "the stage never started: " + s.problem;
-    f.advice = "the reason for each frame is in decisions.jsonl";
-    return f;
+    return {rule, VerdictLevel::kBad, "the stage never started: " + s.problem,
+            "the reason for each frame is in decisions.jsonl"};
   }
+  Finding f{rule};
   f.value = secondsBetween(begin, *s.started);
   f.evidence = fmt::format("started {:.1f} s into the recording; {} of {} frames were used",
                            f.value, s.views_used, s.frames_offered);
@@ -86,9 +82,7 @@ std::string stopAdvice(const GuideOptions& guide, GuideStage stage, bool later) 
 /// The seconds that a stop was early or late, held against what is still right: none too early,
 /// `tolerance_s` too late.
 Finding stopFinding(const StopAudit& audit, const GuideOptions& guide, double tolerance_s) {
-  Finding f;
-  f.rule = ruleName(audit.stage, "stop");
-  f.evidence = audit.explanation;
+  Finding f{ruleName(audit.stage, "stop"), VerdictLevel::kGood, audit.explanation};
   if (audit.finished && audit.verdict != StopAudit::Verdict::kNotJudged) {
     f.value = audit.seconds;
     f.threshold = audit.verdict == StopAudit::Verdict::kEarly ? 0 : tolerance_s;
@@ -120,15 +114,11 @@ Finding stopFinding(const StopAudit& audit, const GuideOptions& guide, double to
 
 /// The cameras are given and there are no IMU samples.
 Finding noStageFinding(bool imu_is_read) {
-  Finding f;
-  f.rule = "nothing to do";
-  f.level = VerdictLevel::kBad;
-  f.evidence =
-      fmt::format("the cameras are given and {}: there is no stage to replay",
-                  imu_is_read ? "the recording has no IMU" : "the IMU is left out (--no-imu)");
-  f.advice = fmt::format("let the cameras be calibrated, or {}",
-                         imu_is_read ? "give a recording with imu0" : "replay without --no-imu");
-  return f;
+  return {"nothing to do", VerdictLevel::kBad,
+          fmt::format("the cameras are given and {}: there is no stage to replay",
+                      imu_is_read ? "the recording has no IMU" : "the IMU is left out (--no-imu)"),
+          fmt::format("let the cameras be calibrated, or {}",
+                      imu_is_read ? "give a recording with imu0" : "replay without --no-imu")};
 }
 
 /// What a replay's figures say of the recording and of the guide, stage by stage: whether it could

@@ -35,23 +35,21 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
       });
   const double error = std::abs(worst.offset_error_s);
   const ConvergenceBasin basin = convergenceBasin(record, bounds.offset_error_s.bad);
-  Finding f;
-  f.rule = "Injected time offsets recovered";
-  f.level = levelAbove(error, bounds.offset_error_s);
-  f.evidence = fmt::format(
-      "{} injected offsets; the worst, {:+g} ms, is recovered to {} (recovered - injected - base). "
-      "Unbroken range around zero: {:+g} to {:+g} ms",
-      shifts.size(), worst.amount,
-      error < 1e-9 ? "less than 0.001 us" : fmt::format("{:.4g} us", 1e6 * error), basin.from_ms,
-      basin.to_ms);
-  if (f.level != VerdictLevel::kGood) {
-    f.advice =
-        "the recording hardly determines the time offset; record faster rotation about all axes";
-  }
-  f.value = error;
-  f.threshold = bounds.offset_error_s.caution;
-  f.unit = "s";
-  return f;
+  const VerdictLevel level = levelAbove(error, bounds.offset_error_s);
+  return Finding{
+      "Injected time offsets recovered",
+      level,
+      fmt::format("{} injected offsets; the worst, {:+g} ms, is recovered to {} (recovered - "
+                  "injected - base). Unbroken range around zero: {:+g} to {:+g} ms",
+                  shifts.size(), worst.amount,
+                  error < 1e-9 ? "less than 0.001 us" : fmt::format("{:.4g} us", 1e6 * error),
+                  basin.from_ms, basin.to_ms),
+      level == VerdictLevel::kGood ? ""
+                                   : "the recording hardly determines the time offset; record "
+                                     "faster rotation about all axes",
+      error,
+      bounds.offset_error_s.caution,
+      "s"};
 }
 
 /// Shifted stamps move the time offset and nothing else: any other change is an error of the
@@ -70,18 +68,17 @@ std::optional<Finding> othersFinding(const PerturbationRecord& record,
     amount = c->amount;
   }
   if (name.empty()) return std::nullopt;
-  Finding f;
-  f.rule = "Other parameters under shifted IMU stamps";
-  f.level = levelAbove(largest, bounds.change_sigma);
-  f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} ms",
-                           name, largest, amount);
-  if (f.level != VerdictLevel::kGood) {
-    f.advice = "the offset biases other parameters; record motion that separates them";
-  }
-  f.value = largest;
-  f.threshold = bounds.change_sigma.caution;
-  f.unit = "sigma";
-  return f;
+  const VerdictLevel level = levelAbove(largest, bounds.change_sigma);
+  return Finding{"Other parameters under shifted IMU stamps",
+                 level,
+                 fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} ms",
+                             name, largest, amount),
+                 level == VerdictLevel::kGood
+                     ? ""
+                     : "the offset biases other parameters; record motion that separates them",
+                 largest,
+                 bounds.change_sigma.caution,
+                 "sigma"};
 }
 
 // First order: of independent errors, leaving out a share q of the data moves an estimate by
@@ -159,19 +156,19 @@ std::optional<Finding> kindFinding(const PerturbationRecord& record, Perturbatio
                                    const PerturbationThresholds& bounds) {
   const LargestChange largest = largestChange(record, toString(kind), bounds.change_sigma.caution);
   if (largest.of == nullptr) return std::nullopt;
-  Finding f;
-  f.rule = fmt::format("Parameters under {}", toString(kind));
   // Written so that NaN is no good.
-  f.level = largest.sigmas <= largest.bound ? VerdictLevel::kGood : VerdictLevel::kCaution;
-  f.evidence = fmt::format("largest change: {} by {:.2g} of its standard deviation, at {}",
-                           largest.parameter, largest.sigmas, amountText(*largest.of));
+  const bool good = largest.sigmas <= largest.bound;
+  Finding f{fmt::format("Parameters under {}", toString(kind)),
+            good ? VerdictLevel::kGood : VerdictLevel::kCaution,
+            fmt::format("largest change: {} by {:.2g} of its standard deviation, at {}",
+                        largest.parameter, largest.sigmas, amountText(*largest.of)),
+            good ? "" : adviceFor(toString(kind)),
+            largest.sigmas,
+            largest.bound,
+            "sigma"};
   if (const double predicted = predictedSigma(record, *largest.of); predicted > 0) {
     f.evidence += fmt::format("; first order predicts {:.2g} (one sigma)", predicted);
   }
-  if (f.level != VerdictLevel::kGood) f.advice = adviceFor(toString(kind));
-  f.value = largest.sigmas;
-  f.threshold = largest.bound;
-  f.unit = "sigma";
   return f;
 }
 
@@ -182,18 +179,19 @@ Finding failuresFinding(const PerturbationRecord& record) {
     if (c.problem.empty()) continue;
     if (failed++ == 0) first = &c;
   }
-  Finding f;
-  f.rule = "Solved cases";
-  f.level = failed == 0 ? VerdictLevel::kGood : VerdictLevel::kCaution;
-  f.evidence =
-      fmt::format("{} of {} cases were solved", record.cases.size() - failed, record.cases.size());
+  Finding f{
+      "Solved cases",
+      failed == 0 ? VerdictLevel::kGood : VerdictLevel::kCaution,
+      fmt::format("{} of {} cases were solved", record.cases.size() - failed, record.cases.size()),
+      "",
+      static_cast<double>(failed),
+      0,
+      "cases"};
   if (first != nullptr) {
     f.evidence += fmt::format("; the first that failed, {} {}: {}", first->kind, amountText(*first),
                               first->problem);
     f.advice = "cases fail where the perturbation is too large to start from, or must be refused";
   }
-  f.value = static_cast<double>(failed);
-  f.unit = "cases";
   return f;
 }
 

@@ -318,26 +318,31 @@ class Merger {
     const auto failed = std::count_if(sessions.begin(), sessions.end(), [](const auto& s) {
       return s.status == StudyStatus::kFailed;
     });
-    Finding calibrated;
-    calibrated.rule = "Sessions calibrated";
-    calibrated.value = static_cast<double>(failed);
-    calibrated.unit = "1";
-    calibrated.evidence =
+    Finding calibrated{
+        "Sessions calibrated",
+        VerdictLevel::kGood,
         fmt::format("{} of {} sessions have a calibration",
-                    sessions.size() - static_cast<std::size_t>(failed), sessions.size());
+                    sessions.size() - static_cast<std::size_t>(failed), sessions.size()),
+        "",
+        static_cast<double>(failed),
+        0,
+        "1"};
     if (failed > 0) {
       // No more than that: participants fail, and a session that had a calibration before is a
       // regression, which is judged by itself.
       calibrated.level = VerdictLevel::kCaution;
       calibrated.advice = "The failures below say why";
     }
-    Finding steps;
-    steps.rule = "Steps done";
-    steps.value = merged_.steps_failed;
-    steps.unit = "1";
-    steps.evidence = fmt::format(
-        "{} of {} steps failed, {} that need them were left out, {} were not done",
-        merged_.steps_failed, steps_.size(), merged_.steps_left_out, merged_.steps_missing);
+    Finding steps{
+        "Steps done",
+        VerdictLevel::kGood,
+        fmt::format("{} of {} steps failed, {} that need them were left out, {} were not done",
+                    merged_.steps_failed, steps_.size(), merged_.steps_left_out,
+                    merged_.steps_missing),
+        "",
+        static_cast<double>(merged_.steps_failed),
+        0,
+        "1"};
     if (!missing_.empty()) steps.evidence += ": " + firstOf(missing_);
     if (merged_.steps_failed + merged_.steps_missing > 0) {
       steps.level = VerdictLevel::kCaution;

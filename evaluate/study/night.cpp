@@ -107,47 +107,46 @@ std::string alarmSentence(const StudyAlarm& a) {
 
 Finding endpointFinding(const StudyRecord& record) {
   const auto unknown = unknownEndpoints(record);
-  Finding finding;
-  finding.rule = "Endpoints";
-  finding.value = static_cast<double>(unknown.size());
-  finding.unit = "1";
-  finding.evidence = "every declared endpoint has figures";
-  if (!unknown.empty()) {
-    // A misspelt name of a parameter, say: only the calibrations know those (isEndpoint()).
-    finding.level = VerdictLevel::kCaution;
-    finding.evidence = fmt::format("no session has a figure of {}", fmt::join(unknown, ", "));
-    finding.advice = "Correct endpoints in the study, or record what they require";
+  if (unknown.empty()) {
+    return {"Endpoints", VerdictLevel::kGood, "every declared endpoint has figures", "", 0, 0, "1"};
   }
-  return finding;
+  // A misspelt name of a parameter, say: only the calibrations know those (isEndpoint()).
+  return {"Endpoints",
+          VerdictLevel::kCaution,
+          fmt::format("no session has a figure of {}", fmt::join(unknown, ", ")),
+          "Correct endpoints in the study, or record what they require",
+          static_cast<double>(unknown.size()),
+          0,
+          "1"};
 }
 
 Finding calibratedBeforeFinding(const std::vector<std::string>& sessions) {
-  Finding finding;
-  finding.rule = "Sessions calibrated before";
-  finding.value = static_cast<double>(sessions.size());
-  finding.unit = "1";
-  finding.level = VerdictLevel::kCaution;
-  finding.evidence = fmt::format(
-      "without a calibration, but with one on an earlier night from other data or options: {}",
-      fmt::join(sessions, ", "));
-  finding.advice = "Look whether their recordings are whole, and which options changed";
-  return finding;
+  return {"Sessions calibrated before",
+          VerdictLevel::kCaution,
+          fmt::format("without a calibration, but with one on an earlier night from other data or "
+                      "options: {}",
+                      fmt::join(sessions, ", ")),
+          "Look whether their recordings are whole, and which options changed",
+          static_cast<double>(sessions.size()),
+          0,
+          "1"};
 }
 
 /// What is known after the merge: regressions against earlier nights, sessions whose data or
 /// options changed and give no calibration any more, and declared endpoints without figures.
 void addFurtherFindings(StudyRecord& record, const std::vector<std::string>& calibrated_before) {
-  Finding finding;
-  finding.rule = "Regressions";
-  finding.value = static_cast<double>(record.alarms.size());
-  finding.unit = "1";
-  finding.evidence =
-      record.alarms.empty()
-          ? "no figure is worse than on the nights before"
-          : fmt::format("{} figures changed; first, since night {}: {}", record.alarms.size(),
-                        record.alarms.front().night, alarmSentence(record.alarms.front()));
+  Finding finding{"Regressions",
+                  VerdictLevel::kGood,
+                  "no figure is worse than on the nights before",
+                  "",
+                  static_cast<double>(record.alarms.size()),
+                  0,
+                  "1"};
   if (!record.alarms.empty()) {
     finding.level = VerdictLevel::kBad;
+    finding.evidence =
+        fmt::format("{} figures changed; first, since night {}: {}", record.alarms.size(),
+                    record.alarms.front().night, alarmSentence(record.alarms.front()));
     finding.advice =
         "Look at the commands of the alarms; plumbline study accept marks a change as intended";
   }

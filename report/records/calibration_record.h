@@ -36,11 +36,11 @@ constexpr std::array<const char*, 5> enumWords(FindingSubject /*of*/) {
 struct Finding {
   std::string rule;
   VerdictLevel level = VerdictLevel::kGood;
-  std::string evidence;
-  std::string advice;
+  std::string evidence = {};
+  std::string advice = {};
   double value = 0;
   double threshold = 0;
-  std::string unit;
+  std::string unit = {};
   FindingSubject subject = FindingSubject::kResult;
 };
 

@@ -20,11 +20,9 @@ namespace {
 void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings) {
   for (const CalibrationScore& s : scores) {
     if (s.problem.empty()) continue;
-    Finding f;
-    f.rule = fmt::format("Score on {}, {}", s.session, s.part);
     // With corners scored only a part is missing (the IMU's, a fold's); without there is no score.
-    f.level = s.reprojection.count > 0 ? VerdictLevel::kCaution : VerdictLevel::kBad;
-    f.evidence = s.problem;
+    Finding f{fmt::format("Score on {}, {}", s.session, s.part),
+              s.reprojection.count > 0 ? VerdictLevel::kCaution : VerdictLevel::kBad, s.problem};
     if (s.part == "all" && s.problem.starts_with("camera-IMU")) {
       f.subject = FindingSubject::kExtrinsics;
     }
@@ -34,14 +32,11 @@ void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings
 
 /// A recording that was given as held out, and is not: its score is one in sample, maybe.
 Finding notHeldOut(const CalibrationScore& s) {
-  Finding f;
-  f.rule = "Held-out recording " + s.session;
-  f.level = VerdictLevel::kCaution;
+  Finding f{"Held-out recording " + s.session, VerdictLevel::kCaution,
+            "is not held out: it is the first recording, or has the name or the content of the one "
+            "that the calibration's file says it was estimated from",
+            "give a recording that the calibration has not seen"};
   f.subject = FindingSubject::kRecording;
-  f.evidence =
-      "is not held out: it is the first recording, or has the name or the content of the one that "
-      "the calibration's file says it was estimated from";
-  f.advice = "give a recording that the calibration has not seen";
   return f;
 }
 
@@ -124,15 +119,12 @@ std::string contradictionAdvice(const ImuCalibration& held, const CameraImuStage
 /// A board of another shape than the one assumed shows as errors of the calibration: it must be
 /// said.
 Finding unusedShape(const std::string& file) {
-  Finding f;
-  f.rule = "Shape of the target";
-  f.level = VerdictLevel::kCaution;
+  Finding f{"Shape of the target", VerdictLevel::kCaution,
+            "the board is assumed to be as target.yaml states; the calibration was estimated with "
+            "the board shape of " +
+                file,
+            "if this recording shows the same board, run again with --target-shape " + file};
   f.subject = FindingSubject::kRecording;
-  f.evidence =
-      "the board is assumed to be as target.yaml states; the calibration was estimated with the "
-      "board shape of " +
-      file;
-  f.advice = "if this recording shows the same board, run again with --target-shape " + file;
   return f;
 }
 

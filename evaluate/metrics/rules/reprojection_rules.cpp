@@ -82,12 +82,10 @@ Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& 
 
 Findings judgeConvergence(const StageSummary& summary, const std::string& stage) {
   // A stage that has not converged is a failure, and leaves nothing to judge (calibrateSession()).
-  Finding f;
-  f.rule = fmt::format("Convergence ({})", stage);
-  f.level = VerdictLevel::kGood;
-  f.evidence = fmt::format("converged after {} iterations", summary.iterations);
-  f.value = summary.iterations;  // no unit: nothing is compared with a threshold
-  return {f};
+  // No unit: nothing is compared with a threshold.
+  return {{fmt::format("Convergence ({})", stage), VerdictLevel::kGood,
+           fmt::format("converged after {} iterations", summary.iterations), "",
+           static_cast<double>(summary.iterations)}};
 }
 
 Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t) {

@@ -32,15 +32,9 @@ VerdictLevel levelAbove(double value, const Bound& bound) {
 }
 
 Finding finding(const Rule& rule, VerdictLevel level, double value, std::string evidence) {
-  Finding f;
-  f.rule = rule.name;
-  f.level = level;
-  f.evidence = std::move(evidence);
-  if (level != VerdictLevel::kGood) f.advice = rule.advice;
-  f.value = value;
-  f.threshold = decisive(level, rule.bound);
-  f.unit = rule.unit;
-  return f;
+  const std::string advice = level == VerdictLevel::kGood ? "" : rule.advice;
+  return {rule.name, level, std::move(evidence), advice, value, decisive(level, rule.bound),
+          rule.unit};
 }
 
 Finding above(const Rule& rule, double value, std::string evidence) {

@@ -33,14 +33,14 @@ const TrajectoryRun* firstIncomplete(const TrajectoryStudy& study, const RunsSum
 
 /// All runs complete or not, with the reason of one that is not.
 Finding completion(const TrajectoryStudy& study, const RunsSummary& s) {
-  Finding f;
-  f.rule = "Complete runs" + ofCalibration(s.calibration);
-  f.level = s.level;
-  f.evidence = fmt::format("{} of {} complete, {} partial, {} failed", s.complete, s.expected,
-                           s.partial, s.failed);
-  f.value = s.completion;
-  f.threshold = 1;
-  f.unit = "-";
+  Finding f{"Complete runs" + ofCalibration(s.calibration),
+            s.level,
+            fmt::format("{} of {} complete, {} partial, {} failed", s.complete, s.expected,
+                        s.partial, s.failed),
+            "",
+            s.completion,
+            1,
+            "-"};
   const TrajectoryRun* run = firstIncomplete(study, s);
   if (run != nullptr && !run->problem.empty()) {
     // Both are empty where the pattern of the runs has no such fields.
@@ -55,11 +55,8 @@ Finding completion(const TrajectoryStudy& study, const RunsSummary& s) {
 void addConventions(const TrajectoryStudy& study, Findings& findings) {
   for (const TrajectoryRun& run : study.runs) {
     if (run.cure.empty()) continue;
-    Finding f;
-    f.rule = "Conventions" + ofCalibration(run.calibration);
-    f.level = VerdictLevel::kCaution;
-    f.evidence = run.left_out;
-    f.advice = "run again with " + run.cure;
+    Finding f{"Conventions" + ofCalibration(run.calibration), VerdictLevel::kCaution, run.left_out,
+              "run again with " + run.cure};
     // Runs of one calibration mostly come from one program, and so in one convention.
     const bool known = std::any_of(findings.begin(), findings.end(),
                                    [&](const Finding& g) { return g.rule == f.rule; });
@@ -81,12 +78,11 @@ void addCovariances(const TrajectoryStudy& study, Findings& findings) {
     }
   }
   if (judged == 0) return;
-  Finding f;
-  f.rule = "Covariances of the estimates";
   // Never bad: the bound is for independent poses, those of one run err alike for a while, and a
   // mean just above it proves nothing (neesOf()).
-  f.level = small > 0 ? VerdictLevel::kCaution : VerdictLevel::kGood;
-  f.evidence = fmt::format("{} of {} mean NEES above their chi-square bound", small, judged);
+  Finding f{"Covariances of the estimates",
+            small > 0 ? VerdictLevel::kCaution : VerdictLevel::kGood,
+            fmt::format("{} of {} mean NEES above their chi-square bound", small, judged)};
   if (small > 0) {
     f.evidence += fmt::format(", the worst {:.2g} times", worst);
     f.advice = "the covariances are too small for the errors: do not use them as weights";
