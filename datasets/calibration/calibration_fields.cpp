@@ -16,7 +16,7 @@ Model modelOf(const YamlMap& map, const std::string& key, const std::string& wor
               const std::optional<Model>& model, const std::string& known) {
   if (model) return *model;
   throw map.fault(
-      key, {InputFault::kUnknownWord, "unknown " + key + " '" + word + "'", "one of " + known, ""});
+      key, {InputFault::kUnknownWord, "unknown " + key + " '" + word + "'", "one of " + known});
 }
 
 // Sixteen numbers, row by row; others where the key holds another matrix.

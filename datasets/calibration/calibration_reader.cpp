@@ -80,7 +80,7 @@ class YamlReader {
     const auto known = enumFrom<E>(word);
     if (!known)
       throw map_.fault(name, {InputFault::kUnknownWord,
-                              "unknown " + std::string(name) + " '" + word + "'", text, ""});
+                              "unknown " + std::string(name) + " '" + word + "'", text});
     value = *known;
   }
   void read(const char* name, ImuNoise& value, const char* text) {
@@ -186,7 +186,7 @@ Calibration readCalibration(const std::string& path) {
   if (file.has("schema") && file.has("cameras")) return readOurs(file);
   refuseOtherKeys(file);
   throw badInput(path, 1,
-                 {InputFault::kUnknownFile, "this is not a known calibration format", what, ""});
+                 {InputFault::kUnknownFile, "this is not a known calibration format", what});
 }
 
 bool statesImuNoise(const std::string& path) {

@@ -22,7 +22,7 @@ Transform poseOf(const YamlMap& map) {
   // keys.
   if (std::abs(q.norm() - 1) > 1e-3) {
     throw map.fault("qw", {InputFault::kNotRigid,
-                           fmt::format("the quaternion's length is {:.4f}", q.norm()), "1", ""});
+                           fmt::format("the quaternion's length is {:.4f}", q.norm()), "1"});
   }
   return {q, Eigen::Vector3d(number("px"), number("py"), number("pz"))};
 }
@@ -94,7 +94,7 @@ Intrinsics intrinsicsOf(const YamlMap& camera) {
   } else if (type != "ds" && type != "eucm") {
     throw camera.fault("camera_type",
                        {InputFault::kUnknownWord, "unknown camera_type '" + type + "'",
-                        "pinhole, pinhole-radtan8, kb4, ds, eucm or ucm", ""});
+                        "pinhole, pinhole-radtan8, kb4, ds, eucm or ucm"});
   }
   return k;
 }
@@ -103,8 +103,7 @@ Intrinsics intrinsicsOf(const YamlMap& camera) {
 double largestOf(const YamlMap& map, const std::string& key) {
   const auto values = map.numbers(key, "three numbers, one for each axis");
   if (!values.empty()) return *std::max_element(values.begin(), values.end());
-  throw map.fault(key,
-                  {InputFault::kEmpty, key + " is empty", "three numbers, one for each axis", ""});
+  throw map.fault(key, {InputFault::kEmpty, key + " is empty", "three numbers, one for each axis"});
 }
 
 ImuCalibration imuOf(const YamlMap& value, const Transform& T_SC0) {
@@ -183,7 +182,7 @@ Calibration readBasaltCalibration(const YamlMap& file) {
     throw value.fault("intrinsics", {InputFault::kContradiction,
                                      fmt::format("{} poses, {} cameras, {} resolutions",
                                                  poses.size(), cameras.size(), sizes.size()),
-                                     "one of each for each camera", ""});
+                                     "one of each for each camera"});
   }
   const Transform T_SC0 = poseOf(poses.front());
   Calibration calibration;

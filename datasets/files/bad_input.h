@@ -87,8 +87,8 @@ class InputErrors : public InputError {
 struct Complaint {
   InputFault code = InputFault::kOther;
   std::string what;
-  std::string expected;  ///< follows "expected "; left out when empty
-  std::string cure;
+  std::string expected = {};  ///< follows "expected "; left out when empty
+  std::string cure = {};
 };
 
 /// "FILE:LINE: what; expected ...; cure".

@@ -135,7 +135,7 @@ void writePng(const std::string& path, const GrayImage& image, PngEffort effort)
   if (image.empty()) {
     throw badInput(
         path, 0,
-        {InputFault::kUnwritable, "an empty image cannot be written", "at least one pixel", ""});
+        {InputFault::kUnwritable, "an empty image cannot be written", "at least one pixel"});
   }
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
@@ -147,8 +147,7 @@ void writePng(const std::string& path, const GrayImage& image, PngEffort effort)
   std::string bytes(size, '\0');
   if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.data(), 0, nullptr) == 0) {
     throw badInput(
-        path, 0,
-        {InputFault::kUnwritable, "cannot be encoded (" + std::string(png.message) + ")", "", ""});
+        path, 0, {InputFault::kUnwritable, "cannot be encoded (" + std::string(png.message) + ")"});
   }
   writeFileAtomically(path, std::string_view(bytes).substr(0, size));
 }

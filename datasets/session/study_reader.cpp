@@ -32,7 +32,7 @@ std::vector<std::pair<std::string, std::string>> readStudyDefinition(
   for (const std::string& key : file.keys()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
       throw file.fault(key, {InputFault::kUnknownWord, fmt::format("unknown name '{}'", key),
-                             fmt::format("one of {}", fmt::join(known, ", ")), ""});
+                             fmt::format("one of {}", fmt::join(known, ", "))});
     }
     std::string text = valueText(file, key);
     if (text.empty()) {

@@ -23,7 +23,7 @@ GuideStage stageFrom(TextTable& table) {
     if (word == toString(stage)) return stage;
   }
   throw table.fault(
-      {InputFault::kUnknownWord, "the stage is '" + word + "'", "camera or camera-imu", ""});
+      {InputFault::kUnknownWord, "the stage is '" + word + "'", "camera or camera-imu"});
 }
 
 Transform fromQuaternion(const TextTable& table, const std::vector<double>& n) {
@@ -62,7 +62,7 @@ Transform poseFrom(TextTable& table) {
       return fromRows(table, numbers);
     default:
       throw table.fault({InputFault::kBadNumber,
-                         fmt::format("T_FC0 has {} numbers", numbers.size()), "7, 12 or 16", ""});
+                         fmt::format("T_FC0 has {} numbers", numbers.size()), "7, 12 or 16"});
   }
 }
 

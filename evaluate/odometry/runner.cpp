@@ -39,7 +39,7 @@ bool isSecond(const YamlMap& file, const std::string& key, const char* first, co
   const std::string word = file.textOr(key, first);
   if (word == first || word == second) return word == second;
   throw file.fault(key, {InputFault::kUnknownWord, "'" + word + "' is not known",
-                         fmt::format("{} or {}", first, second), ""});
+                         fmt::format("{} or {}", first, second)});
 }
 
 std::map<std::string, std::string> textsOf(const YamlMap& file, const std::string& key) {
@@ -69,7 +69,7 @@ OnlineCalibration onlineOf(const YamlMap& map, const Runner& runner) {
                            map.textOr("extrinsics", "")};
   if (online.offset.empty() && online.extrinsics.empty()) {
     throw map.fault("offset", {InputFault::kMissingKey, "neither offset nor extrinsics is given",
-                               "the text before the printed values", ""});
+                               "the text before the printed values"});
   }
   if (map.has("changes")) checkChanges(map.map("changes", "texts"), runner, online);
   return online;
@@ -86,7 +86,7 @@ ExportTool settingsOf(const YamlMap& file) {
   }
   throw file.fault("settings", {InputFault::kUnknownWord,
                                 "'" + word + "' is not a tool of export for systems with an IMU",
-                                fmt::format("{}", fmt::join(tools, ", ")), ""});
+                                fmt::format("{}", fmt::join(tools, ", "))});
 }
 
 Runner runnerFrom(const YamlMap& file) {

@@ -46,7 +46,7 @@ fs::path calibrationIn(const YamlMap& map, const std::string& key) {
   if (!chains.empty()) return chains.front();
   throw map.fault(key, {InputFault::kMissingFile,
                         path.string() + " is neither a calibration nor a folder with one",
-                        "a calibration, or a folder of Kalibr's with *camchain*.yaml", ""});
+                        "a calibration, or a folder of Kalibr's with *camchain*.yaml"});
 }
 
 /// A tool's name is part of its steps' names (compare_TOOL), so it may stand only once in a
@@ -80,7 +80,7 @@ void readStages(const YamlMap& map, StudySession& row) {
     throw map.fault("stages_s", {InputFault::kContradiction,
                                  fmt::format("the stages take {:g} s together, the capture {:g} s",
                                              sum, *row.capture_s),
-                                 "stages_s that add up to capture_s at most", ""});
+                                 "stages_s that add up to capture_s at most"});
   }
 }
 
@@ -101,7 +101,7 @@ void readMethod(const YamlMap& map, const std::vector<std::string>& methods, Stu
   if (std::find(methods.begin(), methods.end(), row.method) != methods.end()) return;
   throw map.fault("method",
                   {InputFault::kUnknownWord, fmt::format("unknown method '{}'", row.method),
-                   fmt::format("one of {}", fmt::join(methods, ", ")), ""});
+                   fmt::format("one of {}", fmt::join(methods, ", "))});
 }
 
 /// The order of a participant's sessions, from which the crossover takes the period's effect.
@@ -109,7 +109,7 @@ void readPeriod(const YamlMap& map, StudySession& row) {
   row.period = map.integer("period", "1 for the participant's first session, 2 for the next");
   if (row.period >= 1) return;
   throw map.fault("period", {InputFault::kOutOfRange, fmt::format("period is {}", row.period),
-                             "1 for the participant's first session", ""});
+                             "1 for the participant's first session"});
 }
 
 void readCapture(const YamlMap& map, double limit_s, StudySession& row) {
@@ -153,14 +153,14 @@ void readSessions(const YamlMap& map, StudyDefinition& study) {
         throw entry.fault("period", {InputFault::kContradiction,
                                      fmt::format("participant {} has two sessions in period {}",
                                                  session.row.participant, session.row.period),
-                                     "a different period for each session", ""});
+                                     "a different period for each session"});
       }
       study.sessions.push_back(std::move(session));
     });
   }
   faults.raise();
   if (study.sessions.empty()) {
-    throw map.fault("sessions", {InputFault::kEmpty, "there are no sessions", "one or more", ""});
+    throw map.fault("sessions", {InputFault::kEmpty, "there are no sessions", "one or more"});
   }
 }
 
@@ -208,7 +208,7 @@ RecordingEntry recordingEntryOf(const YamlMap& entry, bool with_truth) {
       if (fs::is_directory(recording.path)) return;
       throw entry.fault("path",
                         {InputFault::kMissingFile, recording.path.string() + " is not a folder",
-                         "the folder of a recording", ""});
+                         "the folder of a recording"});
     });
     faults.attempt([&] { recording.truth = fileOf(entry, "truth"); });
   } else {
@@ -259,7 +259,7 @@ void readTargetShape(const YamlMap& map, StudyDefinition& study) {
         "target_shape",
         {InputFault::kContradiction,
          "one shape for all is estimated from the first held-out recording, but there is none",
-         "held_out, or each, flat or a file", ""});
+         "held_out, or each, flat or a file"});
   }
 }
 
@@ -280,7 +280,7 @@ void readPerturbations(const YamlMap& map, StudyDefinition& study) {
   for (const double offset : study.offsets_ms) {
     if (std::abs(offset) <= kMostOffset) continue;
     throw list.fault("offsets_ms", {InputFault::kOutOfRange, fmt::format("{:g} ms", offset),
-                                    fmt::format("milliseconds up to {:g}", kMostOffset), ""});
+                                    fmt::format("milliseconds up to {:g}", kMostOffset)});
   }
 }
 
@@ -311,7 +311,7 @@ void readThresholds(const YamlMap& map, StudyDefinition& study) {
   try {
     to.check();
   } catch (const InputError& error) {
-    throw map.fault("thresholds", {InputFault::kOutOfRange, error.what(), "", ""});
+    throw map.fault("thresholds", {InputFault::kOutOfRange, error.what()});
   }
 }
 
@@ -329,8 +329,7 @@ void readEndpoints(const YamlMap& map, StudyDefinition& study) {
         "endpoints",
         {InputFault::kUnknownWord, fmt::format("no figure is named '{}'", name),
          "ate_m, or a session's figure with a unit, such as held_out_rmse_px, capture_s "
-         "or stages_s.camera (docs/records.md lists sessions[])",
-         ""});
+         "or stages_s.camera (docs/records.md lists sessions[])"});
   }
 }
 
@@ -367,7 +366,7 @@ StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& chec
     if (!map.has("limit_s")) return;
     study.limit_s = secondsOf(map, "limit_s");
     if (study.limit_s > 0) return;
-    throw map.fault("limit_s", {InputFault::kOutOfRange, "limit_s is 0", "seconds above 0", ""});
+    throw map.fault("limit_s", {InputFault::kOutOfRange, "limit_s is 0", "seconds above 0"});
   });
   const bool has_methods = faults.attempt([&] { readMethods(map, study); });
   const bool has_sessions = faults.attempt([&] { readSessions(map, study); });

@@ -23,7 +23,7 @@ void refuseUnknownFields(const YamlMap& map, const std::string& key, const std::
     const bool of_shell = at > 0 && text[at - 1] == '$';
     if (fields.count(field) > 0 || of_shell) continue;
     throw map.fault(key, {InputFault::kUnknownWord, fmt::format("unknown field {{{}}}", field),
-                          fmt::format("{{{}}}", fmt::join(fields, "}, {")), ""});
+                          fmt::format("{{{}}}", fmt::join(fields, "}, {"))});
   }
 }
 
@@ -38,7 +38,7 @@ void readOdometry(const YamlMap& how, StudyTrajectories& to) {
     throw how.fault(key,
                     {InputFault::kContradiction,
                      "the built-in odometry is part of this program, and its runs are identical",
-                     "another odometry, or no such option", ""});
+                     "another odometry, or no such option"});
   }
   if (how.has("executable")) to.executable = fileOf(how, "executable");
   if (how.has("runs")) {
@@ -55,7 +55,7 @@ void refuseFormOfBuiltin(const YamlMap& how, const StudyTrajectories& trajectori
                                 "--" + option +
                                     " is of what an external system writes, not of the built-in "
                                     "odometry",
-                                "another odometry, or no such option", ""});
+                                "another odometry, or no such option"});
   }
 }
 
@@ -107,9 +107,9 @@ StudyCommandOptions optionsOf(const YamlMap& map, const std::string& options_key
   const std::vector<std::string> keys = options.keys();
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (faultOf(check, {list[i]}) != wrong) continue;
-    throw options.fault(keys[i], {InputFault::kBadOption, wrong, "", ""});
+    throw options.fault(keys[i], {InputFault::kBadOption, wrong});
   }
-  throw map.fault(options_key, {InputFault::kBadOption, wrong, "", ""});
+  throw map.fault(options_key, {InputFault::kBadOption, wrong});
 }
 
 void readTrajectories(const YamlMap& map, const StudyOptionCheck& check, StudyDefinition& study) {
@@ -124,12 +124,12 @@ void readTrajectories(const YamlMap& map, const StudyOptionCheck& check, StudyDe
                                      study.sequences.empty()
                                          ? "there are no sequences to estimate trajectories on"
                                          : "trajectories have a pattern, a command or an odometry",
-                                     "sequences, and one of pattern, command and odometry", ""});
+                                     "sequences, and one of pattern, command and odometry"});
   }
   for (const char* key : {"executable", "runs"}) {
     if (!how.has(key) || how.has("odometry")) continue;
     throw how.fault(key, {InputFault::kContradiction, "applies to an odometry, but there is none",
-                          "odometry: orbslam3, openvins or a runner's .yaml", ""});
+                          "odometry: orbslam3, openvins or a runner's .yaml"});
   }
   readSource(how, study, study.trajectories);
   study.trajectories.metrics = optionsOf(how, "metrics", "plumbline evaluate trajectory", check);

@@ -19,7 +19,7 @@ void refuseUnknownKeys(const YamlMap& map, std::initializer_list<const char*> kn
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     faults.attempt([&] {
       throw map.fault(key, {InputFault::kUnknownWord, fmt::format("unknown key '{}'", key),
-                            fmt::format("one of {}", fmt::join(known, ", ")), ""});
+                            fmt::format("one of {}", fmt::join(known, ", "))});
     });
   }
   faults.raise();
@@ -29,8 +29,7 @@ double numberWithin(const YamlMap& map, const std::string& key, double least, do
                     const std::string& expected) {
   const double value = map.number(key, expected);
   if (value >= least && value <= most) return value;
-  throw map.fault(key,
-                  {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value), expected, ""});
+  throw map.fault(key, {InputFault::kOutOfRange, fmt::format("{} is {:g}", key, value), expected});
 }
 
 double secondsOf(const YamlMap& map, const std::string& key) {
@@ -43,8 +42,7 @@ bool flagOf(const YamlMap& map, const std::string& key, bool otherwise) {
   bool value = false;
   // Also yes, no, on and off, as YAML has them.
   if (YAML::convert<bool>::decode(map.node(key), value)) return value;
-  throw map.fault(key,
-                  {InputFault::kUnknownWord, key + " is neither yes nor no", "true or false", ""});
+  throw map.fault(key, {InputFault::kUnknownWord, key + " is neither yes nor no", "true or false"});
 }
 
 // A name that is also that of a folder: hidden ones are results in the making, or left out of what
@@ -57,7 +55,7 @@ std::string nameOf(const YamlMap& map, const std::string& key) {
   });
   if (!name.empty() && plain && name.front() != '.' && name.size() <= 100) return name;
   throw map.fault(key, {InputFault::kUnknownWord, fmt::format("'{}' cannot name a folder", name),
-                        "letters, digits, '_', '-' and '.'", ""});
+                        "letters, digits, '_', '-' and '.'"});
 }
 
 std::vector<std::string> wordsOf(const YamlMap& map, const std::string& key,
@@ -65,16 +63,15 @@ std::vector<std::string> wordsOf(const YamlMap& map, const std::string& key,
   std::vector<std::string> words;
   const YAML::Node list = map.node(key);
   const auto refuse = [&] {
-    return map.fault(key,
-                     {InputFault::kUnknownWord, key + " is not a list of words", expected, ""});
+    return map.fault(key, {InputFault::kUnknownWord, key + " is not a list of words", expected});
   };
   if (!list.IsSequence()) throw refuse();
   for (const YAML::Node& entry : list) {
     if (!entry.IsScalar() || entry.Scalar().empty()) throw refuse();
     if (std::find(words.begin(), words.end(), entry.Scalar()) != words.end()) {
-      throw map.fault(
-          key, {InputFault::kDuplicate,
-                fmt::format("'{}' is given twice in {}", entry.Scalar(), key), "each once", ""});
+      throw map.fault(key,
+                      {InputFault::kDuplicate,
+                       fmt::format("'{}' is given twice in {}", entry.Scalar(), key), "each once"});
     }
     words.push_back(entry.Scalar());
   }
@@ -90,7 +87,7 @@ fs::path fileOf(const YamlMap& map, const std::string& key) {
   const fs::path path = pathOf(map, key);
   if (fs::is_regular_file(path)) return path;
   throw map.fault(key, {InputFault::kMissingFile, path.string() + " is not a file",
-                        "a file, its path relative to the study's", ""});
+                        "a file, its path relative to the study's"});
 }
 
 fs::path recordingOf(const YamlMap& map, const std::string& key) {
@@ -100,7 +97,7 @@ fs::path recordingOf(const YamlMap& map, const std::string& key) {
     // now.
     findSession(path.string());
   } catch (const InputError& error) {
-    throw map.fault(key, {InputFault::kMissingFile, error.what(), "", ""});
+    throw map.fault(key, {InputFault::kMissingFile, error.what()});
   }
   return path;
 }

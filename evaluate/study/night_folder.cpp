@@ -47,7 +47,7 @@ std::string studyIn(const fs::path& mark) {
   try {
     return nlohmann::json::parse(MappedFile(mark.string()).text()).at("study").get<std::string>();
   } catch (const nlohmann::json::exception& error) {
-    throw badInput(mark.string(), 0, {InputFault::kSyntax, error.what(), "a study's mark", ""});
+    throw badInput(mark.string(), 0, {InputFault::kSyntax, error.what(), "a study's mark"});
   }
 }
 
@@ -55,8 +55,7 @@ std::string studyIn(const fs::path& mark) {
 void refuseForeign(const fs::path& folder) {
   if (!fs::exists(folder)) return;
   if (!fs::is_directory(folder)) {
-    throw badInput(folder.string(), 0,
-                   {InputFault::kForeignFiles, "is not a folder", "a folder", ""});
+    throw badInput(folder.string(), 0, {InputFault::kForeignFiles, "is not a folder", "a folder"});
   }
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
@@ -166,7 +165,7 @@ void requireNightFolder(const fs::path& folder) {
   if (fs::exists(folder / kStudyMarkFile) && fs::exists(folder / kHistoryFile)) return;
   throw badInput(folder.string(), 0,
                  {InputFault::kMissingFile, "contains no results of a study",
-                  "the folder that plumbline study --out wrote", ""});
+                  "the folder that plumbline study --out wrote"});
 }
 
 }  // namespace plumbline

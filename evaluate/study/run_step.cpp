@@ -227,9 +227,9 @@ class StepFolder {
       moved = Workplace::Moved::kDone;
     }
     if (moved != Workplace::Moved::kDone) {
-      throw badInput(final_.string(), 0,
-                     {InputFault::kUnwritable,
-                      fmt::format("cannot be written ({})", std::strerror(errno)), "", ""});
+      throw badInput(
+          final_.string(), 0,
+          {InputFault::kUnwritable, fmt::format("cannot be written ({})", std::strerror(errno))});
     }
     workplace_.done();
   }

@@ -57,7 +57,7 @@ Step readPlannedStep(const fs::path& plan, const std::string& name) {
     if (!found && line.substr(0, start.size()) == start) found = stepFrom(plan, line);
   });
   if (!found) {
-    throw badInput(plan.string(), 0, {InputFault::kUnknownWord, "has no step " + name, "", ""});
+    throw badInput(plan.string(), 0, {InputFault::kUnknownWord, "has no step " + name});
   }
   return *found;
 }

@@ -167,11 +167,10 @@ std::optional<Eigen::Matrix3d> matrixOf(const YamlMap& imu, const std::string& s
   const auto rows = map.rows(key, "a 3x3 matrix, as rows");
   Eigen::Matrix3d M;
   if (rows.size() != 3)
-    throw map.fault(key, {InputFault::kBadNumber, key + " is not 3x3", "three rows of three", ""});
+    throw map.fault(key, {InputFault::kBadNumber, key + " is not 3x3", "three rows of three"});
   for (int r = 0; r < 3; ++r) {
     if (rows[r].size() != 3)
-      throw map.fault(key,
-                      {InputFault::kBadNumber, key + " is not 3x3", "three rows of three", ""});
+      throw map.fault(key, {InputFault::kBadNumber, key + " is not 3x3", "three rows of three"});
     for (int c = 0; c < 3; ++c) M(r, c) = rows[r][c];
   }
   return M;

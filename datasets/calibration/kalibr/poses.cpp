@@ -26,10 +26,10 @@ StampedPose poseOf(TextTable& table) {
   const NumberRow row = table.numbers();
   table.expectColumns(row, 8, kRow);
   const auto t = parseStamp(row.stamp, 0);
-  if (!t) throw table.fault({InputFault::kBadNumber, "the stamp is not a time", kRow, ""});
+  if (!t) throw table.fault({InputFault::kBadNumber, "the stamp is not a time", kRow});
   const double* const v = &row.values[1];
   if (!std::all_of(v, v + 7, [](double value) { return std::isfinite(value); })) {
-    throw table.fault({InputFault::kNotFinite, "the pose is not finite (nan or inf)", kRow, ""});
+    throw table.fault({InputFault::kNotFinite, "the pose is not finite (nan or inf)", kRow});
   }
   StampedPose pose;
   pose.t = *t;
@@ -38,7 +38,7 @@ StampedPose poseOf(TextTable& table) {
   pose.q = Eigen::Quaterniond(v[6], -v[3], -v[4], -v[5]);
   if (std::abs(pose.q.norm() - 1) > kUnitTolerance) {
     throw table.fault({InputFault::kNotRigid,
-                       fmt::format("the quaternion's length is {:.4f}", pose.q.norm()), "1", ""});
+                       fmt::format("the quaternion's length is {:.4f}", pose.q.norm()), "1"});
   }
   return pose;
 }
@@ -118,12 +118,11 @@ Trajectory readKalibrPoses(const std::string& path) {
     trajectory.poses.push_back(poseOf(table));
     const auto& poses = trajectory.poses;
     if (poses.size() > 1 && poses.back().t <= poses[poses.size() - 2].t) {
-      throw table.fault(
-          {InputFault::kBadOrder, "the stamps do not ascend", "ascending stamps", ""});
+      throw table.fault({InputFault::kBadOrder, "the stamps do not ascend", "ascending stamps"});
     }
   }
   if (trajectory.poses.empty())
-    throw badInput(path, 0, {InputFault::kEmpty, "contains no poses", kRow, ""});
+    throw badInput(path, 0, {InputFault::kEmpty, "contains no poses", kRow});
   requireLooking(path, trajectory);
   return trajectory;
 }

@@ -272,7 +272,7 @@ KalibrRun readKalibrRun(const std::string& path) {
     (void)MappedFile(path);  // a missing file says so
     throw badInput(path, 0,
                    {InputFault::kUnknownFile, "this is not an output of Kalibr",
-                    "camchain*.yaml, imu*.yaml, results-*.txt or poses-*.csv", ""});
+                    "camchain*.yaml, imu*.yaml, results-*.txt or poses-*.csv"});
   }
   const fs::path place = folder ? fs::path(path) : fs::absolute(path).parent_path();
   Files files = filesIn(place);

@@ -382,9 +382,8 @@ std::vector<std::string> stepsOfPack(const std::string& packs, int index) {
   for (int i = 0; std::getline(file, line); ++i) {
     if (i == index) return wordsOf(line);
   }
-  throw badInput(
-      packs, 0,
-      {InputFault::kMissingKey, fmt::format("has no line {} of steps", index + 1), "", ""});
+  throw badInput(packs, 0,
+                 {InputFault::kMissingKey, fmt::format("has no line {} of steps", index + 1)});
 }
 
 }  // namespace plumbline
