@@ -26,14 +26,14 @@ std::vector<Cell> scoreRow(const CalibrationScore& s) {
   std::optional<double> with_imu;
   if (s.camera_imu) with_imu = s.camera_imu->rmse_px;
   return {
-      {s.label},
-      {s.session},
+      words(s.label),
+      words(s.session),
       tight(s.part),
       {!scored      ? kDash
        : s.held_out ? "yes"
                     : "no"},
       orDash(scored ? std::optional(s.reprojection.rmse_px) : std::nullopt, 1, "{:.4f}"),
-      {scored ? perCamera(s) : kDash},
+      words(scored ? perCamera(s) : kDash),
       number(s.views_offered > 0 ? fmt::format("{} of {}", s.views_used, s.views_offered) : kDash),
       orDash(with_imu, 1, "{:.4f}"),
       orDash(s.gyro_rms_rad_s, 1e3, "{:.2f}"),
@@ -122,7 +122,7 @@ Table pairedTable(const ComparisonRecord& record) {
     const std::string better = sigma < 0 ? p.label : first;
     table.rows.push_back(
         {{p.label + " \u2212 " + first},
-         {p.camera},
+         words(p.camera),
          number(std::to_string(p.views)),
          number(fmt::format("{:+.4g}", p.difference_px2)),
          number(twoDigits(p.std_px2)),
@@ -149,8 +149,8 @@ Table entropyTable(const std::vector<CalibrationScore>& scores,
     const std::string why = s.problem.empty() ? "not computed for this part" : s.problem;
     table.rows.push_back(
         {{s.label},
-         {s.session},
-         {s.part},
+         words(s.session),
+         words(s.part),
          number(value ? fmt::format("{:.2f}", *value) : kDash),
          number(value ? std::to_string((s.*parameters).size()) : kDash),
          {value ? fmt::format("{}", fmt::join(s.*parameters, ", ")) : "\u2013 (" + why + ")"}});

@@ -193,11 +193,8 @@ Section calibrationsSection(const ComparisonRecord& record) {
   Table table{{words("Label"), words("Tool"), words("File"), words("Cameras"), words("IMU"),
                words("Conventions")}};
   for (const ComparedCalibration& c : record.calibrations) {
-    table.rows.push_back({{c.label},
-                          {c.tool.empty() ? kDash : c.tool},
-                          code(c.file),
-                          {camerasOf(c.calibration)},
-                          {c.calibration.imu ? "yes" : "no"},
+    table.rows.push_back({words(c.label), words(c.tool.empty() ? kDash : c.tool), code(c.file),
+                          words(camerasOf(c.calibration)), words(c.calibration.imu ? "yes" : "no"),
                           lintCell(c)});
   }
   return withTable(std::move(section), std::move(table));

@@ -104,7 +104,7 @@ std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome
   const bool ended = o.ended >= o.suggestion.t && o.ended != 0;
   return {number(std::to_string(o.suggestion.id)),
           tight(titleOf(o.suggestion.stage)),
-          {o.suggestion.candidate},
+          words(o.suggestion.candidate),
           // A gain of 0 is one that could not be predicted yet (Suggestion::mi_nats).
           number(o.suggestion.mi_nats != 0 ? bitsAndNats(o.suggestion.mi_nats) : kDash),
           number(secondsText(record, o.suggestion.t)),

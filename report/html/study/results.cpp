@@ -41,12 +41,8 @@ Table effectsTable(const StudyRecord& record) {
                number("p"), number("p (Holm)"), number("Participants"), words("Design")}};
   for (const StudyEffect& e : record.statistics.effects) {
     if (e.design == StudyDesign::kTooFew) continue;
-    table.rows.push_back({code(comparison(e)),
-                          {e.method},
-                          changeCell(e.effect, e.ratio),
-                          intervalCell(e.effect, e.ratio),
-                          pCell(e.p),
-                          pCell(e.p_holm),
+    table.rows.push_back({code(comparison(e)), words(e.method), changeCell(e.effect, e.ratio),
+                          intervalCell(e.effect, e.ratio), pCell(e.p), pCell(e.p_holm),
                           number(std::to_string(e.participants)),
                           tight(toString(e.design) + (e.declared ? "" : ", exploratory"))});
   }
@@ -59,12 +55,9 @@ Table besideTable(const StudyRecord& record) {
                number("Hodges\u2013Lehmann"), number("95 % interval"), number("Wilcoxon p")}};
   for (const StudyEffect& e : record.statistics.effects) {
     if (e.design == StudyDesign::kTooFew) continue;
-    table.rows.push_back({code(comparison(e)),
-                          {e.method},
-                          intervalCell(e.bca, e.ratio),
+    table.rows.push_back({code(comparison(e)), words(e.method), intervalCell(e.bca, e.ratio),
                           changeCell(e.hodges_lehmann, e.ratio),
-                          intervalCell(e.hodges_lehmann, e.ratio),
-                          pCell(e.wilcoxon_p)});
+                          intervalCell(e.hodges_lehmann, e.ratio), pCell(e.wilcoxon_p)});
   }
   return table;
 }
@@ -132,13 +125,10 @@ Section orderSection(const StudyRecord& record) {
                number("95 % interval")}};
   for (const StudyEffect& e : record.statistics.effects) {
     if (!e.period) continue;
-    table.rows.push_back({code(comparison(e)),
-                          {e.method},
+    table.rows.push_back({code(comparison(e)), words(e.method),
                           number(std::to_string(e.first_baseline)),
-                          number(std::to_string(e.first_method)),
-                          changeCell(e.period, e.ratio),
-                          intervalCell(e.period, e.ratio),
-                          changeCell(e.carry_over, e.ratio),
+                          number(std::to_string(e.first_method)), changeCell(e.period, e.ratio),
+                          intervalCell(e.period, e.ratio), changeCell(e.carry_over, e.ratio),
                           intervalCell(e.carry_over, e.ratio)});
   }
   return withTable(
@@ -170,8 +160,7 @@ Section perturbationSection(const StudyRecord& record) {
     for (const double ms : group.ms) worst = std::max(worst, std::abs(ms - key.first));
     const bool any = !group.ms.empty();
     table.rows.push_back(
-        {number(fmt::format("{:g}", key.first)),
-         {key.second},
+        {number(fmt::format("{:g}", key.first)), words(key.second),
          number(std::to_string(group.ms.size() + static_cast<std::size_t>(group.failed))),
          number(std::to_string(group.failed)),
          number(any ? fmt::format("{:.4f}", all.mean) : kDash),

@@ -25,14 +25,10 @@ Table spreadTable(const StudyRecord& record) {
     Cell ratio = number(fmt::format("{:.2f}", s.ratio));
     // Deviations that are too large are worth a look as well.
     if (s.ratio > s.high || s.ratio < s.low) ratio.level = VerdictLevel::kCaution;
-    table.rows.push_back({code(s.parameter),
-                          {s.method},
-                          number(std::to_string(s.sessions)),
+    table.rows.push_back({code(s.parameter), words(s.method), number(std::to_string(s.sessions)),
                           number(withPrecisionOf(factor * s.mean, factor * s.std)),
                           number(twoDigits(factor * s.std)),
-                          number(twoDigits(factor * s.stated_std)),
-                          {unit},
-                          ratio,
+                          number(twoDigits(factor * s.stated_std)), words(unit), ratio,
                           number(fmt::format("{:.2f} to {:.2f}", s.low, s.high))});
   }
   return table;

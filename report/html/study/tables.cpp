@@ -122,11 +122,8 @@ Table alarmsTable(const StudyRecord& record) {
     figure.level = VerdictLevel::kBad;
     // Of a drift `is` is a share where there is one, and no value was before it.
     const std::string drift = hasShare(a) ? fmt::format("{:+.3g} %", 100 * a.is) : kDash;
-    table.rows.push_back({figure,
-                          named(record, a.session),
-                          number(std::to_string(a.night)),
-                          {a.kind},
-                          number(isDrift(a) ? kDash : fmt::format("{:.6g}", a.was)),
+    table.rows.push_back({figure, named(record, a.session), number(std::to_string(a.night)),
+                          words(a.kind), number(isDrift(a) ? kDash : fmt::format("{:.6g}", a.was)),
                           number(isDrift(a) ? drift : fmt::format("{:.6g}", a.is)),
                           code(a.command)});
   }
@@ -150,11 +147,9 @@ Section othersSection(const StudyRecord& record) {
     const StudySession* s = sessionOf(record, o.session);
     Cell differences{o.failure.empty() ? largestDifferences(o) : "failed: " + o.failure};
     if (!o.failure.empty()) differences.level = VerdictLevel::kBad;
-    table.rows.push_back({named(record, o.session),
-                          {o.tool},
-                          orDash(o.held_out_rmse_px, 1, "{:.4f}"),
-                          orDash(s ? s->held_out_rmse_px : std::nullopt, 1, "{:.4f}"),
-                          differences});
+    table.rows.push_back(
+        {named(record, o.session), words(o.tool), orDash(o.held_out_rmse_px, 1, "{:.4f}"),
+         orDash(s ? s->held_out_rmse_px : std::nullopt, 1, "{:.4f}"), differences});
   }
   return withTable({"tools", "Other tools",
                     "Their calibrations of the same recordings, scored on the same held-out ones; "
@@ -203,14 +198,10 @@ Section sessionsSection(const StudyRecord& record) {
   for (const StudySession& s : record.sessions) {
     Cell seconds = orDash(s.capture_s, 1, "{:.1f}");
     if (!s.finished) seconds.text += " (gave up)";
-    table.rows.push_back({linkTo(s),
-                          {s.participant},
-                          {s.method},
-                          number(std::to_string(s.period)),
-                          std::move(seconds),
+    table.rows.push_back({linkTo(s), words(s.participant), words(s.method),
+                          number(std::to_string(s.period)), std::move(seconds),
                           orDash(s.camera_rmse_px, 1, "{:.4f}"),
-                          orDash(s.held_out_rmse_px, 1, "{:.4f}"),
-                          offsetCell(s)});
+                          orDash(s.held_out_rmse_px, 1, "{:.4f}"), offsetCell(s)});
     if (guided) table.rows.back().push_back(orDash(s.compliance, 100, "{:.0f} %"));
     table.rows.back().push_back(verdictCell(s));
   }

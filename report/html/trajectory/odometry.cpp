@@ -158,17 +158,12 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
   for (const TrajectoryRun& run : runs) {
     if (!run.odometry) continue;
     const OdometryRunRecord& o = *run.odometry;
-    table.rows.push_back({{runName(run)},
-                          orDash(o.stereo_px, 1, "{:.3f}"),
-                          orDash(o.innovation_px, 1, "{:.3f}"),
-                          orDash(o.closure_m, 1, "{:.4f}"),
-                          orDash(o.closure_deg, 1, "{:.3f}"),
-                          orDash(o.offset_calibrated_s, 1e3, "{:+.2f}"),
-                          hintCell(o),
-                          orDash(o.frame_p50_ms, 1, "{:.1f}"),
-                          orDash(o.frame_p95_ms, 1, "{:.1f}"),
-                          orDash(o.frame_p99_ms, 1, "{:.1f}"),
-                          orDash(o.frame_max_ms, 1, "{:.1f}")});
+    table.rows.push_back(
+        {words(runName(run)), orDash(o.stereo_px, 1, "{:.3f}"),
+         orDash(o.innovation_px, 1, "{:.3f}"), orDash(o.closure_m, 1, "{:.4f}"),
+         orDash(o.closure_deg, 1, "{:.3f}"), orDash(o.offset_calibrated_s, 1e3, "{:+.2f}"),
+         hintCell(o), orDash(o.frame_p50_ms, 1, "{:.1f}"), orDash(o.frame_p95_ms, 1, "{:.1f}"),
+         orDash(o.frame_p99_ms, 1, "{:.1f}"), orDash(o.frame_max_ms, 1, "{:.1f}")});
   }
   section = withTable(std::move(section), withoutEmptyColumns(std::move(table)));
   Table extrinsics = extrinsicsTable(runs);

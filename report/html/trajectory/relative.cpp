@@ -88,7 +88,7 @@ std::vector<Cell> relativeRow(const std::vector<TrajectoryRun>& runs, const std:
     }
   }
   if (metres.empty()) return {};
-  return {{name.empty() ? "\u2013" : name},
+  return {words(name.empty() ? "\u2013" : name),
           tight(fmt::format("{:g} {}", distance.second, distance.first)),
           tight(pairs),
           number(std::to_string(metres.size())),

@@ -15,7 +15,7 @@ std::vector<Cell> pairedRow(const PairedDifference& d) {
   // The record's difference is b - a, so that below 0 b is the better one.
   const bool interval = d.low_m && d.high_m;
   const auto figure = [&](const std::string& text) { return number(d.pairs > 0 ? text : kDash); };
-  return {{d.b + " \u2212 " + d.a},
+  return {words(d.b + " \u2212 " + d.a),
           number(std::to_string(d.pairs)),
           number(std::to_string(d.left_out)),
           figure(fmt::format("{:+.4f}", d.mean_m)),
@@ -33,8 +33,8 @@ std::vector<Cell> pairedRow(const PairedDifference& d) {
 std::vector<Cell> associationRow(const TrajectoryRun& run) {
   const AssociationRecord& a = run.association;
   const auto count = [](std::size_t n) { return number(grouped(n)); };
-  return {{runName(run)},
-          {a.rule},
+  return {words(runName(run)),
+          words(a.rule),
           count(a.matches),
           number(grouped(a.estimate_poses) + " / " + grouped(a.truth_poses)),
           number(fmt::format("{:g}", 1e3 * a.max_dt_s)),
@@ -56,7 +56,7 @@ std::vector<Cell> handEyeRow(const TrajectoryRun& run) {
   const Eigen::Vector3d t = 1e3 * h.T_SM.t;
   const Vector6d& s = h.T_SM_std;
   const double degrees = readable("rad").factor;
-  return {{runName(run)},
+  return {words(runName(run)),
           number(fmt::format("({:.2f}, {:.2f}, {:.2f})", t.x(), t.y(), t.z())),
           number(fmt::format("({}, {}, {})", twoDigits(1e3 * s[0]), twoDigits(1e3 * s[1]),
                              twoDigits(1e3 * s[2]))),
@@ -73,8 +73,8 @@ std::vector<Cell> neesRow(const TrajectoryRun& run, const NeesRecord& n) {
   const char* why = n.reading == NeesReading::kOverconfident ? ": covariances too small"
                     : n.reading == NeesReading::kCautious    ? ": covariances too large"
                                                              : "";
-  return {{runName(run)},
-          {n.part},
+  return {words(runName(run)),
+          words(n.part),
           number(std::to_string(n.dof)),
           number(fmt::format("{:.3f}", n.mean)),
           number(fmt::format("{:.3f} to {:.3f}", n.lower, n.upper)),
@@ -126,10 +126,9 @@ Section clockSection(const std::vector<TrajectoryRun>& runs) {
   for (const TrajectoryRun& run : runs) {
     if (!run.clock_offset) continue;
     const ClockOffsetRecord& c = *run.clock_offset;
-    table.rows.push_back({{runName(run)},
-                          number(withPrecisionOf(1e3 * c.offset_s, 1e3 * c.std_s)),
-                          number(twoDigits(1e3 * c.std_s)),
-                          number(fmt::format("{:.4f}", c.correlation))});
+    table.rows.push_back(
+        {words(runName(run)), number(withPrecisionOf(1e3 * c.offset_s, 1e3 * c.std_s)),
+         number(twoDigits(1e3 * c.std_s)), number(fmt::format("{:.4f}", c.correlation))});
   }
   return withTable(std::move(section), std::move(table));
 }
