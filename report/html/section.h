@@ -118,4 +118,11 @@ inline Section withTable(Section section, Table table) {
   return section;
 }
 
+/// `section` with a block of the figures that show something; as it is where none does.
+inline Section withFigures(Section section, std::vector<Figure> figures) {
+  std::erase_if(figures, [](const Figure& figure) { return figure.svg.empty(); });
+  if (!figures.empty()) section.blocks.push_back({"", "", {}, {}, std::move(figures)});
+  return section;
+}
+
 }  // namespace plumbline::html_internal

@@ -142,10 +142,7 @@ Section heldScoresSection(const HeldCalibration& held) {
                 "models; each part is scored with the calibration that did not use it.",
                 folds));
   }
-  if (Figure bars = held.scores.empty() ? Figure{} : barsOf(held.scores); !bars.svg.empty()) {
-    section.blocks.push_back({"", "", {}, {}, {std::move(bars)}});
-  }
-  return section;
+  return withFigures(std::move(section), {barsOf(held.scores)});
 }
 
 }  // namespace plumbline::html_internal

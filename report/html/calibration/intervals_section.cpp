@@ -141,8 +141,7 @@ Section intervalsSection(const CalibrationRecord& record) {
   Section section{"sample-intervals", "Sample intervals",
                   "By the sensors' own stamps. A gap is an interval above 1.5 times the median."};
   section.blocks.push_back({"", "", sensorTable(record.sample_intervals)});
-  std::vector<Figure> figures = intervalFigures(record);
-  if (!figures.empty()) section.blocks.push_back({"", "", {}, {}, std::move(figures)});
+  section = withFigures(std::move(section), intervalFigures(record));
   const std::vector<NamedGap> gaps = longestGaps(record.sample_intervals);
   if (!gaps.empty()) {
     section.blocks.push_back({"The longest gaps", "", gapTable(gaps, timeOrigin(record))});

@@ -135,20 +135,17 @@ Section imuSection(const CameraImuStageResult& stage, TimeNs origin, const Verdi
           noiseRemarks(stage.imu_summary.noise, verdict)};
 }
 
+/// Those without blocks are left out by renderPage().
 std::vector<Section> figureSections(const CalibrationRecord& record) {
   std::vector<Section> sections;
   if (record.held) sections.push_back(heldScoresSection(*record.held));
-  Section correlations = correlationSection(record);
-  if (!correlations.blocks.empty()) sections.push_back(std::move(correlations));
-  Section halves = halvesSection(record);
-  if (!halves.blocks.empty()) sections.push_back(std::move(halves));
-  if (record.camera && !record.camera->models.empty()) {
-    sections.push_back(modelSection(*record.camera));
-  }
-  if (record.camera && record.camera->target_fit) {
-    sections.push_back(targetSection(record.target, *record.camera));
-  }
+  sections.push_back(correlationSection(record));
+  sections.push_back(halvesSection(record));
   if (record.camera) {
+    sections.push_back(modelSection(*record.camera));
+    if (record.camera->target_fit) {
+      sections.push_back(targetSection(record.target, *record.camera));
+    }
     sections.push_back(reprojectionSection(cameraView(record), "reprojection-camera"));
     sections.back().remarks = biasRemarks(*record.camera);
   }

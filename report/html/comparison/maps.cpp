@@ -130,15 +130,14 @@ Section uncertaintySection(const ComparisonRecord& record) {
                   "covariance of the calibration under a corner noise of {:g} px. It includes "
                   "noise only, not the error of a model that does not fit.",
                   record.assumptions.pixel_sigma_px)};
-  Block block;
+  std::vector<Figure> figures;
   const ScaledMaps maps = scaled(record.uncertainties, "std [px]", true);
   for (std::size_t i = 0; i < maps.maps.size(); ++i) {
     Figure figure = heatFigure(maps.heat[i], fmt::format("uncertainty-{}", i));
     figure.caption = methodText(*maps.maps[i]) + figure.caption;
-    block.figures.push_back(std::move(figure));
+    figures.push_back(std::move(figure));
   }
-  if (!block.figures.empty()) section.blocks.push_back(std::move(block));
-  return section;
+  return withFigures(std::move(section), std::move(figures));
 }
 
 }  // namespace plumbline::html_internal

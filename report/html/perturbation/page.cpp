@@ -71,16 +71,13 @@ std::vector<Cell> failedRow(const PerturbationRecord& record, const Perturbation
 
 Table casesTable(const PerturbationRecord& record, const CaseGroup& group) {
   Table table;
-  table.columns = {{"Change"}};
-  if (hasOffset(record)) {
-    table.columns.push_back(number("Recovered offset [ms]"));
-    table.columns.push_back(number("Std [ms]"));
-    table.columns.push_back(number("Error [\u00b5s]"));
-  }
-  table.columns.push_back(number("RMSE [px]"));
-  table.columns.push_back(number("Frames"));
-  table.columns.push_back(number("Iterations"));
-  table.columns.push_back(words("Largest other change"));
+  table.columns = {words("Change")};
+  const auto add = [&](std::initializer_list<Cell> more) {
+    table.columns.insert(table.columns.end(), more);
+  };
+  if (hasOffset(record))
+    add({number("Recovered offset [ms]"), number("Std [ms]"), number("Error [\u00b5s]")});
+  add({number("RMSE [px]"), number("Frames"), number("Iterations"), words("Largest other change")});
   // First of all what every case is compared with.
   table.rows.push_back(solvedRow(record, record.base, true));
   for (const PerturbationCase* c : group.cases) {
@@ -137,8 +134,7 @@ Section baseSection(const PerturbationRecord& record) {
     const double std = i < record.base_std.size() ? record.base_std[i] : 0;
     table.rows.push_back({code(record.parameters[i]),
                           number(withPrecisionOf(factor * record.base.values[i], factor * std)),
-                          number(twoDigits(factor * std)),
-                          {unit}});
+                          number(twoDigits(factor * std)), words(unit)});
   }
   Section section{"base", "Base calibration", "The reference of all cases."};
   return withTable(std::move(section), std::move(table));

@@ -53,6 +53,7 @@ void addBox(BoxPlot& plot, const std::string& name, std::size_t series,
 /// As wide as the page from five boxes on; `from_zero` where 0 means something, as for lengths.
 Figure boxFigure(BoxPlot plot, const std::string& title, const std::string& label,
                  const std::string& id, const std::string& caption, bool from_zero) {
+  if (plot.boxes.empty()) return {};
   std::size_t longest = 0;
   double top = 0;
   for (const BoxSummary& box : plot.boxes) {
@@ -123,14 +124,13 @@ Section trajectorySection(const StudyRecord& record) {
   for (const StudyTrajectory& t : record.trajectories) incomplete += isShown(t.ate_m) ? 0 : 1;
   const BoxPlot plot = groupedBoxes(record, record.trajectories, &StudyTrajectory::sequence,
                                     &StudyTrajectory::ate_m, "{:.4f} m");
-  if (plot.boxes.empty()) return section;
-  return withFigure(
+  return withFigures(
       std::move(section),
-      boxFigure(plot, "ATE by sequence and method", "ATE RMSE [m]", "study-ate",
-                fmt::format("Whiskers at the best and the worst, box from 25 to 75 %, line at the "
-                            "median; {} of {} runs are not complete and not included.",
-                            incomplete, record.trajectories.size()),
-                true));
+      {boxFigure(plot, "ATE by sequence and method", "ATE RMSE [m]", "study-ate",
+                 fmt::format("Whiskers at the best and the worst, box from 25 to 75 %, line at the "
+                             "median; {} of {} runs are not complete and not included.",
+                             incomplete, record.trajectories.size()),
+                 true)});
 }
 
 Section heldOutSection(const StudyRecord& record) {
@@ -140,7 +140,6 @@ Section heldOutSection(const StudyRecord& record) {
   if (record.held_out.empty()) return section;
   const BoxPlot plot = groupedBoxes(record, record.held_out, &StudyHeldOut::recording,
                                     &StudyHeldOut::rmse_px, "{:.4f} px");
-  if (plot.boxes.empty()) return section;
   const auto missing = std::count_if(record.held_out.begin(), record.held_out.end(),
                                      [](const StudyHeldOut& h) { return !isShown(h.rmse_px); });
   std::string caption = "A point is a calibration and links to it.";
@@ -148,8 +147,9 @@ Section heldOutSection(const StudyRecord& record) {
     caption += fmt::format(" {} of {} have no RMSE and are not included.", missing,
                            record.held_out.size());
   }
-  return withFigure(std::move(section), boxFigure(plot, "Held-out RMSE by recording and method",
-                                                  "RMSE [px]", "study-held-out", caption, false));
+  return withFigures(std::move(section),
+                     {boxFigure(plot, "Held-out RMSE by recording and method", "RMSE [px]",
+                                "study-held-out", caption, false)});
 }
 
 Section entropySection(const StudyRecord& record) {
@@ -160,17 +160,10 @@ Section entropySection(const StudyRecord& record) {
       record, [](const StudySession& s) { return s.camera_entropy_nats; }, "{:.2f} nat");
   const BoxPlot imu = methodBoxes(
       record, [](const StudySession& s) { return s.camera_imu_entropy_nats; }, "{:.2f} nat");
-  Block block;
-  if (!cameras.boxes.empty()) {
-    block.figures.push_back(
-        boxFigure(cameras, "Camera stage", "entropy [nat]", "study-entropy-camera", "", false));
-  }
-  if (!imu.boxes.empty()) {
-    block.figures.push_back(
-        boxFigure(imu, "Camera-IMU stage", "entropy [nat]", "study-entropy-imu", "", false));
-  }
-  if (!block.figures.empty()) section.blocks.push_back(std::move(block));
-  return section;
+  return withFigures(
+      std::move(section),
+      {boxFigure(cameras, "Camera stage", "entropy [nat]", "study-entropy-camera", "", false),
+       boxFigure(imu, "Camera-IMU stage", "entropy [nat]", "study-entropy-imu", "", false)});
 }
 
 }  // namespace plumbline::html_internal

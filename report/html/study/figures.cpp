@@ -209,8 +209,8 @@ Figure offsetFigure(const StudyRecord& record) {
 
 Section timeSection(const StudyRecord& record) {
   Section section{"time", "Time", ""};
-  section = withFigure(std::move(section), stagesFigure(record));
-  return withFigure(std::move(section), survivalFigure(record));
+  section = withFigures(std::move(section), {stagesFigure(record)});
+  return withFigures(std::move(section), {survivalFigure(record)});
 }
 
 Section offsetSection(const StudyRecord& record) {

@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "report/html/section.h"
 #include "report/records/study_record.h"
@@ -24,12 +23,6 @@ std::string pageNearest(const Sessions& sessions, double value, const Get& get) 
     page = session.page;
   }
   return page;
-}
-
-/// The section with one more figure, or as it is where there is nothing to draw.
-inline Section withFigure(Section section, Figure figure) {
-  if (!figure.svg.empty()) section.blocks.push_back({"", "", {}, {}, {std::move(figure)}});
-  return section;
 }
 
 // The sections of a study's page that are figures. A point leads to its session's page.

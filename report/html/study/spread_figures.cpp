@@ -151,8 +151,8 @@ Section boardSection(const StudyRecord& record) {
   plot.frame.height = 380;
   plot.frame.x = {"session, in the study's order", Range{-0.5, last + 0.5}};
   plot.frame.y = {"RMS displacement, signed as the term [mm]", rangeOf({&ends}, 0.08)};
-  return withFigure(std::move(section), {toSvg(plot, "study-board"),
-                                         "Terms that stay below 0.02 mm are not shown.", true});
+  return withFigures(std::move(section), {{toSvg(plot, "study-board"),
+                                           "Terms that stay below 0.02 mm are not shown.", true}});
 }
 
 }  // namespace plumbline::html_internal

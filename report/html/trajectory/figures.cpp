@@ -305,12 +305,7 @@ Section errorSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"ate", "Absolute errors",
                   "Distance between the aligned estimate and the truth, per sequence and "
                   "calibration."};
-  Block block;
-  for (Figure figure : {repeatsFigure(runs), alongFigure(runs)}) {
-    if (!figure.svg.empty()) block.figures.push_back(std::move(figure));
-  }
-  if (!block.figures.empty()) section.blocks.push_back(std::move(block));
-  return section;
+  return withFigures(std::move(section), {repeatsFigure(runs), alongFigure(runs)});
 }
 
 Section overlaySection(const std::vector<TrajectoryRun>& runs) {
@@ -341,18 +336,16 @@ Section overlaySection(const std::vector<TrajectoryRun>& runs) {
 Section timeSection(const std::vector<TrajectoryRun>& runs) {
   Section section{"error-time", "Errors over time",
                   "A sudden step is a relocalisation or a lost track; a slow rise is drift."};
-  Block block;
+  std::vector<Figure> figures;
   std::size_t index = 0;
   for (const std::string& sequence : sequencesOf(runs)) {
     for (const auto& [error, id] :
          {std::pair(kPositionError, "error-time"), std::pair(kRotationError, "rotation-time")}) {
-      Figure figure = timeFigure(runs, sequence, error, fmt::format("{}-{}", id, index));
-      if (!figure.svg.empty()) block.figures.push_back(std::move(figure));
+      figures.push_back(timeFigure(runs, sequence, error, fmt::format("{}-{}", id, index)));
     }
     ++index;
   }
-  if (!block.figures.empty()) section.blocks.push_back(std::move(block));
-  return section;
+  return withFigures(std::move(section), std::move(figures));
 }
 
 }  // namespace plumbline::html_internal

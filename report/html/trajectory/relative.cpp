@@ -116,22 +116,19 @@ Section relativeSection(const std::vector<TrajectoryRun>& runs) {
       "rpe", "Relative errors by distance",
       "Error of the motion over segments of each length: whiskers at 5 and 95 %, box from 25 to 75 "
       "%, line at the median over the segments; for several runs the median of each of these."};
-  if (Table table = relativeTable(runs); !table.rows.empty()) {
-    section.blocks.push_back({"", "", std::move(table)});
-  }
-  Block block;
+  section = withTable(std::move(section), relativeTable(runs));
+  std::vector<Figure> figures;
   BoxPlot translation = relativeBoxes(runs, &RelativeErrorRecord::translation_m);
   BoxPlot rotation = relativeBoxes(runs, &RelativeErrorRecord::rotation_deg);
   if (!translation.boxes.empty()) {
     frameBoxes(translation, "Translation", "translation error [m]");
-    block.figures.push_back({toSvg(translation, "rpe-translation"), "", true});
+    figures.push_back({toSvg(translation, "rpe-translation"), "", true});
   }
   if (!rotation.boxes.empty()) {
     frameBoxes(rotation, "Rotation", "rotation error [\u00b0]");
-    block.figures.push_back({toSvg(rotation, "rpe-rotation"), "", true});
+    figures.push_back({toSvg(rotation, "rpe-rotation"), "", true});
   }
-  if (!block.figures.empty()) section.blocks.push_back(std::move(block));
-  return section;
+  return withFigures(std::move(section), std::move(figures));
 }
 
 }  // namespace plumbline::html_internal
