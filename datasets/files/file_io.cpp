@@ -39,9 +39,7 @@ BadInput unwritable(const std::string& path, int error) {
   return badInput(
       path, 0,
       {InputFault::kUnwritable, "cannot be written (" + std::string(std::strerror(error)) + ")",
-       "a writable folder with free space",
-       "check the folder, its permissions and the "
-       "disk"});
+       "a writable folder with free space", "check the folder, its permissions and the disk"});
 }
 
 // A temporary file's name: its final one, this, and six letters that mkostemp() makes of these.

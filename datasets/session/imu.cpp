@@ -36,8 +36,7 @@ void refuseDistorted(const YamlMap& map, const KalibrImu& imu) {
   throw map.fault(
       map.has("accelerometers") ? "accelerometers" : "gyroscopes",
       {InputFault::kUnsupported,
-       "M, A or C_gyro_i of the accelerometers or gyroscopes is not that of an IMU "
-       "without faults",
+       "M, A or C_gyro_i of the accelerometers or gyroscopes is not that of an IMU without faults",
        "model: calibrated", std::string(kRefusedModel) + "; calibrate with model: calibrated"});
 }
 

@@ -23,10 +23,9 @@ std::string duplicateCure(TimeNs t) {
   constexpr TimeNs kNanosecondsFromHere = 10'000'000'000'000;  // as milliseconds: the year 2286
   // Seconds and milliseconds since 1970 lie between these; nanoseconds since 1970 are far above.
   const bool perhaps_other_unit = t > 1'000'000'000 && t < kNanosecondsFromHere;
-  return perhaps_other_unit
-             ? "delete one of the two rows; or, if the stamps are seconds or milliseconds, "
-               "write them in nanoseconds with all their digits"
-             : "delete one of the two rows";
+  return perhaps_other_unit ? "delete one of the two rows; or, if the stamps are seconds or "
+                              "milliseconds, write them in nanoseconds with all their digits"
+                            : "delete one of the two rows";
 }
 
 void checkAscending(const TextTable& table, TimeNs t, TimeNs before, const char* cure) {

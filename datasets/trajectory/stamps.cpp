@@ -40,8 +40,7 @@ std::optional<int> powerOfEpoch(double stamp) {
 std::string headerCure(int power, bool has_header = true) {
   if (!has_header) return "convert them to seconds";
   return fmt::format(
-      "convert them, or state the unit in a first line '# timestamp [{}] tx ty tz "
-      "qx qy qz qw'",
+      "convert them, or state the unit in a first line '# timestamp [{}] tx ty tz qx qy qz qw'",
       unitSign(power));
 }
 

@@ -22,8 +22,7 @@ const FailureRow kRows[] = {
      "record the IMU together with the cameras"},
     {Code::kSamplesInBursts,
      "the IMU's samples are stamped in bursts: {count} samples {apart_us:.3g} us apart, then a "
-     "pause "
-     "of {pause_ms:.3g} ms",
+     "pause of {pause_ms:.3g} ms",
      "stamp every sample when it is taken (the sensor's own clock), or spread the stamps of each "
      "burst evenly over the time since the one before"},
     {Code::kColumnsSwapped, "{norms}: gyroscope and accelerometer columns are swapped",
@@ -93,8 +92,7 @@ const FailureRow kRows[] = {
      "given by --imu-shift-ms"},
     {Code::kClockTooFewRates,
      "the clock offset cannot be determined: the estimate has {rates} angular rates, at least "
-     "{needed} "
-     "are needed",
+     "{needed} are needed",
      "use a longer estimate, widen --clock-range, or align the clocks roughly with --time-offset"},
     {Code::kClockNoOverlap,
      "the clock offset cannot be determined: estimate and truth share too little time within "
@@ -102,8 +100,7 @@ const FailureRow kRows[] = {
      "use a longer estimate, widen --clock-range, or align the clocks roughly with --time-offset"},
     {Code::kClockNoRotation,
      "the {trajectory} does not turn enough to determine the clock offset: its angular rate varies "
-     "by "
-     "{rms:.4f} rad/s (RMS), {needed} are needed",
+     "by {rms:.4f} rad/s (RMS), {needed} are needed",
      "record brisk rotations about several axes, or give the offset by --clock-offset SECONDS"},
     {Code::kClockRatesDoNotCorrelate,
      "the angular rates of estimate and truth do not correlate under any clock offset within "
@@ -175,8 +172,8 @@ const FailureRow kRows[] = {
      "use a calibration of the session's own cameras"},
     {Code::kCamerasDoNotFit,
      "{cameras}: {whose} cameras do not explain the corners: poses of their own leave "
-     "{median_px:.2f} "
-     "px (median), in which no IMU has a part; camera and IMU fail on such poses ({imu})",
+     "{median_px:.2f} px (median), in which no IMU has a part; camera and IMU fail on such poses "
+     "({imu})",
      "{mend}"},
     {Code::kTooFewPosedFrames,
      "{frames} frames show the target well enough for a pose; at least {needed} are needed",

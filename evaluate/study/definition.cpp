@@ -325,11 +325,10 @@ void readEndpoints(const YamlMap& map, StudyDefinition& study) {
   }
   for (const std::string& name : study.endpoints) {
     if (isEndpoint(name, stages)) continue;
-    throw map.fault(
-        "endpoints",
-        {InputFault::kUnknownWord, fmt::format("no figure is named '{}'", name),
-         "ate_m, or a session's figure with a unit, such as held_out_rmse_px, capture_s "
-         "or stages_s.camera (docs/records.md lists sessions[])"});
+    throw map.fault("endpoints",
+                    {InputFault::kUnknownWord, fmt::format("no figure is named '{}'", name),
+                     "ate_m, or a session's figure with a unit, such as held_out_rmse_px, "
+                     "capture_s or stages_s.camera (docs/records.md lists sessions[])"});
   }
 }
 

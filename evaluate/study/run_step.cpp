@@ -291,9 +291,7 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
   const std::string changed = changedInput(step);
   if (!changed.empty()) {
     fail(result, StepStatus::kChanged,
-         changed +
-             " changed while it was read; the next run reads "
-             "it again");
+         changed + " changed while it was read; the next run reads it again");
   }
   if (result.status == StepStatus::kDone) {
     try {
@@ -348,9 +346,7 @@ StepResult runStep(const fs::path& night, const std::string& name, int threads) 
     runCommand(night, step, threads, folder, result, rows);
   } else {
     fail(result, StepStatus::kChanged,
-         changed +
-             " changed after the night had begun; the next "
-             "run reads it again");
+         changed + " changed after the night had begun; the next run reads it again");
     folder.clear();
   }
   writeNewFile(folder.path(), kStepFile, stepText(result, rows));

@@ -111,10 +111,8 @@ std::vector<std::string> remarksOn(const Association& association) {
   if (r.rule == toString(AssociationRule::kEvo)) {
     const std::size_t twice = usedTwice(association.pairs);
     if (twice > 0) {
-      remarks.push_back(
-          fmt::format("evo's rule used {} poses twice: their errors count twice; "
-                      "one-to-one does not",
-                      twice));
+      remarks.push_back(fmt::format(
+          "evo's rule used {} poses twice: their errors count twice; one-to-one does not", twice));
     }
   }
   return remarks;

@@ -35,8 +35,7 @@ std::string pairsLine(const TrajectoryRun& run) {
   if (r.time_offset_s != 0) bound += fmt::format(", estimate shifted by {:g} s", r.time_offset_s);
   return fmt::format(
       "{} pairs of {} estimated and {} true poses ({}{}; median difference {:+.3f} ms), {:.0f} % "
-      "of "
-      "the truth's time\n",
+      "of the truth's time\n",
       r.matches, r.estimate_poses, r.truth_poses, r.rule, bound, 1e3 * r.median_dt_s,
       100 * run.coverage);
 }
@@ -84,8 +83,7 @@ std::string differenceLines(const TrajectoryStudy& study) {
     }
     text += fmt::format(
         "{} - {}: ATE {:+.4f} m (mean over sequences, of {} pairs, median {:+.4f}, std {:.4f}); "
-        "lower in {}; {} "
-        "excluded\n",
+        "lower in {}; {} excluded\n",
         d.b, d.a, d.mean_m, d.pairs, d.median_m, d.std_m, d.b_better, d.left_out);
   }
   return text;

@@ -147,8 +147,7 @@ std::string notesText(const ExportOptions& options, const std::vector<std::strin
       "cam_time_offset_ns, in whole nanoseconds.",
       "Noise: continuous-time densities; Basalt multiplies by the root of imu_update_rate itself. "
       "Scale, misalignment and biases (calib_accel_bias, calib_gyro_bias) are zero: not "
-      "calibrated. "
-      "rpmax: up to this radius the distortion is unique; 0 means everywhere."};
+      "calibrated. rpmax: up to this radius the distortion is unique; 0 means everywhere."};
   notes.insert(notes.end(), warnings.begin(), warnings.end());
   return wrapped(notes, "");
 }

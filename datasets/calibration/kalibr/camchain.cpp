@@ -74,8 +74,7 @@ std::string suspectText(ChainContradiction::Suspect suspect, const KalibrCamera&
   switch (suspect) {
     case Suspect::kChain:
       return fmt::format(
-          "{}'s T_cn_cnm1 is inverted (it must map the previous camera to this "
-          "one): invert it",
+          "{}'s T_cn_cnm1 is inverted (it must map the previous camera to this one): invert it",
           camera.name);
     case Suspect::kThisCamera:
       return fmt::format("{}'s {}", camera.name, imu);

@@ -9,10 +9,9 @@ namespace plumbline {
 
 void declareTrajectoriesAndStops(CLI::App& app, GuideOptions& guide,
                                  std::string& first_trajectory) {
-  addWithDefault(
-      app, "--stop-projection-px", guide.views.stop_projection_px,
-      "Finish the camera stage exactly when the predicted projection error over the image "
-      "(RMS) is at most this [px] (0: use the criterion)")
+  addWithDefault(app, "--stop-projection-px", guide.views.stop_projection_px,
+                 "Finish the camera stage exactly when the predicted projection error over the "
+                 "image (RMS) is at most this [px] (0: use the criterion)")
       ->check(numberWithin(0, 100));
   addWithDefault(
       app, "--stop-reprojection-px", guide.trajectories.stop_reprojection_px,
@@ -28,10 +27,9 @@ void declareTrajectoriesAndStops(CLI::App& app, GuideOptions& guide,
   addWithDefault(app, "--trajectory-held-s", guide.trajectories.reached_s,
                  "Time at a trajectory's start until it counts as reached [s]")
       ->check(numberFrom(0));
-  addWithDefault(
-      app, "--first-trajectory", first_trajectory,
-      "Ask for the first trajectory at-once, with the camera-IMU stage's first frame, or "
-      "when it can be scored");
+  addWithDefault(app, "--first-trajectory", first_trajectory,
+                 "Ask for the first trajectory at-once, with the camera-IMU stage's first frame, "
+                 "or when it can be scored");
   addWithDefault(app, "--operator-speed", guide.pace.speed_m_s,
                  "Rank suggestions by gain per second at this hand speed [m/s] (0: by gain alone)")
       ->check(numberWithin(0, 10));

@@ -64,8 +64,8 @@ std::vector<Finding> orderFault(const LintedCalibration& linted, const Session& 
   const Eigen::Vector3d seen = 1e3 * straight.T_C0C1->t;
   return {
       bad(swapped ? "Order of cameras" : "Inverted baseline",
-          fmt::format("{}: camera 1 is at ({:.1f}, {:.1f}, {:.1f}) mm in camera 0; the corners "
-                      "say ({:.1f}, {:.1f}, {:.1f}) mm{}",
+          fmt::format("{}: camera 1 is at ({:.1f}, {:.1f}, {:.1f}) mm in camera 0; the corners say "
+                      "({:.1f}, {:.1f}, {:.1f}) mm{}",
                       linted.name, stated.x(), stated.y(), stated.z(), seen.x(), seen.y(), seen.z(),
                       swapped ? ", and fit the intrinsics better when exchanged" : ""),
           swapped ? fmt::format("exchange cam0 and cam1 in {}", linted.name)
@@ -182,18 +182,17 @@ std::vector<Finding> offsetFault(const LintedCalibration& linted, double seen,
   const double off = std::abs(given - seen);
   if (off <= options.offset_tolerance_s || std::abs(given) > options.max_offset_s) return {};
   const bool flipped = std::abs(given + seen) <= options.offset_tolerance_s;
-  return {
-      bad(flipped ? "Flipped time offset" : "Contradicting time offset",
-          fmt::format("{}: the time offset is {:.3f} ms; correlating gyroscope and camera rates "
-                      "gives {:.3f} ms",
-                      linted.name, 1e3 * given, 1e3 * seen),
-          flipped ? fmt::format("negate timeshift_cam_imu (time_offset_s) in {}: t_imu = t_cam "
-                                "+ t_d",
-                                linted.name)
-                  : fmt::format("the time offset in {} is not this recording's: stamps of "
-                                "another driver or session",
-                                linted.name),
-          {off, options.offset_tolerance_s, "s"})};
+  return {bad(
+      flipped ? "Flipped time offset" : "Contradicting time offset",
+      fmt::format("{}: the time offset is {:.3f} ms; correlating gyroscope and camera rates "
+                  "gives {:.3f} ms",
+                  linted.name, 1e3 * given, 1e3 * seen),
+      flipped ? fmt::format("negate timeshift_cam_imu (time_offset_s) in {}: t_imu = t_cam + t_d",
+                            linted.name)
+              : fmt::format("the time offset in {} is not this recording's: stamps of another "
+                            "driver or session",
+                            linted.name),
+      {off, options.offset_tolerance_s, "s"})};
 }
 
 std::vector<Finding> noiseFault(const LintedCalibration& linted, const ImuStream& imu,

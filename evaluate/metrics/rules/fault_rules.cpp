@@ -35,8 +35,8 @@ constexpr const char* kWaves[] = {"sine x", "sine y", "sine z", "cosine x", "cos
 
 const FaultWords kFaultWords[] = {
     {UnmodelledFault::kAccelScale, "scale error of the accelerometer", kPercent, "%",
-     "calibrate the accelerometer's scale (at rest in six attitudes) and divide the "
-     "columns of imu0/data.csv by 1 + error; check its range and unit",
+     "calibrate the accelerometer's scale (at rest in six attitudes) and divide the columns of "
+     "imu0/data.csv by 1 + error; check its range and unit",
      kAxes},
     {UnmodelledFault::kAccelMisalignment, "misalignment of the accelerometer's axes", kDegrees,
      "deg",
@@ -59,8 +59,7 @@ const FaultWords kFaultWords[] = {
      "use a global shutter, or record slow motion: rolling shutters are not modelled"},
     {UnmodelledFault::kTargetSize, "size of the target, beyond what target.yaml states", kPercent,
      "%",
-     "measure a tag's black square and the gap between tags, and correct tagSize or "
-     "tagSpacing"},
+     "measure a tag's black square and the gap between tags, and correct tagSize or tagSpacing"},
     {UnmodelledFault::kCameraDelay, "exposure later than camera 0's under equal stamps", 1e3, "ms",
      "trigger the cameras together, or correct the camera's stamps"},
     {UnmodelledFault::kImuMoved, "change of T_SC0", 1e3, "mm, mrad",
@@ -77,8 +76,8 @@ const FaultWords kFaultWords[] = {
     // board's.
     {UnmodelledFault::kTargetShape,
      "shape of the target (not flat, or grid not even): RMS displacement of its corners", 1e3, "mm",
-     "mount the target on a rigid flat plate (glass, aluminium), print it again without "
-     "scaling one axis, and record again",
+     "mount the target on a rigid flat plate (glass, aluminium), print it again without scaling "
+     "one axis, and record again",
      kTargetTermNames},
     {UnmodelledFault::kTargetMoved, "displacement of the target along its own axes", 1e3, "mm",
      "fix the target and record again; or calibrate the parts before and after separately (--from, "

@@ -53,8 +53,7 @@ std::string deviationOf(const TargetFit& fit, double rms_mm) {
   return fmt::format(
       "the board deviates from the grid of target.yaml by {:.2f} mm (RMS over its corners; {:.2f} "
       "mm in height); RMS of held-out frames, after the loss: {:.4f} px with the estimated shape, "
-      "{:.4f} px "
-      "without",
+      "{:.4f} px without",
       rms_mm, height_mm, fit.shapeHeldOutPx(), fit.flat_held_out_px);
 }
 
@@ -68,9 +67,8 @@ Finding bentBoard(const CameraStageResult& stage, Rule rule, double rms_mm) {
     return above(rule, rms_mm, found + "; estimated with the cameras");
   }
   rule.advice =
-      "The calibration assumes the target as target.yaml states it, which biases its "
-      "parameters. Run again with --target-shape auto, or with the board's "
-      "target_shape.yaml.";
+      "The calibration assumes the target as target.yaml states it, which biases its parameters. "
+      "Run again with --target-shape auto, or with the board's target_shape.yaml.";
   return finding(rule, std::max(VerdictLevel::kCaution, levelAbove(rms_mm, rule.bound)), rms_mm,
                  found);
 }
@@ -82,8 +80,7 @@ std::string adviceOnViews(const CalibrationRecord& record, std::size_t camera,
       camera < record.counts.size() && record.counts[camera].views_with_corners > used;
   if (record.assumptions.views_selected && has_more) {
     return "The recording has more: choose more of them, with a smaller value of --select-views, "
-           "or "
-           "use all, without it.";
+           "or use all, without it.";
   }
   return "Record more views, differing in distance, tilt and position.";
 }
@@ -196,16 +193,16 @@ Findings judgeResolutions(const CameraStageResult& stage, const VerdictThreshold
     const double empty =
         std::max(emptyStrip(extent.low.x(), extent.high.x(), centre.x(), k.resolution.width),
                  emptyStrip(extent.low.y(), extent.high.y(), centre.y(), k.resolution.height));
-    findings.push_back(above(
-        {fmt::format("Resolution of {}", stage.cameras[i].name), "-", t.resolution,
-         "The images seem to be smaller than the resolution stated in sensor.yaml (or by "
-         "option): correct it. If it is right, record views that reach the image's right "
-         "and lower edges."},
-        empty,
-        fmt::format("corners from ({:.0f}, {:.0f}) to ({:.0f}, {:.0f}) and the optical centre "
-                    "at ({:.0f}, {:.0f}) in an image of {}x{}",
-                    extent.low.x(), extent.low.y(), extent.high.x(), extent.high.y(), centre.x(),
-                    centre.y(), k.resolution.width, k.resolution.height)));
+    findings.push_back(
+        above({fmt::format("Resolution of {}", stage.cameras[i].name), "-", t.resolution,
+               "The images seem to be smaller than the resolution stated in sensor.yaml (or by "
+               "option): correct it. If it is right, record views that reach the image's right and "
+               "lower edges."},
+              empty,
+              fmt::format("corners from ({:.0f}, {:.0f}) to ({:.0f}, {:.0f}) and the optical "
+                          "centre at ({:.0f}, {:.0f}) in an image of {}x{}",
+                          extent.low.x(), extent.low.y(), extent.high.x(), extent.high.y(),
+                          centre.x(), centre.y(), k.resolution.width, k.resolution.height)));
   }
   return findings;
 }
@@ -221,8 +218,8 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
     const int unseen = target.rows - 1 - shown.largest_tag / target.cols;
     findings.push_back(above(
         {"Rows of the target", "1", t.unseen_rows,
-         "Check tagRows and tagCols in target.yaml; if they are right, bring "
-         "the whole target into view."},
+         "Check tagRows and tagCols in target.yaml; if they are right, bring the whole target into "
+         "view."},
         unseen,
         unseen == 0 ? fmt::format("all {} tag rows observed", target.rows)
                     : fmt::format("{} of {} tag rows never observed (largest tag id {} of {})",

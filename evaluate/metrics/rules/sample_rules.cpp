@@ -156,8 +156,7 @@ Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const Verdict
     if (!isLarger(ratio, worst)) continue;
     worst = ratio;
     evidence = fmt::format(
-        "the largest residual of {} is {:.1f} times their median, {:.2f} s after "
-        "the first frame",
+        "the largest residual of {} is {:.1f} times their median, {:.2f} s after the first frame",
         group.name, ratio, secondsBetween(stage.frames.front().t, at.t));
   }
   return {above({"Isolated inertial residuals", "-", t.isolated_residual,

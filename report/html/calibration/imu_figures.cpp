@@ -199,8 +199,7 @@ std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage, T
   const auto whitened = [](const ImuNoiseCheck& check) {
     return fmt::format(
         "The same divided by the assumed noise. Each frame's own velocity and biases absorb much "
-        "of "
-        "it: about two thirds of the values lie within \u00b1{:.2f} when the assumptions hold.",
+        "of it: about two thirds of the values lie within \u00b1{:.2f} when the assumptions hold.",
         check.expected_rms > 0 ? check.expected_rms : 1);
   };
   // Over the interval: then long and short ones compare, in the unit of the readings.

@@ -20,14 +20,12 @@ std::string reasonText(const ModelChoice& choice) {
     case ModelReason::kStated:
       return fmt::format(
           "{}: {}, as the recording states it: no model predicts held-out frames better by more "
-          "than "
-          "one standard error.",
+          "than one standard error.",
           choice.camera, nameOf(choice));
     case ModelReason::kSmallest:
       return fmt::format(
           "{}: {}, the one with fewest parameters of the models that predict held-out frames as "
-          "well "
-          "as the best, within one standard error.",
+          "well as the best, within one standard error.",
           choice.camera, nameOf(choice));
     case ModelReason::kCommon:
       return fmt::format(
@@ -94,8 +92,8 @@ Section modelSection(const CameraStageResult& stage) {
   Section section{
       "models", "Lens models",
       "Each model was fitted to one half of the recording's blocks of time and scored on the "
-      "other, with only poses estimated. Models with fewer frames were rejected early, by "
-      "the best model on those frames."};
+      "other, with only poses estimated. Models with fewer frames were rejected early, by the best "
+      "model on those frames."};
   for (const ModelChoice& choice : stage.models) {
     section.blocks.push_back({choice.camera, reasonText(choice), candidateTable(choice)});
   }

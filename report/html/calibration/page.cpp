@@ -29,13 +29,11 @@ std::vector<std::string> biasRemarks(const CameraStageResult& stage) {
   for (const BiasRatio& b : stage.bias) {
     // Without patches there is no noise of the detector to tell the rest from.
     if (b.patches == 0) continue;
-    remarks.push_back(
-        fmt::format("{}: bias ratio {:.2f}. Of the squared error {:.0f} % is systematic, shared by "
-                    "neighbouring "
-                    "corners; the detector's noise is {:.3f} px per axis, the whole error {:.3f} "
-                    "px ({} patches "
-                    "of 2 x 2 tags).",
-                    b.camera, b.ratio, 100 * b.ratio, b.noise_px, b.error_px, b.patches));
+    remarks.push_back(fmt::format(
+        "{}: bias ratio {:.2f}. Of the squared error {:.0f} % is systematic, shared by "
+        "neighbouring corners; the detector's noise is {:.3f} px per axis, the whole error {:.3f} "
+        "px ({} patches of 2 x 2 tags).",
+        b.camera, b.ratio, 100 * b.ratio, b.noise_px, b.error_px, b.patches));
   }
   return remarks;
 }

@@ -295,10 +295,9 @@ FigureGroup coverageFigures(const StageView& stage) {
       // Blank, so that a cell where nothing was seen stands out from one with few corners.
       map.values.push_back(count > 0 ? static_cast<double>(count) : std::nan(""));
     }
-    group.figures.push_back(
-        {toSvg(map, fmt::format("coverage-cam{}", i)),
-         "Corners per cell, rejected ones included. Where nothing was seen, the "
-         "distortion is extrapolated."});
+    group.figures.push_back({toSvg(map, fmt::format("coverage-cam{}", i)),
+                             "Corners per cell, rejected ones included. Where nothing was seen, "
+                             "the distortion is extrapolated."});
   }
   return group;
 }

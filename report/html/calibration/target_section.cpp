@@ -49,8 +49,8 @@ std::string cornersText(const TargetFit& fit) {
   return fmt::format(
       " Remainders of single corners are estimated besides, with a prior of {:.3f} mm in the plane "
       "and {:.3f} mm in height (estimated). RMS of held-out frames, after the loss, with them: "
-      "{:.4f} px. They "
-      "depend on recording and detector: another session of the same board has others.",
+      "{:.4f} px. They depend on recording and detector: another session of the same board has "
+      "others.",
       kMm * *fit.corners_plane_std, kMm * *fit.corners_height_std, *fit.corners_held_out_px);
 }
 
@@ -59,31 +59,26 @@ std::string foundText(const TargetFit& fit, bool kept) {
     case TargetFinding::kBent:
       return fmt::format(
           "The board is not as target.yaml states. RMS of held-out frames, after the loss: {:.4f} "
-          "px with the "
-          "estimated shape, {:.4f} px with the stated one. {}",
+          "px with the estimated shape, {:.4f} px with the stated one. {}",
           fit.shapeHeldOutPx(), fit.flat_held_out_px,
           kept ? "The calibration uses the estimated shape."
                : "The calibration uses the stated one, as requested.");
     case TargetFinding::kKnown:
       if (!fit.isJudged()) {
         return "The shape of the board is known from another session and was refined with the "
-               "cameras "
-               "within its uncertainty. This recording does not test it: it has fewer than four "
-               "blocks "
-               "of time, or half of them has no solution.";
+               "cameras within its uncertainty. This recording does not test it: it has fewer than "
+               "four blocks of time, or half of them has no solution.";
       }
       return fmt::format(
           "The shape of the board is known from another session and was refined with the cameras "
           "within its uncertainty. RMS of held-out frames, after the loss: {:.4f} px with it, no "
-          "better with a "
-          "shape estimated from this session alone ({:.4f} px).",
+          "better with a shape estimated from this session alone ({:.4f} px).",
           fit.flat_held_out_px, fit.held_out_px);
     case TargetFinding::kOther:
       return fmt::format(
           "The board is not that of the given file. RMS of held-out frames, after the loss: {:.4f} "
-          "px with a "
-          "shape estimated from this session, shown here, and {:.4f} px with the file's, which the "
-          "calibration uses.",
+          "px with a shape estimated from this session, shown here, and {:.4f} px with the file's, "
+          "which the calibration uses.",
           fit.held_out_px, fit.flat_held_out_px);
     case TargetFinding::kAsStated:
       return fmt::format(

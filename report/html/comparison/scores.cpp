@@ -127,10 +127,9 @@ Table pairedTable(const ComparisonRecord& record) {
          number(fmt::format("{:+.4g}", p.difference_px2)),
          number(twoDigits(p.std_px2)),
          {!(p.half_px2 > 0) ? "\u2013 (no interval)"
-          : p.isClear()     ? fmt::format("{} predicts better, by {:.1f} "
-                                              "\u03c3",
-                                          better, std::abs(sigma))
-                            : fmt::format("no difference ({:.1f} \u03c3)", std::abs(sigma))}});
+          : p.isClear()
+              ? fmt::format("{} predicts better, by {:.1f} \u03c3", better, std::abs(sigma))
+              : fmt::format("no difference ({:.1f} \u03c3)", std::abs(sigma))}});
   }
   return table;
 }

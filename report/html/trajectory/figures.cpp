@@ -309,13 +309,12 @@ Section errorSection(const std::vector<TrajectoryRun>& runs) {
 }
 
 Section overlaySection(const std::vector<TrajectoryRun>& runs) {
-  Section section{
-      "overlays", "Overlays",
-      "The aligned estimate in the colour of its position error (one scale for the "
-      "runs of a sequence, which ends at their largest 99th percentile), the truth in "
-      "thin grey. Both axes of a view have the same "
-      "scale; z points up where the truth's frame does. Roll, pitch and yaw are those of "
-      "R = Rz(yaw) Ry(pitch) Rx(roll), body to the truth's world."};
+  Section section{"overlays", "Overlays",
+                  "The aligned estimate in the colour of its position error (one scale for the "
+                  "runs of a sequence, which ends at their largest 99th percentile), the truth in "
+                  "thin grey. Both axes of a view have the same scale; z points up where the "
+                  "truth's frame does. Roll, pitch and yaw are those of "
+                  "R = Rz(yaw) Ry(pitch) Rx(roll), body to the truth's world."};
   // Up to four figures a run; tables and boxes have all runs, drawn here or not.
   std::size_t drawn = 0, more = 0;
   for (const TrajectoryRun& run : runs) {

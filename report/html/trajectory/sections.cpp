@@ -103,13 +103,11 @@ Section pairedSection(const std::vector<PairedDifference>& differences) {
   Section section{
       "paired", "Paired differences",
       "ATE RMSE under one calibration minus that under the other, for the same sequence and run; "
-      "negative means that the first one is better. Runs of one sequence are alike: mean, "
-      "interval (Student\u2019s t) and the exact two-sided sign test (p) are of the "
-      "sequences\u2019 means. The median is over pairs. Pairs that are not complete under both are "
-      "excluded and "
-      "counted. A single run cannot rank small errors: its error depends on chance as much as on "
-      "the calibration. With \u201csequences needed\u201d, a pair each, such a mean difference "
-      "would "
+      "negative means that the first one is better. Runs of one sequence are alike: mean, interval "
+      "(Student\u2019s t) and the exact two-sided sign test (p) are of the sequences\u2019 means. "
+      "The median is over pairs. Pairs that are not complete under both are excluded and counted. "
+      "A single run cannot rank small errors: its error depends on chance as much as on the "
+      "calibration. With \u201csequences needed\u201d, a pair each, such a mean difference would "
       "be significant at 95 % in four of five studies, given the spread of the sequences\u2019 "
       "means; fewer than three give no spread, fewer than five no interval."};
   Table table{{words("Difference"), number("Pairs"), number("Left out"), number("Mean [m]"),
