@@ -40,9 +40,8 @@ std::string adviceOnDensity(const CalibrationRecord& record) {
 
 Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
                       const CalibrationRecord& record, const VerdictThresholds& t) {
-  Findings findings;
   // The factor's relative deviation is 1 / sqrt(2 redundancy): a tenth at the bound.
-  if (check.redundancy < kLeastRedundancy) return findings;
+  if (check.redundancy < kLeastRedundancy) return {};
   Rule rule{"Noise density of the " + sensor, "x", t.imu_noise_factor, adviceOnDensity(record)};
   VerdictLevel level = levelAbove(check.factor, rule.bound);
   // Too large a density biases nothing, it wastes information: never bad.
@@ -53,11 +52,10 @@ Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
         "under-weighted.";
     level = VerdictLevel::kCaution;
   }
-  findings.push_back(finding(
+  return {finding(
       rule, level, check.factor,
       fmt::format("the residuals suggest {:.2f} times the assumed density (redundancy {:.0f})",
-                  check.factor, check.redundancy)));
-  return findings;
+                  check.factor, check.redundancy))};
 }
 
 namespace {
@@ -115,32 +113,27 @@ Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThres
 }
 
 Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThresholds& t) {
-  Findings findings;
   const int without_imu = stage.frames_without_imu;
   const int without_pose = stage.frames_without_pose;
   // Of the frames with a pose; those without one are counted below.
   const auto posed = static_cast<double>(stage.frames.size()) + without_imu;
-  findings.push_back(
-      above({"Frames covered by the IMU", "-", t.frames_without_imu,
-             "Start the IMU before the cameras and stop it after them, and look for "
-             "pauses in its driver: "
-             "frames without IMU samples around them are not used."},
-            share(without_imu, posed),
-            fmt::format("{} of {:.0f} frames were not used because IMU samples are missing",
-                        without_imu, posed)));
-  findings.push_back(
-      above({"Gaps in the IMU's samples", "1", t.imu_gaps,
-             "Frames are not linked across a gap, which costs information only; find out why "
-             "samples were lost (driver, bus load, disk)."},
-            stage.imu_gaps,
-            fmt::format("number of gaps: {}{}", stage.imu_gaps, pausesIn(stage.screening))));
-  findings.push_back(above({"Frames without a pose (camera-IMU)", "-", t.rejected,
-                            "That many frames without a plausible pose indicate false detections "
-                            "or intrinsics that do not belong to these cameras."},
-                           share(without_pose, posed + without_pose),
-                           fmt::format("{} of {:.0f} frames gave no plausible pose", without_pose,
-                                       posed + without_pose)));
-  return findings;
+  return {above({"Frames covered by the IMU", "-", t.frames_without_imu,
+                 "Start the IMU before the cameras and stop it after them, and look for pauses in "
+                 "its driver: frames without IMU samples around them are not used."},
+                share(without_imu, posed),
+                fmt::format("{} of {:.0f} frames were not used because IMU samples are missing",
+                            without_imu, posed)),
+          above({"Gaps in the IMU's samples", "1", t.imu_gaps,
+                 "Frames are not linked across a gap, which costs information only; find out why "
+                 "samples were lost (driver, bus load, disk)."},
+                stage.imu_gaps,
+                fmt::format("number of gaps: {}{}", stage.imu_gaps, pausesIn(stage.screening))),
+          above({"Frames without a pose (camera-IMU)", "-", t.rejected,
+                 "That many frames without a plausible pose indicate false detections or "
+                 "intrinsics that do not belong to these cameras."},
+                share(without_pose, posed + without_pose),
+                fmt::format("{} of {:.0f} frames gave no plausible pose", without_pose,
+                            posed + without_pose))};
 }
 
 namespace {
@@ -223,9 +216,7 @@ Findings judgeStatements(const CalibrationRecord& record, const VerdictThreshold
               fmt::format("samples come at {:.4g} Hz, imu.yaml states {:.4g} Hz", stage.imu_rate_hz,
                           stated_hz)));
   }
-  for (Finding& finding : judgeLinearFit(stage, record.assumptions.gravity_m_s2, t)) {
-    findings.push_back(std::move(finding));
-  }
+  append(findings, judgeLinearFit(stage, record.assumptions.gravity_m_s2, t));
   if (auto finding = judgeTargetSize(stage, t)) findings.push_back(std::move(*finding));
   return findings;
 }

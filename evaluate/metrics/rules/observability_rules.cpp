@@ -32,28 +32,25 @@ Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds
 }
 
 Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t) {
-  Findings findings;
   const auto estimates = parameterEstimates(record, Stage::kCameraImu);
   const LargestStd arm = largestStd(estimates, {"tx", "ty", "tz"}, "T_SC0", false);
   // T_SC0 and the offset are listed together, or nothing is.
-  if (arm.name.empty()) return findings;
-  findings.push_back(above(
-      {"Lever arm", "m", t.lever_arm_std_m, "Record faster rotations about all three axes."},
-      arm.value, fmt::format("{} of {} is {:.2f} mm", kindOf(arm), arm.name, 1e3 * arm.value)));
+  if (arm.name.empty()) return {};
   const LargestStd rotation = largestStd(estimates, {"rx", "ry", "rz"}, "T_SC0", false);
-  findings.push_back(
+  const LargestStd offset = largestOffsetStd(estimates, record.camera_imu->cameras);
+  return {
+      above({"Lever arm", "m", t.lever_arm_std_m, "Record faster rotations about all three axes."},
+            arm.value,
+            fmt::format("{} of {} is {:.2f} mm", kindOf(arm), arm.name, 1e3 * arm.value)),
       above({"Rotation between camera and IMU", "deg", t.rotation_std_deg,
              "Record faster rotations about all three axes, and accelerations in all directions."},
             kDegrees * rotation.value,
             fmt::format("{} of {} is {:.4f} degrees", kindOf(rotation), rotation.name,
-                        kDegrees * rotation.value)));
-  const LargestStd offset = largestOffsetStd(estimates, record.camera_imu->cameras);
-  findings.push_back(
+                        kDegrees * rotation.value)),
       above({"Time offset", "ms", t.offset_std_ms,
              "Record fast rotations: the offset is observable only while the rig turns."},
             1e3 * offset.value,
-            fmt::format("{} of {} is {:.4f} ms", kindOf(offset), offset.name, 1e3 * offset.value)));
-  return findings;
+            fmt::format("{} of {} is {:.4f} ms", kindOf(offset), offset.name, 1e3 * offset.value))};
 }
 
 }  // namespace plumbline

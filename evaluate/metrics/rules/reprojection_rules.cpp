@@ -51,33 +51,29 @@ Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
 
 Findings judgeRejected(const std::vector<CornerResidual>& residuals, const std::string& stage,
                        const VerdictThresholds& t) {
-  Findings findings;
   // Of used frames; corners of frames that were not used are judgeLeftOut()'s.
   const auto rejected =
       std::count_if(residuals.begin(), residuals.end(), [](const auto& r) { return !r.used; });
-  findings.push_back(
+  return {
       above({fmt::format("Rejected corners ({})", stage), "-", t.rejected,
              "That many outliers indicate false detections, motion blur or a wrong target file."},
             share(static_cast<double>(rejected), static_cast<double>(residuals.size())),
-            fmt::format("{} of {} corners were rejected", rejected, residuals.size())));
-  return findings;
+            fmt::format("{} of {} corners were rejected", rejected, residuals.size()))};
 }
 
 Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& t) {
-  Findings findings;
   // Views that selection left out were not refused by the estimation.
-  if (record.assumptions.views_selected) return findings;
+  if (record.assumptions.views_selected) return {};
   // Offered are the corners of all views; residuals are listed of the frames that were used.
   const std::size_t offered = record.camera->summary.corners_offered;
   const std::size_t listed = record.camera->residuals.size();
-  if (offered < listed) return findings;
-  findings.push_back(
+  if (offered < listed) return {};
+  return {
       above({"Unused frames (cameras)", "-", t.rejected,
              "That many frames without a plausible pose indicate false detections, too few corners "
              "in a frame, a wrong target.yaml or an unsuitable camera model."},
             share(static_cast<double>(offered - listed), static_cast<double>(offered)),
-            fmt::format("frames with {} of {} corners were not used", offered - listed, offered)));
-  return findings;
+            fmt::format("frames with {} of {} corners were not used", offered - listed, offered))};
 }
 
 Findings judgeConvergence(const StageSummary& summary, const std::string& stage) {
