@@ -47,12 +47,11 @@ auto withOptions(void (*declare)(CLI::App&, Options&), Run run) {
   return [declare, run](CLI::App& app) {
     auto options = std::make_shared<Options>();
     declare(app, *options);
-    return std::function<int()>([options, run, &app] {
-      if constexpr (std::is_invocable_v<Run, Options&, CLI::App&>)
-        return run(*options, app);
-      else
-        return run(*options);
-    });
+    if constexpr (std::is_invocable_v<Run, Options&, CLI::App&>) {
+      return std::function<int()>([options, run, &app] { return run(*options, app); });
+    } else {
+      return std::function<int()>([options, run] { return run(*options); });
+    }
   };
 }
 

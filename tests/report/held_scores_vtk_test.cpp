@@ -25,8 +25,8 @@ TEST(HeldScores, AColumnIsOneCameraInEveryRow) {
   ASSERT_TRUE(section.blocks[1].table.has_value());
   const Table& table = *section.blocks[1].table;
   std::size_t left = 0;
-  while (table.columns.at(left).name != "left [px]") ++left;
-  ASSERT_EQ(table.columns.at(left + 1).name, "right [px]");
+  while (table.columns.at(left).text != "left [px]") ++left;
+  ASSERT_EQ(table.columns.at(left + 1).text, "right [px]");
   std::vector<std::string> lefts, rights;
   for (const auto& row : table.rows) {
     lefts.push_back(row.at(left).text);
