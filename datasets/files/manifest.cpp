@@ -18,8 +18,19 @@ namespace fs = std::filesystem;
 
 constexpr const char* kHashName = "xxh64:";
 
-// Everything within a folder, sorted; links are not followed, and what may not be read is left out.
+// Everything within a folder, sorted; links are not followed.
 std::vector<fs::path> entriesOf(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    entries.push_back(entry.path());
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+// The same but for what may not be read: enough to remove or move what is found, where an error
+// would stop all that comes after.
+std::vector<fs::path> readableEntriesOf(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code error;
   const auto readable = fs::directory_options::skip_permission_denied;
@@ -99,7 +110,8 @@ std::string manifestText(const Manifest& manifest) {
 
 std::optional<Manifest> readManifest(const fs::path& folder) {
   const fs::path path = folder / kManifestFile;
-  if (!fs::is_regular_file(fs::symlink_status(path))) return std::nullopt;
+  std::error_code unreadable;
+  if (!fs::is_regular_file(fs::symlink_status(path, unreadable))) return std::nullopt;
   try {
     return parse(MappedFile(path.string()).text());
   } catch (const InputError&) {  // gone meanwhile, or unreadable
@@ -129,13 +141,13 @@ std::optional<ForeignEntry> firstForeign(const fs::path& folder, const Manifest&
 }
 
 void moveUnlisted(const fs::path& folder, const Manifest& manifest, const fs::path& to) {
-  for (const fs::path& path : entriesOf(folder)) {
+  for (const fs::path& path : readableEntriesOf(folder)) {
     const std::string name = path.lexically_relative(folder).generic_string();
     if (name == kManifestFile || manifest.files.count(name) > 0) continue;
     const fs::path place = to / name;
-    if (fs::is_directory(fs::symlink_status(path)) || fs::exists(fs::symlink_status(place))) {
-      continue;
-    }
+    std::error_code unknown;
+    const fs::file_status there = fs::symlink_status(place, unknown);
+    if (fs::is_directory(fs::symlink_status(path, unknown)) || fs::exists(there)) continue;
     // A file of the new result may have the name of a folder: then that place is taken too.
     std::error_code taken;
     fs::create_directories(place.parent_path(), taken);
@@ -148,7 +160,7 @@ void moveUnlisted(const fs::path& folder, const Manifest& manifest, const fs::pa
 void removeListed(const fs::path& folder, const Manifest& manifest) {
   std::error_code ignored;
   // The manifest goes last: as long as a file is there, it says whose it is.
-  const std::vector<fs::path> entries = entriesOf(folder);
+  const std::vector<fs::path> entries = readableEntriesOf(folder);
   for (const fs::path& path : entries) {
     const std::string name = path.lexically_relative(folder).generic_string();
     const fs::file_status status = fs::symlink_status(path, ignored);

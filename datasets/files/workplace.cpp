@@ -119,10 +119,14 @@ bool putBack(const fs::path& folder, const fs::path& home) {
 
 // After an exchange: what others had put into the older result belongs into the new one.
 void moveOthers(const fs::path& folder, const fs::path& home) {
-  std::error_code error;
-  if (home.empty() || !fs::is_directory(fs::symlink_status(home, error))) return;
+  if (home.empty()) return;
+  const auto of_home = readManifest(home);
   for (const fs::path& older : {folder / "result", folder / kOld}) {
-    if (const auto manifest = readManifest(older)) moveUnlisted(older, *manifest, home);
+    const auto manifest = readManifest(older);
+    // One of another kind is of a command that was killed while it made this result.
+    if (of_home && manifest && manifest->kind == of_home->kind) {
+      moveUnlisted(older, *manifest, home);
+    }
   }
 }
 

@@ -152,7 +152,11 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
   request.redo_failed = o.redo_failed;
   request.recheck = o.recheck;
   // Whatever the engine: the jobs of a night on Slurm do not hold its lock. The merging job is one.
-  if (o.merge_round == 0) request.refuse = refuseWhileUnderWay;
+  if (o.merge_round == 0) {
+    request.refuse = refuseWhileUnderWay;
+  } else {
+    request.lock_wait_s = kSlurmLockWaitS;
+  }
   auto given = givenOptions(app);
   // The definition is the input, which is stated by itself.
   std::erase_if(given, [](const auto& option) { return option.first == "study"; });
@@ -241,7 +245,7 @@ std::function<int()> configureRunStep(CLI::App& app) {
         // all counts for the exit code.
         const StepResult result = runStep(o->night, name, o->threads);
         if (!result.message.empty()) complain(fmt::format("{}: {}", name, result.message));
-      } catch (const InputError& error) {  // the others may do
+      } catch (const std::exception& error) {  // whatever it is, the others may do
         complain(error.what());
         exit_code = kBadInput;
       }

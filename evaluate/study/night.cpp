@@ -183,7 +183,7 @@ PreparedNight prepareNight(const NightRequest& request) {
   night.study = readStudy(request.study, request.checks);
   takeNightFolder(request.out, night.study);
   night.folder = fs::canonical(request.out);
-  night.lock = std::make_unique<NightLock>(night.folder);
+  night.lock = std::make_unique<NightLock>(night.folder, request.lock_wait_s);
   if (request.refuse) request.refuse(night.folder);
   night.provenance = request.provenance;
   const StudyStore store(night.folder /

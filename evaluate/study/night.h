@@ -22,6 +22,7 @@ struct NightRequest {
   bool redo_failed = false;   ///< steps that failed are done again, though nothing changed
   int recheck = 0;            ///< so many steps that are done are done again: is the result equal?
   Provenance provenance;
+  double lock_wait_s = kNightLockWaitS;
   /// Asked under the lock, before anything in the folder changes; throws where another night is
   /// under way that does not hold the lock. Empty: not asked.
   std::function<void(const std::filesystem::path& folder)> refuse;

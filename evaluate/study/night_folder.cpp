@@ -2,10 +2,12 @@
 #include "evaluate/study/night_folder.h"
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <set>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -25,8 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kLockFile = "study.lock";
-constexpr int kLockTries = 20;
-constexpr useconds_t kLockPauseUs = 20'000;
+constexpr double kLockPauseS = 0.02;
 
 BadInput unwritable(const fs::path& path, const std::string& why) {
   return badInput(path.string(), 0,
@@ -80,16 +81,15 @@ std::vector<fs::path> entriesOf(const fs::path& folder) {
 
 // By flock(), which the system releases however the process ends; the file stays, and what is in it
 // only says who holds it.
-NightLock::NightLock(const fs::path& folder) {
+NightLock::NightLock(const fs::path& folder, double wait_s) {
   const fs::path path = folder / kLockFile;
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (file_ < 0) throw unwritable(folder, std::strerror(errno));
-  // A night that was just killed may have been starting a program, which has the lock until then.
   int error = 0;
-  for (int tries = 0; tries < kLockTries; ++tries) {
+  for (int tries = static_cast<int>(wait_s / kLockPauseS); tries >= 0; --tries) {
     error = flock(file_, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
     if (error != EWOULDBLOCK) break;
-    usleep(kLockPauseUs);
+    std::this_thread::sleep_for(std::chrono::duration<double>(kLockPauseS));
   }
   if (error != 0) {
     char holder[512] = "";

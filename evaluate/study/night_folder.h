@@ -20,12 +20,16 @@ inline constexpr const char* kSummaryFile = "summary.json";
 inline constexpr const char* kIndexFile = "index.html";
 inline constexpr const char* kHashesFile = "hashes.txt";
 
+/// As long as a night that was just killed may have been starting a program, which holds the lock
+/// until then [s].
+inline constexpr double kNightLockWaitS = 0.4;
+
 /// A study's folder while a night changes it: no other process does.
 class NightLock {
  public:
-  /// Throws InputError where another process holds it, saying which, and where it cannot be
-  /// written.
-  explicit NightLock(const std::filesystem::path& folder);
+  /// Throws InputError where another process still holds it after `wait_s`, saying which, and where
+  /// it cannot be written.
+  explicit NightLock(const std::filesystem::path& folder, double wait_s = kNightLockWaitS);
   ~NightLock();
   NightLock(const NightLock&) = delete;
   NightLock& operator=(const NightLock&) = delete;

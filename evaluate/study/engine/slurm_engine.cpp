@@ -16,9 +16,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "datasets/files/workplace.h"
 #include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
@@ -40,7 +42,6 @@ constexpr int kSilentPolls = 6;
 // Polls in a row in which Slurm does not answer, five minutes or more: it may be restarting, and
 // its jobs run on.
 constexpr int kUnansweredPolls = 600;
-constexpr int kLockTries = 60;  // half a minute, in which the merging job ends
 
 struct Said {
   int exit_code = -1;
@@ -49,7 +50,9 @@ struct Said {
 
 /// Runs one of Slurm's tools, found by PATH: both its outputs together, blanks at the end cut.
 /// Through env, whose exit code and words say that there is none.
-Said runTool(const fs::path& log, const std::vector<std::string>& words) {
+/// `logs`: a folder; each process has its own log there, and one that is lost is no answer.
+Said runTool(const fs::path& logs, const std::vector<std::string>& words) {
+  const fs::path log = logs / fmt::format("tool.{}.{}.txt", hostName(), getpid());
   std::error_code ignored;
   fs::remove(log, ignored);
   ProcessRequest request;
@@ -60,6 +63,7 @@ Said runTool(const fs::path& log, const std::vector<std::string>& words) {
   Said said;
   said.exit_code = runProcess(request).exit_code;
   std::ifstream file(log);
+  if (!file) said.exit_code = -1;
   said.text.assign(std::istreambuf_iterator<char>(file), {});
   while (!said.text.empty() && std::isspace(static_cast<unsigned char>(said.text.back()))) {
     said.text.pop_back();
@@ -114,7 +118,7 @@ class Round {
   }
 
   int maxArraySize() const {
-    const Said said = runTool(folder_ / "tool.txt", {"scontrol", "show", "config"});
+    const Said said = runTool(folder_, {"scontrol", "show", "config"});
     if (said.exit_code != 0) throw slurmFailed("scontrol", said);
     std::istringstream lines(said.text);
     for (std::string line; std::getline(lines, line);) {
@@ -169,7 +173,7 @@ class Round {
     // After ours, which they may replace.
     for (const std::string& word : wordsOf(options_.options)) words.push_back(word);
     words.push_back(script.string());
-    const Said said = runTool(folder_ / "tool.txt", words);
+    const Said said = runTool(folder_, words);
     if (said.exit_code != 0) throw slurmFailed("sbatch", said);
     // sbatch --parsable prints "JOB" or "JOB;CLUSTER"; the last word counts, whatever else a site
     // prints before it.
@@ -212,7 +216,7 @@ class Round {
 /// squeue fails for another reason, which says nothing of them.
 bool anyJobLeft(const fs::path& folder, const std::vector<std::string>& jobs) {
   for (const std::string& job : jobs) {
-    const Said said = runTool(folder / "tool.txt", {"squeue", "--noheader", "--jobs=" + job});
+    const Said said = runTool(folder, {"squeue", "--noheader", "--jobs=" + job});
     if (said.exit_code == 0 && !said.text.empty()) return true;
     const bool forgotten = said.text.find("Invalid job id") != std::string::npos;
     if (said.exit_code != 0 && !forgotten) throw slurmFailed("squeue", said);
@@ -277,18 +281,6 @@ std::optional<Word> awaitWord(const PreparedNight& night, int round,
   return readWord(night.folder, round);
 }
 
-/// The merging job leaves word while it holds the lock, which goes with its end.
-std::unique_ptr<NightLock> lockAgain(const fs::path& night) {
-  for (int left = kLockTries;; --left) {
-    try {
-      return std::make_unique<NightLock>(night);
-    } catch (const InputError&) {
-      if (left == 0) throw;
-    }
-    std::this_thread::sleep_for(kPollEvery);
-  }
-}
-
 /// Names of the steps that nothing kept from being done, and that are not settled.
 std::set<std::string> lostSteps(const PreparedNight& night, const StepResults& settled) {
   std::set<std::string> lost;
@@ -329,7 +321,24 @@ void refuseWhileUnderWay(const fs::path& night) {
   const fs::path folder = night / kFolder;
   std::ifstream file(folder / kJobsFile);
   const std::vector<std::string> jobs{std::istream_iterator<std::string>(file), {}};
-  if (jobs.empty() || !anyJobLeft(folder, jobs)) return;
+  if (jobs.empty()) return;
+  bool left = false;
+  try {
+    left = anyJobLeft(folder, jobs);
+  } catch (const BadInput& error) {
+    throw badInput(
+        (folder / kJobsFile).string(), 0,
+        {InputFault::kOther,
+         fmt::format("lists jobs of a night on Slurm, and it cannot be told whether they "
+                     "run: {}",
+                     error.what()),
+         "", "run the night where squeue is, or remove this file if they have ended"});
+  }
+  if (!left) {
+    std::error_code ignored;
+    fs::remove(folder / kJobsFile, ignored);
+    return;
+  }
   throw badInput(
       night.string(), 0,
       {InputFault::kUnwritable,
@@ -351,7 +360,7 @@ SlurmEnd runOnSlurm(PreparedNight night, SlurmOptions options, const NightSink& 
     const auto word = awaitWord(night, round, jobs, sink);
     if (word && word->merged) return word->end;
     // Again this process: the next round is submitted under the lock.
-    night.lock = lockAgain(night.folder);
+    night.lock = std::make_unique<NightLock>(night.folder, kSlurmLockWaitS);
   }
   throw BadInput(InputFault::kOther,
                  fmt::format("the merging job was lost {} times; see {}, or run the study again",

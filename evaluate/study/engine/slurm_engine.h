@@ -23,6 +23,10 @@ std::vector<std::vector<Step>> unsettledStages(const std::filesystem::path& nigh
 std::string commandList(const std::filesystem::path& night, const std::vector<Step>& steps,
                         const std::string& study, const std::string& out);
 
+/// How long processes of a night on Slurm wait for its lock, which another one of them, or a night
+/// that is refused meanwhile, holds for a moment [s].
+inline constexpr double kSlurmLockWaitS = 30;
+
 /// How steps are put into job arrays.
 struct SlurmOptions {
   int throttle = 0;       ///< tasks of an array at once (%M); 0: no limit

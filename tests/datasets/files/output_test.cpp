@@ -142,7 +142,7 @@ TEST_F(Output, WhatIsSomebodyElsesMovesToTheResultThatTookThePlace) {
   folder_.write("out/a/notes.txt", "mine");
   folder_.write(".out.partial-dEAd01/lock", "plumbline\nfor out\n");
   fs::rename(folder_.path("out"), folder_.path(".out.partial-dEAd01/result"));
-  folder_.write("out/a/b.txt", "newer");
+  make(request("out"), "newer");
   removeDeadWorkplaces(folder_.path("out"));
   EXPECT_EQ(text("out/a/notes.txt"), "mine");
   EXPECT_EQ(text("out/a/b.txt"), "newer");

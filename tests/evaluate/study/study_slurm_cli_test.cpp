@@ -21,8 +21,11 @@ class StudySlurm : public StudyNights {
     return slurmOn(root_ / "data", night, options);
   }
   Outcome slurmOn(const fs::path& data, const fs::path& night, const std::string& options) const {
+    return withTools(words(data, night) + " --engine slurm " + options);
+  }
+  Outcome withTools(const std::string& words) const {
     return shell("PATH=" + (scratch_ / "bin").string() + ":$PATH " + PLUMBLINE_BINARY + " " +
-                 words(data, night) + " --engine slurm " + options);
+                 words);
   }
   // Tasks end without a word, as where their nodes died; the merging job runs after `meanwhile`.
   void mergeAlone(const std::string& meanwhile) const {
@@ -93,6 +96,12 @@ TEST_F(StudySlurm, JobsBeforeARefusedOneKeepOtherNightsAway) {
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.text, HasSubstr("too many"));
   EXPECT_THAT(slurm(scratch_ / "night").text, HasSubstr("Slurm's jobs 7"));
+  // Whatever engine the other night has, and where it cannot be known.
+  const std::string local = words(root_ / "data", scratch_ / "night") + " --jobs 1";
+  EXPECT_THAT(withTools(local).text, HasSubstr("Slurm's jobs 7"));
+  tool("squeue", "echo 'no answer'; exit 1");
+  EXPECT_THAT(withTools(local).text, HasSubstr("jobs.txt: lists jobs of a night on Slurm"));
+  EXPECT_FALSE(fs::exists(scratch_ / "night/sessions"));
   tool("squeue", "echo 'slurm_load_jobs error: Invalid job id specified'; exit 1");
   EXPECT_THAT(slurm(scratch_ / "night").text, HasSubstr("too many"));
 }
