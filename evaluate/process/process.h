@@ -37,9 +37,10 @@ struct ProcessEnd {
 /// "exit code 3", "killed by signal 11 (Segmentation fault)", "did not end within 60 s".
 std::string toString(const ProcessEnd& end);
 
-/// A child in a process group of its own, that ends with this process, however that ends. Its
-/// signal mask is empty, it does not ignore SIGPIPE and SIGXFSZ as this process may, and it leaves
-/// no core file.
+/// A child in a process group of its own, that ends with this process, however that ends; what it
+/// has started itself ends with it where this process kills or reaps it, not where a signal ends
+/// this process. Its signal mask is empty, it does not ignore SIGPIPE and SIGXFSZ as this process
+/// may, and it leaves no core file.
 class ChildProcess {
  public:
   /// Throws InputError where it cannot be started.

@@ -42,6 +42,16 @@ Replay replayed(const std::vector<GuideFrame>& frames) {
 
 std::vector<GuideFrame> frames() { return test::framesOf(inputRecording().session); }
 
+/// Without the target from one frame to another, but in the one that is `seen`; -1: in none.
+std::vector<GuideFrame> framesWithout(int from, int to, int seen = -1) {
+  auto all = frames();
+  for (int i = from; i < to; ++i) {
+    if (i == seen) continue;
+    for (auto& corners : all[static_cast<std::size_t>(i)].corners) corners.clear();
+  }
+  return all;
+}
+
 int count(const std::vector<Decision>& decisions, GuideReason reason) {
   return static_cast<int>(
       std::count_if(decisions.begin(), decisions.end(),
@@ -177,10 +187,7 @@ TEST(CameraImuGuideInput, StampsThatGoBackArePassedOver) {
 }
 
 TEST(CameraImuGuideInput, TheTargetIsLostForLong) {
-  auto lost = frames();
-  for (std::size_t i = 60; i < 110; ++i) {
-    for (auto& corners : lost[i].corners) corners.clear();
-  }
+  const auto lost = framesWithout(60, 110);
   const Replay r = replayed(lost);
   EXPECT_EQ(count(r.decisions, GuideReason::kNoTarget), 50);
   EXPECT_TRUE(r.decisions[90].detail.empty());
@@ -303,11 +310,7 @@ TEST(CameraImuGuideInput, ATargetThatNeverCameIntoViewIsSaid) {
 // One frame alone between two pauses: no link tells its velocity, so it is not part of the
 // estimate.
 TEST(CameraImuGuideInput, AFrameBetweenTwoPausesIsWithdrawn) {
-  auto paused = frames();
-  for (std::size_t i = 60; i < 110; ++i) {
-    if (i == 85) continue;
-    for (auto& corners : paused[i].corners) corners.clear();
-  }
+  const auto paused = framesWithout(60, 110, 85);
   const Replay r = replayed(paused);
   EXPECT_TRUE(r.decisions[85].accepted);
   EXPECT_THAT(r.decisions[85].detail, HasSubstr("waits for the next frame"));
@@ -322,11 +325,7 @@ TEST(CameraImuGuideInput, AFrameBetweenTwoPausesIsWithdrawn) {
 
 // The same before the start, whose batch has no use for it.
 TEST(CameraImuGuideInput, AFrameThatTheStartLeavesOutIsWithdrawn) {
-  auto paused = frames();
-  for (std::size_t i = 5; i < 55; ++i) {
-    if (i == 30) continue;
-    for (auto& corners : paused[i].corners) corners.clear();
-  }
+  const auto paused = framesWithout(5, 55, 30);
   const Replay r = replayed(paused);
   EXPECT_TRUE(r.decisions[30].accepted);
   const Decision* start = test::firstWith(r.decisions, GuideReason::kInitialised);
@@ -353,10 +352,7 @@ TEST(CameraImuGuideInput, AFirstFrameStampedFarAheadIsWithdrawn) {
 // A frame after a pause has no pose by the window: the one after it is as far from the last frame
 // that is in the window, however near the two are.
 TEST(CameraImuGuideInput, TheFirstFrameAfterAPauseIsWrong) {
-  auto paused = frames();
-  for (std::size_t i = 60; i < 90; ++i) {
-    for (auto& corners : paused[i].corners) corners.clear();
-  }
+  auto paused = framesWithout(60, 90);
   // Consistent with a pose, but not with the IMU's motion to the next frame.
   paused[90].corners = paused[40].corners;
   const Replay r = replayed(paused);

@@ -50,32 +50,35 @@ TEST(Guide, ACameraStageWhoseTimeIsOverEndsWithThatFrame) {
   EXPECT_NE(decisions[10].detail, "");
 }
 
-TEST(Guide, AWrongStampFarAheadDoesNotEndTheCameraStage) {
+/// 20 frames of a camera stage of so many seconds, one of them with a stamp of 1000 s.
+std::vector<Decision> withAWrongStamp(int wrong, double stage_s) {
   const test::LiveRig rig("euroc", 1, 0.2);
   GuideOptions options;
-  options.camera_stage_s = 30;
+  options.camera_stage_s = stage_s;
   Guide guide(rig.guideRig(), options);
+  std::vector<Decision> decisions;
   for (int i = 0; i < 20; ++i) {
     const double t = i / kRate;
-    const Decision d = guide.step(rig.frame(i, i == 10 ? 1000 : t, rig.wandering(t)));
-    EXPECT_EQ(d.reason == GuideReason::kTimeJump, i == 10) << i;
-    EXPECT_NE(d.mode, GuideMode::kFinished) << i;
+    decisions.push_back(guide.step(rig.frame(i, i == wrong ? 1000 : t, rig.wandering(t))));
   }
-  EXPECT_FALSE(guide.cameraStageEnded());
+  return decisions;
+}
+
+TEST(Guide, AWrongStampFarAheadDoesNotEndTheCameraStage) {
+  const auto decisions = withAWrongStamp(10, 30);
+  for (std::size_t i = 0; i < decisions.size(); ++i) {
+    EXPECT_EQ(decisions[i].reason == GuideReason::kTimeJump, i == 10) << i;
+    EXPECT_NE(decisions[i].mode, GuideMode::kFinished) << i;
+  }
 }
 
 TEST(Guide, AWrongStampOfTheFirstFrameLeavesOutThatFrameAlone) {
-  const test::LiveRig rig("euroc", 1, 0.2);
-  GuideOptions options;
-  options.camera_stage_s = 1;
-  Guide guide(rig.guideRig(), options);
-  for (int i = 0; i < 20; ++i) {
-    const double t = i / kRate;
-    const Decision d = guide.step(rig.frame(i, i == 0 ? 1000 : t, rig.wandering(t)));
-    EXPECT_EQ(d.reason == GuideReason::kTimeJump, i == 1) << i;
-    EXPECT_EQ(d.withdrawn, i == 2 ? std::vector<int>{0} : std::vector<int>{}) << i;
+  const auto decisions = withAWrongStamp(0, 1);
+  for (std::size_t i = 0; i < decisions.size(); ++i) {
+    EXPECT_EQ(decisions[i].reason == GuideReason::kTimeJump, i == 1) << i;
+    EXPECT_EQ(decisions[i].withdrawn, i == 2 ? std::vector<int>{0} : std::vector<int>{}) << i;
     // A second after the first that is in order.
-    EXPECT_EQ(d.mode == GuideMode::kFinished, i >= 12) << i;
+    EXPECT_EQ(decisions[i].mode == GuideMode::kFinished, i >= 12) << i;
   }
 }
 

@@ -3,129 +3,21 @@
 #include "evaluate/metrics/verdict.h"
 
 #include <cmath>
-#include <numbers>
-#include <stdexcept>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/base/frames.h"
-#include "calibrator/base/transform.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/headline.h"
+#include "tests/evaluate/metrics/verdict_records.h"
 
 namespace plumbline {
 namespace {
 
-// One camera, corners spread evenly over the image with the given error, views tilted as given.
-CalibrationRecord cameraRecord(double error_px, double tilt_rad, int frames = 40) {
-  CameraStageResult stage;
-  CameraCalibration camera;
-  camera.name = "cam0";
-  camera.intrinsics.resolution = {800, 600};
-  camera.intrinsics.projection = Eigen::Vector4d(450, 450, 400, 300);
-  camera.intrinsics.distortion = Eigen::Vector4d::Zero();
-  stage.cameras = {camera};
-  for (int f = 0; f < frames; ++f) {
-    stage.frames.push_back({f * 1'000'000'000LL, {f}});
-    const Eigen::Matrix3d frontal = expSO3(Eigen::Vector3d(std::numbers::pi, 0, 0));
-    stage.T_FC0.emplace_back(frontal * expSO3(Eigen::Vector3d(tilt_rad, 0, 0)),
-                             Eigen::Vector3d(0, 0, 1));
-    for (int k = 0; k < 48; ++k) {
-      const float sign = (f + k) % 2 == 0 ? 1.0F : -1.0F;  // no systematic part
-      stage.residuals.push_back(
-          {0,
-           f,
-           4 * k,  // one corner of each tag
-           {100.0F * static_cast<float>(k % 8) + 50, 100.0F * static_cast<float>(k / 8) + 50},
-           {sign * static_cast<float>(error_px), 0},
-           true});
-    }
-  }
-  ErrorStatistics statistics;
-  statistics.rmse_px = error_px;
-  statistics.count = 1920;
-  stage.summary.per_camera.push_back(statistics);
-  stage.summary.corners_used = stage.summary.corners_offered = 1920;
-  stage.summary.converged = true;
-  CalibrationRecord record;
-  record.target.cols = 8;
-  record.target.rows = 6;
-  record.camera = stage;
-  return record;
-}
-
-VerdictLevel levelOf(const Verdict& verdict, const std::string& rule) {
-  for (const Finding& finding : verdict.findings) {
-    if (finding.rule.find(rule) != std::string::npos) return finding.level;
-  }
-  ADD_FAILURE() << "no finding " << rule;
-  return VerdictLevel::kBad;
-}
-
-/// Two cameras, 40 views each, the second's stamps later than the first's by what `apart` tells.
-template <class Apart>
-Session sessionOfStamps(Apart apart) {
-  Session session;
-  session.cameras.resize(2);
-  for (int f = 0; f < 40; ++f) {
-    const TimeNs t = f * 1'000'000'000LL;
-    session.cameras[0].views.push_back({t, {}});
-    session.cameras[1].views.push_back({t + apart(f), {}});
-  }
-  return session;
-}
-
-/// 40 frames under that tolerance, of the camera stage or of a camera-IMU stage alone.
-Verdict verdictOfFrames(const Session& session, TimeNs tolerance, bool cameras_given = false) {
-  CalibrationRecord record = cameraRecord(0.3, 0.8);
-  const FrameOptions pairing{tolerance, 0};
-  const std::vector<Frame> frames = pairFrames(session.cameras, pairing);
-  EXPECT_EQ(frames.size(), 40U);
-  record.camera->frames = frames;
-  if (cameras_given) {
-    record.camera.reset();
-    record.camera_imu = CameraImuStageResult();
-    record.camera_imu->frames = frames;
-  }
-  return judge(record, {}, &session, pairing);
-}
-
-/// Stamps differ by so much, to and fro.
-Verdict verdictOfStamps(TimeNs apart, TimeNs tolerance) {
-  return verdictOfFrames(sessionOfStamps([&](int f) { return f % 2 == 0 ? apart : -apart; }),
-                         tolerance);
-}
-
-TEST(Verdict, TellsFramesThatOnlyAWideToleranceMakes) {
-  const Verdict wide = verdictOfStamps(20'000'000, 25'000'000);
-  EXPECT_EQ(levelOf(wide, "Views of a frame"), VerdictLevel::kCaution);
-  EXPECT_THAT(wide.findings.back().evidence, ::testing::HasSubstr("in 40 of 40 frames"));
-  EXPECT_DOUBLE_EQ(wide.findings.back().value, 20);
-  for (const Finding& finding : verdictOfStamps(1'500'000, 25'000'000).findings) {
-    EXPECT_EQ(finding.rule.find("Views of a frame"), std::string::npos);
-  }
-}
-
-TEST(Verdict, TellsFramesOfAWideToleranceOfGivenCamerasToo) {
-  const Session session =
-      sessionOfStamps([](int f) { return f % 2 == 0 ? 20'000'000 : -20'000'000; });
-  const Verdict verdict = verdictOfFrames(session, 25'000'000, true);
-  EXPECT_EQ(levelOf(verdict, "Views of a frame"), VerdictLevel::kCaution);
-  EXPECT_THAT(verdict.findings.back().advice, ::testing::HasSubstr("the camera-IMU stage"));
-}
-
-// The second camera is triggered by the first one's clock, 10 ms later; a quarter of its stamps are
-// late by 8 ms more.
-TEST(Verdict, AConstantShiftDoesNotCountAsViewsThatAreApart) {
-  const Session session =
-      sessionOfStamps([](int f) { return f % 4 == 0 ? 18'000'000 : 10'000'000; });
-  const Verdict verdict = verdictOfFrames(session, 25'000'000);
-  EXPECT_EQ(levelOf(verdict, "Views of a frame"), VerdictLevel::kCaution);
-  EXPECT_THAT(verdict.findings.back().evidence, ::testing::HasSubstr("in 10 of 40 frames"));
-  EXPECT_DOUBLE_EQ(verdict.findings.back().value, 8);
-}
+using test::cameraRecord;
+using test::findingOf;
+using test::levelOf;
 
 TEST(Verdict, IsGoodForAGoodRecording) {
   const Verdict verdict = judge(cameraRecord(0.3, 0.8));
@@ -211,36 +103,6 @@ TEST(Verdict, DensitiesAreJudgedWhereResidualsSayEnough) {
   for (const Finding& finding : judge(record).findings) {
     EXPECT_EQ(finding.rule.find("Noise density"), std::string::npos);
   }
-}
-
-// ---- what target.yaml and sensor.yaml state against what the corners show
-
-// The record of a camera without distortion at some poses above the grid, as it stands in `truth`,
-// with `stated` in its description.
-CalibrationRecord gridRecord(const AprilGrid& truth, const AprilGrid& stated) {
-  CalibrationRecord record = cameraRecord(0.1, 0.8);
-  record.target = stated;
-  record.camera->residuals.clear();
-  const Intrinsics& k = record.camera->cameras[0].intrinsics;
-  for (int f = 0; f < 40; ++f) {
-    const Eigen::Matrix3d R =
-        expSO3(Eigen::Vector3d(0.3 * std::sin(f), 0.4 * std::cos(f), 0.05 * f));
-    for (int id = 0; id < truth.cornerCount(); ++id) {
-      Eigen::Vector3d p = Eigen::Vector3d::Zero();
-      p.head<2>() = truth.corner(id) - 0.5 * Eigen::Vector2d(truth.width(), truth.height());
-      p = R * p + Eigen::Vector3d(0, 0, 0.8);
-      const Eigen::Vector2d uv = 450 * p.head<2>() / p.z() + k.projection.tail<2>();
-      record.camera->residuals.push_back({0, f, id, uv.cast<float>(), {0.1F, 0.0F}, true});
-    }
-  }
-  return record;
-}
-
-const Finding& findingOf(const Verdict& verdict, const std::string& rule) {
-  for (const Finding& finding : verdict.findings) {
-    if (finding.rule == rule) return finding;
-  }
-  throw std::runtime_error("no finding " + rule);
 }
 
 TEST(Verdict, SaysWhereFaultsAndGivenCamerasWereNotTested) {
@@ -391,65 +253,6 @@ TEST(Verdict, AFaultIsSaidOfTheCameraByItsName) {
   faults.tests = faults.causes = {test};
   EXPECT_THAT(findingOf(judge(record), "Unmodelled fault").evidence,
               ::testing::HasSubstr("under equal stamps of cam2: +2 ms"));
-}
-
-TEST(Verdict, SpacingOfTheTagsIsMeasured) {
-  AprilGrid truth;
-  const std::string rule = "Spacing of the target's tags";
-  EXPECT_LT(findingOf(judge(gridRecord(truth, truth)), rule).value, 1e-4);
-  AprilGrid stated = truth;
-  stated.spacing = 0.28;
-  const Finding caution = findingOf(judge(gridRecord(truth, stated)), rule);
-  EXPECT_NEAR(caution.value, 0.3 / 0.28 - 1, 1e-4);
-  EXPECT_EQ(caution.level, VerdictLevel::kCaution);
-  stated.spacing = 0.25;
-  EXPECT_EQ(findingOf(judge(gridRecord(truth, stated)), rule).level, VerdictLevel::kBad);
-}
-
-TEST(Verdict, RowsThatNeverShowedAreCounted) {
-  AprilGrid truth;
-  AprilGrid stated = truth;
-  const std::string rule = "Rows of the target";
-  EXPECT_EQ(findingOf(judge(gridRecord(truth, stated)), rule).level, VerdictLevel::kGood);
-  stated.rows = 8;
-  const Finding finding = findingOf(judge(gridRecord(truth, stated)), rule);
-  EXPECT_EQ(finding.level, VerdictLevel::kCaution);
-  EXPECT_EQ(finding.value, 2);
-  EXPECT_NE(finding.evidence.find("largest tag id 35 of 47"), std::string::npos)
-      << finding.evidence;
-}
-
-TEST(TargetLayout, ColumnsThatAreNotThoseShowOutOfLine) {
-  AprilGrid truth;
-  const auto layoutAt = [&](int cols) {
-    AprilGrid stated = truth;
-    stated.cols = cols;
-    const CalibrationRecord record = gridRecord(truth, stated);
-    return shownLayout(record.camera->residuals, record.camera->cameras, stated);
-  };
-  EXPECT_EQ(layoutAt(6).pairs_in_line, layoutAt(6).pairs_above);
-  EXPECT_GT(layoutAt(6).pairs_above, 1000);
-  for (const int cols : {5, 7}) {
-    EXPECT_LT(10 * layoutAt(cols).pairs_in_line, layoutAt(cols).pairs_above) << cols;
-    EXPECT_GT(layoutAt(cols).pairs_above, 500) << cols;
-    EXPECT_NEAR(*layoutAt(cols).spacing, 0.3, 1e-4) << cols;  // not blamed for it
-  }
-}
-
-TEST(Verdict, ResolutionLargerThanTheImageIsSeenByTheEmptyStrip) {
-  const std::string rule = "Resolution of cam0";
-  CalibrationRecord record = cameraRecord(0.3, 0.8);
-  for (CornerResidual& r : record.camera->residuals) {
-    r.uv = {(r.uv.x() - 50) * 790 / 700 + 5, (r.uv.y() - 50) * 590 / 500 + 5};
-  }
-  EXPECT_EQ(findingOf(judge(record), rule).level, VerdictLevel::kGood);
-  record.camera->cameras[0].intrinsics.resolution = {880, 600};
-  const Finding finding = findingOf(judge(record), rule);
-  EXPECT_EQ(finding.level, VerdictLevel::kCaution);
-  EXPECT_NEAR(finding.value, (879.0 - 795) / 880, 1e-6);
-  // Corners that end early around an optical centre in the middle: coverage, not resolution.
-  record.camera->cameras[0].intrinsics.projection[2] = 440;
-  EXPECT_EQ(findingOf(judge(record), rule).level, VerdictLevel::kGood);
 }
 
 TEST(Verdict, ABoardWithoutASolutionIsNotCalledATooShortRecording) {
