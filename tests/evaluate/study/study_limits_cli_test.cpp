@@ -47,7 +47,7 @@ TEST_F(StudyLimits, AStepThatCannotWriteItsResultIsLostAndIsTriedAgain) {
 // As some daemons and wrappers start programs: a child that ended could not be waited for.
 TEST_F(StudyLimits, WhereSigchldIsIgnoredStepsAreWaitedForAllTheSame) {
   const Outcome outcome =
-      shell("timeout 300 sh -c \"trap '' CHLD; exec " + std::string(PLUMBLINE_BINARY) + " " +
+      shell("timeout 300 bash -c \"trap '' CHLD; exec " + std::string(PLUMBLINE_BINARY) + " " +
             words(root_ / "data", scratch_ / "night") + "\"");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
 }
