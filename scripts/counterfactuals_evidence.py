@@ -39,7 +39,7 @@ def quantile(values, p):
 def pools():
     """Names and arguments, the most telling first."""
     cameras = {"stereo": "both", "cam0": "cam0", "cam1": "cam1"}
-    losses = {"none": "0", "cauchy": "1.5"}
+    losses = {"none": "0", "cauchy": "3", "cauchy1.5": "1.5"}  # px; 3 is calibrate's own
     splits = ["1s", "first-second", "second-first", "3s", "interleaved"]
     for split, loss, camera, shape, model in itertools.product(
         splits, losses, cameras, ["flat", "bent"], ["radtan", "equidistant"]
