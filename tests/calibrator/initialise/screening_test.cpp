@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Isolated readings, repeated views, tags out of place and grazing corners are found where they
-// are, and what looks like them is not. Not proven here: what they do to a calibration.
+// Repeated views, tags out of place, false and grazing corners are found where they are, and what
+// looks like them is not. Not proven here: what they do to a calibration.
 #include "calibrator/initialise/screening.h"
 
 #include <cmath>
-#include <random>
+#include <cstddef>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -14,84 +15,6 @@
 
 namespace plumbline {
 namespace {
-
-// A swinging sensor with white noise, 200 Hz for 10 s.
-std::vector<ImuSample> swinging(double gyro_sigma, double accel_sigma) {
-  std::mt19937_64 random(7);
-  std::normal_distribution<double> unit;
-  std::vector<ImuSample> samples;
-  for (int k = 0; k < 2000; ++k) {
-    const double t = 0.005 * k;
-    ImuSample s{5'000'000LL * k,
-                {2 * std::sin(9 * t), std::cos(5 * t), std::sin(12 * t + 1)},
-                {4 * std::sin(14 * t), 9.8 + 4 * std::sin(8 * t), 3 * std::cos(11 * t)}};
-    for (int i = 0; i < 3; ++i) {
-      s.gyro(i) += gyro_sigma * unit(random);
-      s.accel(i) += accel_sigma * unit(random);
-    }
-    samples.push_back(s);
-  }
-  return samples;
-}
-
-TEST(FindSpikes, NoneInMotionNoiseVibrationAndKnocks) {
-  EXPECT_TRUE(findSpikes(swinging(0, 0), {}).empty());
-  EXPECT_TRUE(findSpikes(swinging(0.0024, 0.03), {}).empty());
-  EXPECT_TRUE(findSpikes(swinging(0.05, 0.5), {}).empty());  // ten times what was stated
-  std::vector<ImuSample> samples = swinging(0.0024, 0.03);
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    samples[k].accel.z() += 20 * std::sin(1.9 * static_cast<double>(k));  // 60 Hz
-  }
-  EXPECT_TRUE(findSpikes(samples, {}).empty());
-  samples = swinging(0.0024, 0.03);
-  for (std::size_t k = 1000; k < samples.size(); ++k) samples[k].gyro.x() += 0.2;  // a jump
-  EXPECT_TRUE(findSpikes(samples, {}).empty());
-  for (std::size_t k = 0; k < 8; ++k) {  // a knock of 40 ms
-    samples[500 + k].accel.y() += 30 * std::sin(3.14159 * static_cast<double>(k) / 8);
-  }
-  EXPECT_TRUE(findSpikes(samples, {}).empty());
-}
-
-TEST(FindSpikes, FindsStampChannelAndSize) {
-  std::vector<ImuSample> samples = swinging(0.0024, 0.03);
-  samples[300].gyro.y() += 0.2;
-  samples[700].accel.x() -= 500;
-  samples[1500].gyro.z() += 100;
-  const std::vector<ImuSpike> spikes = findSpikes(samples, {});
-  ASSERT_EQ(spikes.size(), 3U);
-  EXPECT_EQ(spikes[0].t, samples[300].t);
-  EXPECT_EQ(spikes[0].channel, 1);
-  EXPECT_NEAR(spikes[0].size, 0.2, 0.02);
-  EXPECT_EQ(spikes[1].channel, 3);
-  EXPECT_NEAR(spikes[1].size, -500, 1);
-  EXPECT_EQ(spikes[2].t, samples[1500].t);
-  const std::vector<ImuSample> kept = withoutSpikes(samples, spikes);
-  EXPECT_EQ(kept.size(), samples.size() - 3);
-  EXPECT_TRUE(findSpikes(kept, {}).empty());
-}
-
-TEST(CutOff, IsFoundAndLeavesAGap) {
-  std::vector<ImuSample> samples = swinging(0.0024, 0.03);
-  EXPECT_TRUE(findCutOff(samples).empty());
-  for (ImuSample& s : samples) s.accel.y() = std::min(s.accel.y(), 13.0);
-  const std::vector<CutOff> found = findCutOff(samples);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].channel, 4);
-  EXPECT_EQ(found[0].limit, 13);
-  for (const std::size_t k : found[0].samples) EXPECT_EQ(samples[k].accel.y(), 13);
-  for (const ImuSample& s : withoutCutOff(samples, found)) EXPECT_LT(s.accel.y(), 13);
-  // Where most would have to go, all stay.
-  for (ImuSample& s : samples) s.accel.y() = std::min(s.accel.y(), 10.0);
-  EXPECT_EQ(withoutCutOff(samples, findCutOff(samples)).size(), samples.size());
-}
-
-TEST(CutOff, IsNotWhereACoarseSensorRests) {
-  std::vector<ImuSample> samples = swinging(0, 0);
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    samples[k].accel.z() = k % 20 == 0 ? -9.7 : -9.8;
-  }
-  EXPECT_TRUE(findCutOff(samples).empty());
-}
 
 SimulatedSession recorded(double duration_s, const char* rig = "euroc") {
   SimulationOptions options;
@@ -110,6 +33,45 @@ TEST(RepeatedViews, NeedAWitnessThatSomethingMoved) {
   EXPECT_EQ(repeatedViews(without_imu)[0], std::vector<int>{11});  // the other camera changed
   without_imu.cameras.resize(1);
   EXPECT_TRUE(repeatedViews(without_imu)[0].empty());
+}
+
+/// How often a single camera is said to have repeated a view, the gyroscope turning at a rate.
+std::size_t repeatedUnder(Session session, double rate_rad_s) {
+  session.cameras.resize(1);
+  auto& views = session.cameras[0].views;
+  views[11].corners = views[10].corners;
+  for (ImuSample& s : session.imu->samples) s.gyro << 0, rate_rad_s, 0;
+  return repeatedViews(session)[0].size();
+}
+
+TEST(RepeatedViews, TheGyroscopeIsAWitnessByTheAngleItTurned) {
+  const Session session = recorded(2).session;
+  const auto& views = session.cameras[0].views;
+  const double interval = secondsBetween(views[10].t, views[11].t);
+  EXPECT_EQ(repeatedUnder(session, 0.004 / interval), 0U);  // 5 mrad are needed
+  EXPECT_EQ(repeatedUnder(session, 0.006 / interval), 1U);
+}
+
+TEST(RepeatedViews, AnotherCameraIsAWitnessWithin5Milliseconds) {
+  Session session = recorded(2).session;
+  session.imu.reset();
+  session.cameras[0].views[11].corners = session.cameras[0].views[10].corners;
+  for (const int shift_ms : {-8, -3, 3, 8}) {
+    Session shifted = session;
+    for (ImageView& view : shifted.cameras[1].views) view.t += shift_ms * 1'000'000;
+    EXPECT_EQ(repeatedViews(shifted)[0].size(), std::abs(shift_ms) < 5 ? 1U : 0U) << shift_ms;
+  }
+}
+
+TEST(RepeatedViews, ThreeCornersTellNothing) {
+  Session session = recorded(2).session;
+  for (const std::size_t count : {3U, 4U}) {
+    auto& views = session.cameras[0].views;
+    views[10].corners.resize(count);
+    views[11].corners = views[10].corners;
+    EXPECT_EQ(repeatedViews(session)[0].size(), count < 4 ? 0U : 1U);
+    session = recorded(2).session;
+  }
 }
 
 struct View {
@@ -150,6 +112,26 @@ TEST(MisplacedTags, AreFoundWithTheirPlace) {
   EXPECT_TRUE(findMisplacedTags(v.target, v.lens, clean.view(0), far).empty());
 }
 
+// A tag that was put up crookedly stands in nobody's place.
+TEST(MisplacedTags, StandInTheirNewPlaceToAQuarterOfASide) {
+  for (const double way : {0.58, 0.9}) {  // to the next tag, which is 1.3 sides away
+    View v = viewOfBoard();
+    std::vector<Corner>& corners = v.views[0].corners;
+    const int tag = corners[8].id / 4;
+    ASSERT_NE(tag % v.target.cols, v.target.cols - 1);
+    for (Corner& corner : corners) {
+      if (corner.id / 4 != tag) continue;
+      const Eigen::Vector2d next = v.target.corner(corner.id + 4);
+      const auto uv = project(v.lens, v.T_CF * Eigen::Vector3d(next.x(), next.y(), 0));
+      corner.uv += way * (uv.value() - corner.uv);
+    }
+    const PackedCorners packed(v.target, v.views);
+    const auto found = findMisplacedTags(v.target, v.lens, packed.view(0), v.T_CF);
+    ASSERT_EQ(found.size(), way < 0.75 ? 0U : 1U);
+    if (!found.empty()) EXPECT_EQ(found[0].place, tag + 1);
+  }
+}
+
 TEST(GrazingCorners, AreThoseBeyondTheAngle) {
   const View v = viewOfBoard();
   const PackedCorners packed(v.target, v.views);
@@ -171,6 +153,54 @@ TEST(FalseCorners, AreFound) {
   v.views[0].corners[3].uv.x() += 5;
   v.views[0].corners[9].uv.y() -= 12;
   EXPECT_EQ(falseCorners(v.lens, PackedCorners(v.target, v.views).view(0), v.T_CF).size(), 2U);
+}
+
+/// A view whose corners are all off by so much that noise of `sigma` px on either axis would leave
+/// the same median: sqrt(2 ln 2) sigma.
+View viewWithNoise(double sigma) {
+  View v = viewOfBoard();
+  for (std::size_t k = 0; k < v.views[0].corners.size(); ++k) {
+    Corner& corner = v.views[0].corners[k];
+    const Eigen::Vector2d p = v.target.corner(corner.id);
+    const auto angle = static_cast<double>(k);
+    corner.uv =
+        project(v.lens, v.T_CF * Eigen::Vector3d(p.x(), p.y(), 0)).value() +
+        std::sqrt(2 * std::log(2)) * sigma * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  }
+  return v;
+}
+
+/// Moves a corner to `px` from where it would be without noise.
+void putOff(Corner& corner, const View& v, double px) {
+  const Eigen::Vector2d p = v.target.corner(corner.id);
+  corner.uv =
+      project(v.lens, v.T_CF * Eigen::Vector3d(p.x(), p.y(), 0)).value() + Eigen::Vector2d(0, px);
+}
+
+TEST(FalseCorners, AreOffBy8DeviationsOfTheirViewAndBy3Pixels) {
+  const struct {
+    double sigma, off;
+    std::size_t found;
+  } kCases[] = {{1, 7.8, 0}, {1, 8.2, 1}, {2, 15.6, 0}, {2, 16.4, 1}, {0.1, 2.9, 0}, {0.1, 3.1, 1}};
+  for (const auto& c : kCases) {
+    View v = viewWithNoise(c.sigma);
+    putOff(v.views[0].corners[5], v, c.off);
+    const PackedCorners packed(v.target, v.views);
+    EXPECT_EQ(falseCorners(v.lens, packed.view(0), v.T_CF).size(), c.found) << c.off;
+  }
+}
+
+// However many have been, and however far off they are.
+TEST(FalseCorners, ThoseThatAreRejectedAlreadyHaveNoSay) {
+  View v = viewWithNoise(1);
+  const auto count = static_cast<int>(v.views[0].corners.size());
+  for (std::size_t k = 10; k < v.views[0].corners.size(); ++k) {
+    putOff(v.views[0].corners[k], v, 100);
+  }
+  putOff(v.views[0].corners[5], v, 9);
+  PackedCorners packed(v.target, v.views);
+  for (int k = 10; k < count; ++k) packed.setWeight(0, k, 0);
+  EXPECT_EQ(falseCorners(v.lens, packed.view(0), v.T_CF), std::vector<int>{5});
 }
 
 }  // namespace
