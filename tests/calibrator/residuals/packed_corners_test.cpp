@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/residuals/packed_corners.h"
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -109,6 +110,24 @@ TEST(PackedCorners, TheTagsEdgesDependOnTheirSizeInTheImage) {
       EXPECT_NEAR(view.x[1], board.tag_size + 0.5e-3 * scale[i], 1e-15);
     }
   }
+}
+
+// Seen from the side a tag's edges differ: the mean of those that are seen counts. A tag of which
+// no edge is seen is as large as the others of its view.
+TEST(PackedCorners, ATagIsAsWideAsItsEdgesInTheMean) {
+  AprilGrid board;
+  board.shape.terms[kTargetTerms - 1] = 1e-3;
+  const double e = kTagEdgePx;
+  ImageView view;
+  view.corners = {{0, {0, 0}}, {1, {e, 0}}, {2, {e, 2 * e}}, {3, {0, 5 * e}}};  // e, 2 e, ., 5 e
+  view.corners.push_back({9, {9 * e, 0}});
+  const double mean = (1 + 2 + std::sqrt(10) + 5) / 4;
+  const PackedCorners corners(board, {view});
+  EXPECT_NEAR(corners.view(0).edge[0], 1 / mean, 1e-12);
+  EXPECT_NEAR(corners.view(0).edge[4], 1 / mean, 1e-12);
+  view.corners.erase(view.corners.begin());  // 2 e and sqrt(10) e are left
+  const PackedCorners three(board, {view});
+  EXPECT_NEAR(three.view(0).edge[0], 2 / (2 + std::sqrt(10)), 1e-12);
 }
 
 TEST(PackedCorners, MayBeEmpty) {

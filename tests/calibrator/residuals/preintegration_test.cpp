@@ -156,6 +156,21 @@ TEST(SmoothOffsetDerivative, AgreesWithTheSchemesOwnForSmoothMotion) {
   EXPECT_LT((smooth - exact).norm(), 0.02 * exact.norm());
 }
 
+// Biases come off the readings before anything turns with them, however large they are.
+TEST(SmoothOffsetDerivative, IsThatOfSamplesWithoutBias) {
+  const ImuWindow window{200'000'000, 250'000'000, 0.0023};
+  const ImuBias bias{{0.8, -0.5, 0.6}, {3, -2, 4}};
+  const auto clean = wavySamples(0, 400, 0.5);
+  auto biased = clean;
+  for (ImuSample& s : biased) {
+    s.gyro += bias.gyro;
+    s.accel += bias.accel;
+  }
+  const auto motion = preintegrate(clean, window, {});
+  const Vector9d expected = smoothOffsetDerivative(clean, window, {}, *motion);
+  EXPECT_LT((smoothOffsetDerivative(biased, window, bias, *motion) - expected).norm(), 1e-12);
+}
+
 TEST(SmoothOffsetDerivative, FeelsLessOfTheNoiseOfSingleSamples) {
   const ImuWindow window{200'000'000, 250'000'000, 0.0023};
   auto samples = wavySamples(0, 1600, 0.5);
@@ -185,6 +200,28 @@ TEST(PreintegrationCovariance, OfPureForceNoiseIsTheIntegratedWhiteNoise) {
   EXPECT_NEAR((*P)(3, 3), qa * T, 1e-12 * qa * T);
   EXPECT_NEAR((*P)(6, 3), qa * T * T / 2, 1e-12 * qa * T * T);
   EXPECT_NEAR((*P)(6, 6), qa * T * T * T / 3, 1e-12 * qa * T * T * T);
+}
+
+// A constant rate noise w turns by w t, so that the force a gives velocity -[a]x w t^2 / 2 and
+// position -[a]x w t^3 / 6: what white noise of the gyroscope has in common with both, over one
+// interval of samples as well as over many.
+TEST(PreintegrationCovariance, NoiseOfTheGyroscopeTurnsTheForce) {
+  const ImuNoise noise;
+  const double T = 0.1, g = 9.8;
+  const double q = noise.gyro_density * noise.gyro_density * T;
+  for (const int intervals : {1, 20}) {
+    std::vector<ImuSample> samples;
+    for (int k = 0; k <= intervals; ++k) {
+      samples.push_back({k * (100'000'000 / intervals), {0, 0, 0}, {0, 0, g}});
+    }
+    const auto P = preintegrationCovariance(samples, {0, 100'000'000, 0}, {}, noise);
+    ASSERT_TRUE(P);
+    // A turn about y moves the force towards x; one about x, away from y.
+    EXPECT_NEAR((*P)(3, 1), q * g * T / 2, 1e-12 * q * g * T);
+    EXPECT_NEAR((*P)(4, 0), -q * g * T / 2, 1e-12 * q * g * T);
+    EXPECT_NEAR((*P)(6, 1), q * g * T * T / 6, 1e-12 * q * g * T * T);
+    EXPECT_NEAR((*P)(7, 0), -q * g * T * T / 6, 1e-12 * q * g * T * T);
+  }
 }
 
 TEST(PreintegrationCovariance, AgreesWithTheSpreadOfNoisySamples) {
