@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which frames take part, and how the IMU joins them.
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -80,6 +81,46 @@ TEST(SelectFrames, AGapBreaksOneLinkAndDropsTheFramesInside) {
     EXPECT_EQ(stamps[static_cast<std::size_t>(s.chosen[k + 1])], 550 * kMs);
   }
   EXPECT_EQ(walks, 1);
+}
+
+// Pauses are on the IMU's clock, frames on the camera's: t_imu = t_cam + t_d.
+TEST(SelectFrames, AGapLiesWhereTheOffsetPutsIt) {
+  const auto samples = samplesWithGap(410 * kMs, 540 * kMs);
+  const auto stamps = everyFifty(150 * kMs, 850 * kMs);
+  for (const int offset_ms : {-100, 100}) {
+    FrameSelectionOptions options;
+    options.time_offset_s = 1e-3 * offset_ms;
+    const FrameSelection s = selectFrames(stamps, samples, imuGaps(samples, 5), options);
+    ASSERT_EQ(s.chosen.size(), stamps.size() - 2) << offset_ms;
+    const auto walk = std::find(s.links.begin(), s.links.end(), FrameLink::kBiasWalk);
+    ASSERT_NE(walk, s.links.end());
+    const auto before = s.chosen[static_cast<std::size_t>(walk - s.links.begin())];
+    EXPECT_EQ(stamps[static_cast<std::size_t>(before)] + offset_ms * kMs, 400 * kMs);
+  }
+}
+
+// The solution moves the offset yet, and a window with it.
+TEST(SelectFrames, AFrameNextToAGapIsJoinedOnlyWhereTheMarginIsKept) {
+  const auto samples = samplesWithGap(400 * kMs, 440 * kMs);
+  const std::vector<TimeNs> stamps = {350 * kMs, 394 * kMs, 450 * kMs, 500 * kMs};
+  for (const auto& [margin_s, chosen] : {std::pair{0.005, 4u}, std::pair{0.007, 2u}}) {
+    FrameSelectionOptions options;
+    options.margin_s = margin_s;
+    // Where 350 and 394 ms are not joined, neither has another neighbour.
+    EXPECT_EQ(selectFrames(stamps, samples, imuGaps(samples, 5), options).chosen.size(), chosen);
+  }
+}
+
+TEST(WanderingStamps, PartsDifferByMillisecondsAndByTenDeviations) {
+  EXPECT_FALSE(wanderingStamps({}));
+  EXPECT_FALSE(wanderingStamps(PartOffsets{0.001, 0.0055, 1e-5}));  // 4.5 ms
+  EXPECT_FALSE(wanderingStamps(PartOffsets{-0.01, 0.01, 0.0021}));  // of noisy rates
+  const auto found = wanderingStamps(PartOffsets{-0.01, 0.01, 0.0019});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->code, FailureCode::kStampsWander);
+  EXPECT_EQ(found->number("from_s"), -0.01);
+  EXPECT_EQ(found->number("to_s"), 0.01);
+  EXPECT_TRUE(wanderingStamps(PartOffsets{0.001, 0.0065, 1e-5}));
 }
 
 TEST(SelectFrames, FramesFarApartAreJoinedByTheBiasWalkOnly) {
