@@ -4,7 +4,7 @@
 #include "calibrator/batch/corners.h"
 
 #include <cmath>
-#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
