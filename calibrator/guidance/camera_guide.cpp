@@ -71,6 +71,7 @@ CameraGuide& CameraGuide::operator=(CameraGuide&&) noexcept = default;
 
 bool CameraGuide::finished() const { return state_->finished; }
 TimeNs CameraGuide::busyUntil() const { return state_->gate.busyUntil(); }
+std::optional<TimeNs> CameraGuide::since() const { return state_->gate.since(); }
 int CameraGuide::nextSuggestion() const { return state_->next_suggestion; }
 
 Result<CameraStageResult> CameraGuide::batch() const {

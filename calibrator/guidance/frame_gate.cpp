@@ -28,7 +28,7 @@ FrameGate::FrameGate(const GuideOptions& options, TimeNs busy_until, std::option
 
 /// Nothing that the first frame's stamp began goes on.
 void FrameGate::startAnew(TimeNs t, std::optional<OpenSuggestion>& open) {
-  busy_until_ = t;
+  since_ = busy_until_ = t;
   lost_since_.reset();
   lost_said_ = false;
   if (open) open->restart(t);
@@ -40,7 +40,7 @@ bool FrameGate::isInOrder(TimeNs t, TimeNs before, Decision& d) {
   const std::optional<TimeNs> held = std::exchange(doubted_, std::nullopt);
   const bool far = std::abs(pause_s_) > far_s_;
   const bool confirms = far && held && t > *held && secondsBetween(*held, t) <= far_s_;
-  replaces_first_ = confirms && is_only_ && t < before;
+  replaces_first_ = confirms && is_only_;
   if (replaces_first_) {
     pause_s_ = secondsBetween(*held, t);
     return true;
@@ -68,6 +68,7 @@ bool FrameGate::arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& 
   pause_s_ = last_ ? secondsBetween(before, frame.t) : 0;
   if (!isInOrder(frame.t, before, d)) return false;
   if (replaces_first_) startAnew(frame.t, open);
+  if (!since_) since_ = frame.t;
   // Before the answer: frames that come while the guide is busy are no pause of the camera.
   is_only_ = !last_;
   last_ = frame.t;

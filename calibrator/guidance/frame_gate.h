@@ -54,14 +54,14 @@ Result<CameraStageResult> scoreFrames(const GuideRig& rig, const std::vector<Kep
                                       const std::vector<CameraCalibration>& cameras);
 
 /// Why a first frame leaves the estimate (FrameGate::replacesFirst()).
-constexpr const char* kWrongFirstStamp = "its stamp is far after those of the frames after it";
+constexpr const char* kWrongFirstStamp = "its stamp is far from those of the frames after it";
 
 /// Which frames a stage of the guide looks at: those whose stamp is after all before, that come
 /// when it is not busy, and that show the target. A stamp more than ten times max_frame_gap_s, and
 /// 5 s, after the one before holds its frame back; the next frame shows whether there was a pause
-/// or the stamp was wrong, and only a pause counts. Two frames in order that are so far before the
-/// only frame until then replace it. What holds a frame back, a pause before it, and a target that
-/// is long out of view are said in the decision.
+/// or the stamp was wrong, and only a pause counts. Two frames in order that are so far before or
+/// after the only frame until then replace it, and time begins with them. What holds a frame back,
+/// a pause before it, and a target that is long out of view are said in the decision.
 class FrameGate {
  public:
   /// `last`: stamp of the frame before the first that will arrive.
@@ -73,6 +73,8 @@ class FrameGate {
   bool arrives(const GuideFrame& frame, std::optional<OpenSuggestion>& open, Decision& d);
   /// Of a frame that arrived: the only one before it had a wrong stamp, and is to be left out.
   bool replacesFirst() const { return replaces_first_; }
+  /// Stamp of the first frame that arrived, or of the one that replaced it; empty before.
+  std::optional<TimeNs> since() const { return since_; }
   /// Of a frame that arrived: whether it `shows` the target.
   bool hasTarget(bool shows, Decision& d);
   /// Of the frames before the last one [s]; longer than max_frame_gap_s: a jump.
@@ -90,6 +92,7 @@ class FrameGate {
 
   double lost_target_s_, max_gap_s_, far_s_;
   TimeNs busy_until_;
+  std::optional<TimeNs> since_;       // when time begins
   std::optional<TimeNs> last_;        // frame, whatever it showed
   std::optional<TimeNs> doubted_;     // stamp of the frame just before, held back as too far off
   std::optional<TimeNs> lost_since_;  // empty: the last frame looked at showed the target

@@ -88,7 +88,6 @@ struct Guide::State {
   std::optional<CameraGuide> camera;                      // unless cameras were given
   std::optional<Result<CameraStageResult>> camera_batch;  // once the camera stage is over
   std::optional<CameraImuGuide> camera_imu;               // while and after it runs
-  std::optional<TimeNs> camera_since;                     // its first frame
   bool camera_ended = false;                              // by options.camera_stage_s
   bool never_shown = false;                               // what its last frame opened
 
@@ -172,10 +171,8 @@ Decision Guide::State::stepCamera(const GuideFrame& frame) {
   Decision decision = camera->step(frame);
   // A frame whose stamp is held to be wrong does not say that the time is over.
   const bool in_order = decision.reason != GuideReason::kTimeJump;
-  // Before it is only where the first one's stamp was wrong.
-  if (in_order && (!camera_since || frame.t < *camera_since)) camera_since = frame.t;
   if (options.camera_stage_s > 0 && in_order && !camera->finished() &&
-      secondsBetween(*camera_since, frame.t) >= options.camera_stage_s) {
+      secondsBetween(*camera->since(), frame.t) >= options.camera_stage_s) {
     endByTime(decision);
   }
   if (cameraOver()) endCameraStage(decision);

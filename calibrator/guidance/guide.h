@@ -76,6 +76,8 @@ class CameraGuide {
   bool finished() const;
   /// Until when the guide is busy with what it was given last, latencies included.
   TimeNs busyUntil() const;
+  /// When its time began (FrameGate::since()); empty before the first frame.
+  std::optional<TimeNs> since() const;
   int nextSuggestion() const;
   /// Batch over the frames kept so far, from the estimate as it stands; from nothing before the
   /// start stands. Fails as calibrateCameras() does.

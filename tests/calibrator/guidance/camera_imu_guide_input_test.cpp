@@ -344,7 +344,7 @@ TEST(CameraImuGuideInput, AFirstFrameStampedFarAheadIsWithdrawn) {
   EXPECT_EQ(r.decisions[1].reason, GuideReason::kTimeJump);
   EXPECT_TRUE(r.decisions[2].accepted);
   EXPECT_EQ(r.decisions[2].withdrawn, std::vector<int>{0});
-  EXPECT_THAT(r.decisions[2].detail, HasSubstr("frame 0: its stamp is far after"));
+  EXPECT_THAT(r.decisions[2].detail, HasSubstr("frame 0: its stamp is far from"));
   EXPECT_EQ(count(r.decisions, GuideReason::kInitialised), 1);
   EXPECT_EQ(keptBy(r.decisions), r.decisions.back().views_kept);
 }

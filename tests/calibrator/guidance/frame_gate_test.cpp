@@ -81,6 +81,20 @@ TEST_F(FrameGateTest, TwoFramesInOrderReplaceAFirstOneFarAfterThem) {
   EXPECT_TRUE(arrives(10.3));
 }
 
+TEST_F(FrameGateTest, TwoFramesInOrderReplaceAFirstOneFarBeforeThem) {
+  EXPECT_TRUE(shows(0, true));
+  EXPECT_EQ(gate.since(), 0);
+  EXPECT_FALSE(arrives(1000));
+  EXPECT_TRUE(arrives(1000.1)) << d.detail;
+  EXPECT_TRUE(gate.replacesFirst());
+  EXPECT_EQ(gate.since(), toNanoseconds(1000.1));
+  EXPECT_FALSE(gate.isAfterPause());
+  EXPECT_TRUE(d.detail.empty()) << d.detail;
+  EXPECT_TRUE(arrives(1000.2));
+  EXPECT_FALSE(gate.replacesFirst());
+  EXPECT_EQ(gate.since(), toNanoseconds(1000.1));
+}
+
 TEST_F(FrameGateTest, OneFrameDoesNotReplaceTheFirstAndTwoNotAnyLater) {
   EXPECT_TRUE(arrives(1000));
   EXPECT_FALSE(arrives(10));
@@ -110,6 +124,7 @@ TEST_F(FrameGateTest, ASlowCameraIsNotDoubtedForAShortGap) {
 }
 
 TEST_F(FrameGateTest, ALongPauseIsOneOnceASecondFrameConfirmsIt) {
+  EXPECT_TRUE(arrives(9.9));
   EXPECT_TRUE(arrives(10));
   EXPECT_FALSE(arrives(60));
   EXPECT_TRUE(arrives(60.1));

@@ -50,8 +50,8 @@ TEST(Guide, ACameraStageWhoseTimeIsOverEndsWithThatFrame) {
   EXPECT_NE(decisions[10].detail, "");
 }
 
-/// 20 frames of a camera stage of so many seconds, one of them with a stamp of 1000 s.
-std::vector<Decision> withAWrongStamp(int wrong, double stage_s) {
+/// 20 frames of a camera stage of so many seconds, one of them with a wrong stamp.
+std::vector<Decision> withAWrongStamp(int wrong, double stage_s, double stamp_s = 1000) {
   const test::LiveRig rig("euroc", 1, 0.2);
   GuideOptions options;
   options.camera_stage_s = stage_s;
@@ -59,7 +59,7 @@ std::vector<Decision> withAWrongStamp(int wrong, double stage_s) {
   std::vector<Decision> decisions;
   for (int i = 0; i < 20; ++i) {
     const double t = i / kRate;
-    decisions.push_back(guide.step(rig.frame(i, i == wrong ? 1000 : t, rig.wandering(t))));
+    decisions.push_back(guide.step(rig.frame(i, i == wrong ? stamp_s : t, rig.wandering(t))));
   }
   return decisions;
 }
@@ -73,12 +73,14 @@ TEST(Guide, AWrongStampFarAheadDoesNotEndTheCameraStage) {
 }
 
 TEST(Guide, AWrongStampOfTheFirstFrameLeavesOutThatFrameAlone) {
-  const auto decisions = withAWrongStamp(0, 1);
-  for (std::size_t i = 0; i < decisions.size(); ++i) {
-    EXPECT_EQ(decisions[i].reason == GuideReason::kTimeJump, i == 1) << i;
-    EXPECT_EQ(decisions[i].withdrawn, i == 2 ? std::vector<int>{0} : std::vector<int>{}) << i;
-    // A second after the first that is in order.
-    EXPECT_EQ(decisions[i].mode == GuideMode::kFinished, i >= 12) << i;
+  for (const double stamp_s : {1000.0, -1000.0}) {
+    const auto decisions = withAWrongStamp(0, 1, stamp_s);
+    for (std::size_t i = 0; i < decisions.size(); ++i) {
+      EXPECT_EQ(decisions[i].reason == GuideReason::kTimeJump, i == 1) << i;
+      EXPECT_EQ(decisions[i].withdrawn, i == 2 ? std::vector<int>{0} : std::vector<int>{}) << i;
+      // A second after the first that is in order.
+      EXPECT_EQ(decisions[i].mode == GuideMode::kFinished, i >= 12) << i;
+    }
   }
 }
 
