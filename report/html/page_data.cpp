@@ -25,9 +25,9 @@ ShownUnit shownUnit(const Finding& f) {
   // Stops of the guide are judged in seconds, recovered offsets by microseconds.
   if (f.unit == "s" && larger > 0 && larger < 1e-3) return {1e6, " \u00b5s"};
   if (f.unit == "s" && larger > 0 && larger < 1) return {1e3, " ms"};
-  // "-": a ratio, or a share, whose bound is below 1; "1": a count; "x": a factor.
-  if (f.unit == "-" && f.threshold > 0 && f.threshold < 1) return {100, " %"};
-  const bool plain = f.unit == "-" || f.unit == "1" || f.unit == "x";
+  // "-": a share, whatever its bound; "1": a count; "x": a factor.
+  if (f.unit == "-") return {100, " %"};
+  const bool plain = f.unit == "1" || f.unit == "x";
   return {1, plain ? "" : " " + f.unit};
 }
 

@@ -304,7 +304,7 @@ CalibrationRecord syntheticRecord(const SyntheticRecordOptions& options) {
         0.49, 0.8, "px"},
        {"IMU noise densities", VerdictLevel::kCaution,
         "The normalised RMS of the gyroscope is 1.15, expected is 1 within 0.1.",
-        "Raise the gyroscope's noise density by 15 %, or look for vibration.", 1.15, 1.1, "-"}});
+        "Raise the gyroscope's noise density by 15 %, or look for vibration.", 1.15, 1.1, "x"}});
   return record;
 }
 

@@ -102,7 +102,7 @@ std::vector<Finding> gyroFault(const std::string& name, const RateAlignment& rat
   const FailureText text = textOf(*failure);
   return {bad(degrees ? "Degrees for radians" : "Gyroscope and cameras",
               fmt::format("{} against the recording: {}", name, text.message), text.cure,
-              {rates.gyro_to_camera, 1, "-"})};
+              {rates.gyro_to_camera, 1, "x"})};
 }
 
 Finding invertedFinding(const LintedCalibration& linted, const std::string& evidence,
@@ -217,7 +217,7 @@ std::vector<Finding> noiseFault(const LintedCalibration& linted, const ImuStream
               fmt::format("check the noise densities in {}: discrete-time ones are too large by "
                           "the root of the rate ({:.1f}), those in degrees by 57",
                           linted.name, root),
-              {worst, options.noise_factor, "-"})};
+              {worst, options.noise_factor, "x"})};
 }
 
 /// A translation in other units is a finding of the file alone; what follows would restate it.

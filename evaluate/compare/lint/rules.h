@@ -18,7 +18,7 @@ namespace plumbline::lint {
 struct Measured {
   double value = 0;
   double threshold = 0;
-  const char* unit = "-";
+  const char* unit = "";
 };
 
 inline Finding bad(const std::string& rule, const std::string& evidence, const std::string& advice,

@@ -198,7 +198,7 @@ std::vector<Finding> permutedCameras(Calibrations all, const std::vector<bool>& 
                                       fmt::join(names, ", "), odd.name, all[j].name),
                           fmt::format("list the cameras of {} in one order, or state rostopic",
                                       namesOf(all, group)),
-                          {static_cast<double>(order.size()), 0, "-"}));
+                          {static_cast<double>(order.size()), 0, "1"}));
       break;
     }
   }

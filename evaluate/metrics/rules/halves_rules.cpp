@@ -32,7 +32,7 @@ Findings judgeHalves(const StageSummary& summary, const std::string& stage,
   const auto worst = std::max_element(
       blocks.begin(), blocks.end(),
       [&](const HalvesBlock& a, const auto& b) { return isLarger(ratio(b), ratio(a)); });
-  const Rule rule{fmt::format("Halves of the recording ({})", stage), "-", t.halves,
+  const Rule rule{fmt::format("Halves of the recording ({})", stage), "x", t.halves,
                   "The halves differ by more than their standard deviations explain: take the "
                   "difference as the accuracy. Something changed during the recording, or the "
                   "model lacks an effect: resolve the other findings first, then calibrate each "

@@ -159,7 +159,7 @@ Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const Verdict
         "the largest residual of {} is {:.1f} times their median, {:.2f} s after the first frame",
         group.name, ratio, secondsBetween(stage.frames.front().t, at.t));
   }
-  return {above({"Isolated inertial residuals", "-", t.isolated_residual,
+  return {above({"Isolated inertial residuals", "x", t.isolated_residual,
                  "Look at the samples around that instant: a spike, a jump of a bias, a knock, or "
                  "wrong stamps; record again, or cut it out."},
                 worst, evidence)};
@@ -174,7 +174,7 @@ Findings judgeLongResiduals(const CameraImuStageResult& stage, const VerdictThre
     // factor by which they say it is too small.
     const double ratio = rms / (check.expected_rms * check.factor);
     findings.push_back(above(
-        {fmt::format("Residuals of the {} over the whole recording", sensor), "-", t.long_residuals,
+        {fmt::format("Residuals of the {} over the whole recording", sensor), "x", t.long_residuals,
          "Segments of the recording are consistent in themselves, but not with each other: look "
          "for a jump of a bias, a knock, a loose mount, a moving target; calibrate its parts "
          "separately."},
