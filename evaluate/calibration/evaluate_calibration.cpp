@@ -75,13 +75,6 @@ std::vector<Finding> heldImuFindings(const EvaluateCalibrationRequest& asked,
                       calibrateCameraImu(session, calibration.cameras, free));
 }
 
-/// The board's shape beside the calibration, where none is given; "": there is none.
-std::string unusedShapeOf(const EvaluateCalibrationRequest& asked) {
-  if (asked.load.target_shape) return "";
-  const auto beside = std::filesystem::path(asked.calibration).parent_path() / kTargetShapeFile;
-  return std::filesystem::is_regular_file(beside) ? beside.string() : "";
-}
-
 }  // namespace
 
 void EvaluateCalibrationRequest::check() const {
@@ -133,7 +126,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
     record.held->scores.push_back(std::move(score));
   }
   record.verdict =
-      scoreVerdict(record, unusedShapeOf(asked),
+      scoreVerdict(record, unusedShapeOf(asked.calibration, asked.load),
                    heldImuFindings(asked, scored.calibration, loaded.session, progress));
   return record;
 }

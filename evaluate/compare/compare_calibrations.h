@@ -79,7 +79,8 @@ struct CompareRequest {
   std::vector<std::string> calibrations;  ///< files; differences are to the first
   std::vector<std::string> labels;        ///< one each, or empty: made from the files' names
   /// Scores every calibration on this recording, and takes uncertainties and entropies from it.
-  /// Scores assume its board flat, or of `target_shape`; without that `target` is of the session's
+  /// Scores assume its board flat, or of `target_shape` (a shape beside a calibration that is not
+  /// given is a caution); without that `target` is of the session's
   /// own estimate.
   std::optional<LoadRequest> load;
   ScoreOptions score;

@@ -162,6 +162,12 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   return loaded;
 }
 
+std::string unusedShapeOf(const std::string& calibration, const LoadRequest& request) {
+  if (request.target_shape) return "";
+  const auto beside = std::filesystem::path(calibration).parent_path() / kTargetShapeFile;
+  return std::filesystem::is_regular_file(beside) ? beside.string() : "";
+}
+
 Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu) {
   Assumptions assumptions;
   assumptions.pixel_sigma_px = camera.pixel_sigma;

@@ -145,6 +145,10 @@ std::optional<std::string> defaultCacheFolder();
 /// where the file does not say what it was estimated from.
 std::optional<bool> wasEstimatedFrom(const CalibrationExtras& from, const LoadedSession& loaded);
 
+/// File with the board's shape beside a calibration, where the request gives none; "": there is
+/// none.
+std::string unusedShapeOf(const std::string& calibration, const LoadRequest& request);
+
 /// What estimates under these options rest on: noise of the corners and loss as `camera` has them,
 /// gravity as `camera_imu` has it; no IMU noise.
 Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu);

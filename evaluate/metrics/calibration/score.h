@@ -81,6 +81,10 @@ std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
                                  const std::optional<CameraImuStageResult>& camera_imu,
                                  const VerdictThresholds& thresholds = {});
 
+/// That the board is taken as stated although the calibration came with this file of its shape. A
+/// board of another shape shows as errors of the calibration: it must be said.
+Finding unusedShape(const std::string& file);
+
 /// What the scores of a calibration that was held fixed say: its errors over the image on the
 /// recording, with the thresholds of a calibration's own verdict, and the scores that could not be
 /// had. The headline leads with its RMSE on every session, held out where it is known to be.

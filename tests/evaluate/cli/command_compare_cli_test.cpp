@@ -15,6 +15,7 @@ namespace {
 using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 class CommandCompare : public CommandLine {
  protected:
@@ -217,6 +218,7 @@ TEST_F(CommandCompare, TheSessionsOwnEstimateTakesTheBoardAsSaid) {
                 .exit_code,
             0);
   const std::string flat = (scratch() / "flat/camchain.yaml").string();
+  const auto findings = [&] { return document()["verdict"]["findings"].dump(); };
   const auto difference = [&](const std::string& options) {
     const Outcome outcome = plumbline("compare --force " + flat + " " + flat +
                                       " --labels a,b --range inf --grid 5x3 --session " + bent +
@@ -226,6 +228,13 @@ TEST_F(CommandCompare, TheSessionsOwnEstimateTakesTheBoardAsSaid) {
   };
   EXPECT_GT(difference(""), 1);  // cam0.fu [px]
   EXPECT_LT(difference(" --target-shape flat"), 0.05);
+  EXPECT_THAT(findings(), Not(HasSubstr("Shape of the target")));
+  // A shape that a calibration came with is not used unasked, which is said.
+  fs::copy_file(fs::path(bent) / "truth/target_shape.yaml", scratch() / "flat/target_shape.yaml");
+  difference("");
+  EXPECT_THAT(findings(), HasSubstr("a: Shape of the target"));
+  difference(" --target-shape " + (scratch() / "flat/target_shape.yaml").string());
+  EXPECT_THAT(findings(), Not(HasSubstr("Shape of the target")));
 }
 
 TEST_F(CommandCompare, TheSessionItselfCanBeLeftOut) {
