@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/parallel.h"
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera_imu/diagnosis.h"
 #include "calibrator/batch/camera_imu/problem.h"
@@ -160,11 +161,17 @@ void rejectLikeKalibr(std::vector<PackedCorners>& corners,
                       const std::vector<Frame>& frames, int threads) {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const Intrinsics& lens = cameras[c].intrinsics;
+    std::vector<std::optional<Transform>> found(frames.size());
+    forChunks(static_cast<int>(frames.size()), 16, threads, [&](const Chunk& chunk) {
+      for (int i = chunk.begin; i < chunk.end; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        const int view = frames[at].view[c];
+        if (view >= 0) found[at] = homographyPose(lens, corners[c].view(view));
+      }
+    });
     std::vector<PosedView> starts;
-    for (const Frame& frame : frames) {
-      if (frame.view[c] < 0) continue;
-      const auto start = homographyPose(lens, corners[c].view(frame.view[c]));
-      if (start) starts.push_back({frame.view[c], *start});
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      if (found[i]) starts.push_back({frames[i].view[c], *found[i]});
     }
     rejectLikeKalibr(corners[c], lens, starts, threads);
   }
