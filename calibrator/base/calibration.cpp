@@ -132,12 +132,16 @@ std::vector<ParameterName> transformParameters(const std::string& name) {
   return names;
 }
 
+std::string parameterOwner(const std::vector<CameraCalibration>& cameras, std::size_t c) {
+  return cameras[c].name.empty() ? "cam" + std::to_string(c) : cameras[c].name;
+}
+
 std::vector<ParameterName> cameraParameters(const std::vector<CameraCalibration>& cameras) {
   // In the order of CameraLayout: what covariances name, they have in its columns.
   std::vector<ParameterName> all;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const CameraCalibration& camera = cameras[c];
-    const std::string name = camera.name.empty() ? "cam" + std::to_string(c) : camera.name;
+    const std::string name = parameterOwner(cameras, c);
     const Intrinsics& k = camera.intrinsics;
     for (ParameterName& p : intrinsicParameters(k.projection_model, k.distortion_model)) {
       all.push_back({name + "." + p.name, std::move(p.unit)});

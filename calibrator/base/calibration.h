@@ -151,8 +151,11 @@ std::string calibratedModelWords();
 /// which every reader refuses another model.
 std::string unsupportedModelText(const std::string& projection, const std::string& distortion);
 
-/// Names and units of a rig's cameras: all intrinsics ("cam0.fu", by the camera's name or, without
-/// one, its place), then the tangents of all T_C0Ci but the first ("T_C0C1.tx" .. "T_C0C1.rz").
+/// What camera `c` is called in names of parameters: its name or, without one, its place ("cam0").
+std::string parameterOwner(const std::vector<CameraCalibration>& cameras, std::size_t c);
+
+/// Names and units of a rig's cameras: all intrinsics ("cam0.fu", by parameterOwner()), then the
+/// tangents of all T_C0Ci but the first ("T_C0C1.tx" .. "T_C0C1.rz").
 std::vector<ParameterName> cameraParameters(const std::vector<CameraCalibration>& cameras);
 
 /// The tangent of a Transform: "NAME.tx" .. "NAME.tz" [m], "NAME.rx" .. "NAME.rz" [rad].

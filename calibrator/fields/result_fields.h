@@ -16,10 +16,11 @@ namespace plumbline {
 
 // Field lists (see fields.h) of the stages' results.
 
-/// Standard deviation of each camera's offset [s]: of its own parameter ("time_offset.cam1"), else
+/// Standard deviation of each camera's offset [s]: of its own parameter, named by the camera
+/// ("time_offset.cam1"), else
 /// of the shared one; empty where the covariance has none.
 inline std::vector<std::optional<double>> timeOffsetDeviations(
-    const ParameterCovariance& covariance, std::size_t cameras) {
+    const ParameterCovariance& covariance, const std::vector<CameraCalibration>& cameras) {
   const auto deviation = [&](const std::string& name) -> std::optional<double> {
     const auto found = std::find(covariance.names.begin(), covariance.names.end(), name);
     if (found == covariance.names.end()) return std::nullopt;
@@ -27,8 +28,8 @@ inline std::vector<std::optional<double>> timeOffsetDeviations(
     return std::sqrt(covariance.matrix(i, i));
   };
   std::vector<std::optional<double>> deviations;
-  for (std::size_t c = 0; c < cameras; ++c) {
-    const auto own = deviation("time_offset.cam" + std::to_string(c));
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const auto own = deviation("time_offset." + parameterOwner(cameras, c));
     deviations.push_back(own ? own : deviation("time_offset"));
   }
   return deviations;
@@ -353,7 +354,7 @@ void fields(V& v, CameraImuStageResult& s) {
   std::optional<std::vector<std::optional<double>>> offsets, deviations;
   if (haveOwnOffsets(s.imu.time_offsets)) {
     offsets = ownOffsets(s.imu.time_offsets);
-    deviations = timeOffsetDeviations(s.summary.covariance, offsets->size());
+    deviations = timeOffsetDeviations(s.summary.covariance, s.cameras);
   }
   v.derived("camera_time_offsets_s", offsets, "s", "as in `imu`");
   v.derived("camera_time_offsets_std_s", deviations, "s", "camera by camera");

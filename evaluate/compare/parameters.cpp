@@ -150,15 +150,15 @@ void addCameraOffsets(const Calibrations& calibrations, std::vector<ComparedPara
   }
 }
 
-/// Names of the camera at a place where all calibrations call it the same, as covariances and maps
-/// do: with --only it may not be that of its place.
+/// Names of the camera at a place where all calibrations that have it call it the same, as
+/// covariances and maps do: with --only it may not be that of its place.
 void nameCameras(const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
   std::map<std::string, std::string> names;  // by "camI"
   const auto& first = calibrations.front().cameras;
   for (std::size_t i = 0; i < first.size(); ++i) {
     const bool agreed =
         std::all_of(calibrations.begin(), calibrations.end(), [&](const Calibration& c) {
-          return c.cameras.size() == first.size() && c.cameras[i].name == first[i].name;
+          return i >= c.cameras.size() || c.cameras[i].name == first[i].name;
         });
     if (!agreed) return;
     names[fmt::format("cam{}", i)] = first[i].name;

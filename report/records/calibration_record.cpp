@@ -33,24 +33,22 @@ std::optional<double> intrinsicValue(const CameraCalibration& camera, const std:
   return values[index];
 }
 
-/// Of an intrinsic or a T_C0Ci. Prefixes are those of cameraParameters(): a camera without a name
-/// goes by its place.
+/// Of an intrinsic or a T_C0Ci. Prefixes are those of cameraParameters().
 std::optional<double> cameraValue(const std::vector<CameraCalibration>& cameras,
                                   const std::string& prefix, const std::string& suffix) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const std::string number = std::to_string(i);
-    const std::string name = cameras[i].name.empty() ? "cam" + number : cameras[i].name;
-    if (prefix == name) return intrinsicValue(cameras[i], suffix);
-    if (prefix == "T_C0C" + number) return component(cameras[i].T_C0Ci, suffix);
+    if (prefix == parameterOwner(cameras, i)) return intrinsicValue(cameras[i], suffix);
+    if (prefix == "T_C0C" + std::to_string(i)) return component(cameras[i].T_C0Ci, suffix);
   }
   return std::nullopt;
 }
 
 // Of camera 0, or of the camera that the suffix names ("cam1").
-std::optional<double> offsetValue(const ImuCalibration& imu, const std::string& suffix) {
+std::optional<double> offsetValue(const ImuCalibration& imu, const std::string& suffix,
+                                  const std::vector<CameraCalibration>& cameras) {
   if (suffix.empty()) return imu.timeOffset();
-  for (std::size_t i = 1; i < imu.time_offsets.size(); ++i) {
-    if (suffix == "cam" + std::to_string(i)) return imu.timeOffset(i);
+  for (std::size_t i = 1; i < cameras.size(); ++i) {
+    if (suffix == parameterOwner(cameras, i)) return imu.timeOffset(i);
   }
   return std::nullopt;
 }
@@ -62,7 +60,7 @@ std::optional<double> valueOf(const CalibrationRecord& record, const std::string
   const std::string prefix = name.substr(0, dot);
   const std::string suffix = dot == std::string::npos ? "" : name.substr(dot + 1);
   if (record.camera_imu) {
-    if (prefix == "time_offset") return offsetValue(record.camera_imu->imu, suffix);
+    if (prefix == "time_offset") return offsetValue(record.camera_imu->imu, suffix, cameras);
     if (prefix == "T_SC0") return component(record.camera_imu->imu.T_SC0, suffix);
   }
   return cameraValue(cameras, prefix, suffix);

@@ -74,7 +74,7 @@ struct CameraImuOptions : MeasurementModel {
 /// that no gauge freedom remains). Deterministic, whatever the number of threads.
 ///
 /// `cameras` in the session's order. The covariance lists T_SC0 (6), time_offset, if freed the
-/// cameras as their own stage does (all intrinsics, then all T_C0Ci), and time_offset.cam<i> of
+/// cameras as their own stage does (all intrinsics, then all T_C0Ci), and time_offset.NAME of
 /// cameras that are not synchronised; everything else is marginalised. Fails with kNoOverlap,
 /// kImplausible, kNotObservable, kTooFewViews or kNotConverged.
 Result<CameraImuStageResult> calibrateCameraImu(const Session& session,

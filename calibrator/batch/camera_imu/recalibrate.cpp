@@ -41,8 +41,6 @@ void hold(const HeldCameras& held, CameraImuProblem& problem, CameraImuEstimate&
   for (PackedCorners& camera : problem.corners) camera.place(problem.target);
 }
 
-constexpr std::string_view kOwnOffset = "time_offset.cam";
-
 void append(std::vector<double>& to, const Eigen::VectorXd& values) {
   to.insert(to.end(), values.begin(), values.end());
 }
@@ -54,10 +52,11 @@ Eigen::VectorXd difference(const CameraImuStageResult& to, const CameraImuStageR
   append(d, boxminus(to.imu.T_SC0, from.imu.T_SC0));
   d.push_back(to.imu.timeOffset() - from.imu.timeOffset());
   if (free_cameras) append(d, cameraDifference(to.cameras, from.cameras));
-  for (const std::string& name : from.summary.covariance.names) {
-    if (name.rfind(kOwnOffset, 0) != 0) continue;
+  const std::vector<std::string>& names = from.summary.covariance.names;
+  for (std::size_t c = 0; c < from.cameras.size(); ++c) {
     // By the names of the earlier result: which cameras have an offset of their own is its choice.
-    const auto c = static_cast<std::size_t>(std::stoi(name.substr(kOwnOffset.size())));
+    const std::string name = "time_offset." + parameterOwner(from.cameras, c);
+    if (std::find(names.begin(), names.end(), name) == names.end()) continue;
     d.push_back(to.imu.timeOffset(c) - from.imu.timeOffset(c));
   }
   return Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()));

@@ -70,7 +70,7 @@ ParameterList withOwnOffsets(ParameterList list, const CameraImuEstimate& estima
   const BorderLayout layout(estimate, free_cameras);
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     if (layout.own_offset[c] < 0) continue;
-    list.add(layout.own_offset[c], {{fmt::format("time_offset.cam{}", c), "s"}});
+    list.add(layout.own_offset[c], {{"time_offset." + parameterOwner(estimate.cameras, c), "s"}});
   }
   return list;
 }

@@ -63,7 +63,7 @@ std::vector<ImuIntervalResidual> imuIntervalResiduals(const CameraImuProblem& pr
 /// RMS values and chi-square of the inertial residuals.
 ImuResidualSummary summarise(const std::vector<ImuIntervalResidual>& residuals);
 
-/// Covariance of T_SC0, time_offset, if freed the cameras, and "time_offset.cam<i>" of cameras that
+/// Covariance of T_SC0, time_offset, if freed the cameras, and "time_offset.NAME" of cameras that
 /// are not synchronised (camera 0's plus the difference), all else marginalised: the inverse
 /// information, plus (sandwich) what the noise of single IMU samples at the frames adds to the
 /// gradient by the time offset; it matters for noisy IMUs at high rates. Fails with

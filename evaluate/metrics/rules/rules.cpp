@@ -73,10 +73,10 @@ LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
 
 LargestStd largestOffsetStd(const std::vector<ParameterEstimate>& estimates,
                             const std::vector<CameraCalibration>& cameras) {
-  // Camera 0's; "time_offset.camN", by the camera's place, are of cameras with their own.
+  // Camera 0's; "time_offset.NAME" are of cameras with their own.
   LargestStd worst = largestStd(estimates, {""}, "time_offset", false);
   for (std::size_t i = 1; i < cameras.size(); ++i) {
-    LargestStd own = largestStd(estimates, {fmt::format("cam{}", i)}, "time_offset", false);
+    LargestStd own = largestStd(estimates, {parameterOwner(cameras, i)}, "time_offset", false);
     if (own.name.empty() || !isLarger(own.value, worst.value)) continue;
     worst = std::move(own);
     worst.name = "the time offset of " + cameras[i].name;

@@ -91,6 +91,20 @@ TEST(ComparedParameters, CamerasHaveTheNamesThatAllCalibrationsGiveThem) {
   EXPECT_EQ(comparedParameters({one, other})[0].name, "cam0.fu");
 }
 
+TEST(ComparedParameters, CamerasHaveTheirNamesAlsoWhereOneCalibrationHasNotAll) {
+  Calibration a = stereo(), b = stereo();
+  a.cameras[1].name = "cam2";
+  b.cameras.pop_back();
+  a.imu->time_offsets = {{1e-3}, {3e-3, true}};
+  const auto rows = comparedParameters({a, b});
+  const auto has = [&](const std::string& name) {
+    return std::any_of(rows.begin(), rows.end(),
+                       [&](const ComparedParameter& r) { return r.name == name; });
+  };
+  EXPECT_TRUE(has("cam2.fu"));
+  EXPECT_TRUE(has("time_offset.cam2"));
+}
+
 TEST(ComparedParameters, SignificanceNeedsBothDeviations) {
   Calibration a = stereo(), b = moved();
   a.cameras[0].intrinsics_std = Eigen::VectorXd::Constant(8, 0.3);

@@ -225,7 +225,7 @@ TEST(Verdict, TheOffsetOfEveryCameraIsJudged) {
   stage.cameras[1].name = "cam2";  // the second of --only cam0,cam2
   stage.imu.time_offsets = {{1e-3}, {2e-3, true}};
   auto& covariance = stage.summary.covariance;
-  covariance.names = {"T_SC0.tx", "T_SC0.rx", "time_offset", "time_offset.cam1"};
+  covariance.names = {"T_SC0.tx", "T_SC0.rx", "time_offset", "time_offset.cam2"};
   covariance.units = {"m", "rad", "s", "s"};
   covariance.matrix = Eigen::Vector4d(1e-8, 1e-8, 1e-10, 1e-6).asDiagonal();
   const Finding finding = findingOf(judge(record), "Time offset");
