@@ -20,7 +20,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kFilterRounds = 3;    // of CornerFilter::kSigma
-constexpr double kWideLoss = 0.01;  // scale over the image's width
+constexpr double kWideLoss = 0.01;  // scale over rmsWidth(), one for all cameras
 constexpr double kNearGrazing = 86 * kDegree;
 
 /// Throws InputError for a model that can be scored only.
