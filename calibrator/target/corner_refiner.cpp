@@ -128,14 +128,15 @@ std::optional<Eigen::Vector2d> CornerRefiner::refine(const GrayImageView& image,
   if (patch.empty()) return std::nullopt;
   fillGradients(image, patch);
   Eigen::Vector2d p = window.start;
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+  bool converged = false;
+  for (int iteration = 0; iteration < kMaxIterations && !converged; ++iteration) {
     const std::optional<Eigen::Vector2d> delta = step(patch, ellipse, p);
     if (!delta) return std::nullopt;
     p += *delta;
     if (!((p - window.start).norm() <= window.max_shift_px)) return std::nullopt;
-    if (delta->norm() < kConverged_px) break;
+    converged = delta->norm() < kConverged_px;
   }
-  if (!looksLikeCorner(image, window.axes, p)) return std::nullopt;
+  if (!converged || !looksLikeCorner(image, window.axes, p)) return std::nullopt;
   return p;
 }
 

@@ -61,8 +61,8 @@ struct CornerWindow {
 class CornerRefiner {
  public:
   /// The corner [px], or nothing if the gradients do not single out a point, the point leaves
-  /// max_shift_px, or the four sectors around it are not dark, light, dark, light. One that still
-  /// moves after 15 steps (3 of 7000 in EuRoC's photographs) is taken where it is.
+  /// max_shift_px, still moves after 15 steps (3 of 6674 in EuRoC's photographs, none of 16030 in
+  /// rendered images), or the four sectors around it are not dark, light, dark, light.
   std::optional<Eigen::Vector2d> refine(const GrayImageView& image, const CornerWindow& window);
 
  private:

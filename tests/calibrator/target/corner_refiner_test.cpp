@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -97,6 +98,31 @@ TEST(CornerRefiner, RefusesACornerFurtherAwayThanAllowed) {
   const Eigen::Vector2d start = truth + Eigen::Vector2d(2, 0);
   EXPECT_TRUE(refiner.refine(image.view(), {start, axes, 3}).has_value());
   EXPECT_FALSE(refiner.refine(image.view(), {start, axes, 1}).has_value());
+}
+
+// In noise the weights, which move along, may have no rest: such a point is nowhere in particular.
+TEST(CornerRefiner, RefusesWhatStillMoves) {
+  CornerRefiner refiner;
+  const Eigen::Matrix2d axes = axesOf(0, 1.5707963, 3, 3);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> noise(-10, 10);
+  int count = 0;
+  for (int k = 0; k < 100; ++k) {
+    GrayImage image = saddle({30, 25}, axes);
+    for (int y = 0; y < image.height(); ++y) {
+      for (int x = 0; x < image.width(); ++x) {
+        const double dim = 120 + 0.15 * (image.at(x, y) - 120) + noise(random);
+        image.at(x, y) = static_cast<std::uint8_t>(std::lround(dim));
+      }
+    }
+    const auto found = refiner.refine(image.view(), {{30, 25}, axes, 3});
+    if (!found) continue;
+    ++count;
+    const auto again = refiner.refine(image.view(), {*found, axes, 3});
+    ASSERT_TRUE(again.has_value()) << k;
+    EXPECT_LT((*again - *found).norm(), 0.01) << k;
+  }
+  EXPECT_GT(count, 50);
 }
 
 TEST(CornerRefiner, WindowsAtAndBeyondTheEdgeOfTheImageAreSafe) {
