@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every component of what a stage estimates is asked for its standard deviation, in the unit of the
+// bound that it is held against.
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tests/evaluate/metrics/verdict_records.h"
+
+namespace plumbline {
+namespace {
+
+using test::cameraRecord;
+using test::findingOf;
+
+void setDeviation(StageSummary& summary, const std::vector<std::string>& names,
+                  const std::string& large, double small_std, double large_std) {
+  auto& covariance = summary.covariance;
+  covariance.names = names;
+  covariance.units.assign(names.size(), "-");
+  const auto n = static_cast<Eigen::Index>(names.size());
+  covariance.matrix = small_std * small_std * Eigen::MatrixXd::Identity(n, n);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (names[i] == large) covariance.matrix(k, k) = large_std * large_std;
+  }
+}
+
+TEST(ObservabilityRules, EitherFocalLengthIsJudgedRelativeToItself) {
+  for (const char* large : {"cam0.fu", "cam0.fv"}) {
+    CalibrationRecord record = cameraRecord(0.3, 0.8);
+    setDeviation(record.camera->summary, {"cam0.fu", "cam0.fv", "cam0.pu", "cam0.pv"}, large, 1e-3,
+                 4.5);
+    const Finding f = findingOf(judge(record), "Focal length of cam0");
+    EXPECT_NEAR(f.value, 0.01, 1e-12) << "4.5 of 450 px";
+    EXPECT_EQ(f.level, VerdictLevel::kCaution) << large;
+    EXPECT_EQ(f.subject, FindingSubject::kCameras);
+  }
+}
+
+TEST(ObservabilityRules, EveryComponentBetweenCamerasIsJudged) {
+  const std::vector<std::string> names{"T_C0C1.tx", "T_C0C1.ty", "T_C0C1.tz", "T_C0C2.tx",
+                                       "T_C0C2.ty", "T_C0C2.tz", "T_C0C1.rx"};
+  for (const std::string& large : names) {
+    CalibrationRecord record = cameraRecord(0.3, 0.8);
+    record.camera->cameras.resize(3, record.camera->cameras[0]);
+    setDeviation(record.camera->summary, names, large, 1e-5, 0.003);
+    const Finding f = findingOf(judge(record), "Translation between cameras");
+    const bool rotation = large.ends_with("rx");
+    EXPECT_EQ(f.level, rotation ? VerdictLevel::kGood : VerdictLevel::kCaution) << large;
+    EXPECT_NEAR(f.value, rotation ? 1e-5 : 0.003, 1e-12) << large;
+  }
+}
+
+TEST(ObservabilityRules, EveryComponentOfTheImusPoseIsJudgedInItsUnit) {
+  const std::vector<std::string> names{"T_SC0.tx", "T_SC0.ty", "T_SC0.tz",   "T_SC0.rx",
+                                       "T_SC0.ry", "T_SC0.rz", "time_offset"};
+  // 6 mm and 0.3 degrees and 1 ms are each beyond the bound of caution.
+  const auto judged = [&](const std::string& large, double std) {
+    CalibrationRecord record = cameraRecord(0.3, 0.8);
+    record.camera_imu.emplace();
+    setDeviation(record.camera_imu->summary, names, large, 1e-6, std);
+    return judge(record);
+  };
+  for (const std::string& large : names) {
+    const bool arm = large.starts_with("T_SC0.t"), turn = large.starts_with("T_SC0.r");
+    const double std = arm ? 0.006 : turn ? 0.3 * std::numbers::pi / 180 : 1e-3;
+    const Verdict verdict = judged(large, std);
+    const Finding lever = findingOf(verdict, "Lever arm"),
+                  rotation = findingOf(verdict, "Rotation between camera and IMU"),
+                  offset = findingOf(verdict, "Time offset");
+    EXPECT_EQ(lever.level, arm ? VerdictLevel::kCaution : VerdictLevel::kGood) << large;
+    EXPECT_EQ(rotation.level, turn ? VerdictLevel::kCaution : VerdictLevel::kGood) << large;
+    EXPECT_EQ(offset.level, !arm && !turn ? VerdictLevel::kCaution : VerdictLevel::kGood) << large;
+    if (arm) EXPECT_NEAR(lever.value, 0.006, 1e-12) << "in m";
+    if (turn) EXPECT_NEAR(rotation.value, 0.3, 1e-12) << "in degrees";
+    if (!arm && !turn) EXPECT_NEAR(offset.value, 1, 1e-12) << "in ms";
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
