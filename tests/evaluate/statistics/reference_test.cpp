@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Signed ranks, bootstrap, Holm, Quade and Kaplan-Meier give what R and scipy give.
+#include <algorithm>
 #include <cmath>
+#include <random>
 
+#include <boost/math/distributions/normal.hpp>
 #include <gtest/gtest.h>
 
 #include "evaluate/statistics/bootstrap.h"
@@ -44,6 +47,11 @@ TEST(SignedRank, HasHodgesAndLehmannsEstimateAndInterval) {
 TEST(SignedRank, LeavesOutDifferencesOfZero) {
   EXPECT_DOUBLE_EQ(signedRank({0, 1, 2, 3}).p, signedRank({1, 2, 3}).p);
   EXPECT_DOUBLE_EQ(signedRank({0, 0}).p, 1);
+}
+
+// 0, 0.5, 1, 1, 1.5, 1.5, 2, 2, 2.5, 3 are the averages; without the zero their median would be 2.
+TEST(SignedRank, KeepsDifferencesOfZeroInItsEstimate) {
+  EXPECT_DOUBLE_EQ(signedRank({0, 1, 2, 3}).hodges_lehmann, 1.5);
 }
 
 TEST(Holm, IsRsPAdjust) {
@@ -105,6 +113,15 @@ TEST(KaplanMeier, HasNoMedianWhereMostGaveUp) {
   EXPECT_DOUBLE_EQ(restrictedMean({}, 60), 60);
 }
 
+// Of an even number, half are done at the middle one, whatever the product of fractions rounds to.
+TEST(KaplanMeier, HasItsMedianWhereHalfAreDone) {
+  for (int n = 2; n <= 60; n += 2) {
+    std::vector<TimeToEvent> times;
+    for (int i = 1; i <= n; ++i) times.push_back({static_cast<double>(i), true});
+    EXPECT_EQ(medianSurvival(kaplanMeier(times)), n / 2) << n;
+  }
+}
+
 double meanOf(const std::vector<double>& v) {
   double sum = 0;
   for (const double x : v) sum += x;
@@ -124,6 +141,55 @@ TEST(Bca, IsThatOfRWithinGroupsAndThatOfScipy) {
   const auto& others = scipy.list("bca.interval");
   EXPECT_NEAR(one->low, others[0], 0.02 * (others[1] - others[0]));
   EXPECT_NEAR(one->high, others[1], 0.02 * (others[1] - others[0]));
+}
+
+// Resampled means that equal the estimate are as much below as above it: of values on either side
+// of zero alike, the interval is, too.
+TEST(Bca, CountsValuesThatEqualTheEstimateHalf) {
+  const auto interval = bcaInterval({{-1, -1, 1, 1}}, [](const Groups& g) { return meanOf(g[0]); });
+  EXPECT_DOUBLE_EQ(interval->low, -interval->high);
+}
+
+// The skewness of a sum of means is sum_g (sum_i d_i^3 / n_g^3) / (sum_g sum_i d_i^2 / n_g^2)^1.5,
+// and the acceleration a sixth of it. Here the small group decides it, whose tail is to the left,
+// against the large one, whose is to the right.
+TEST(Bca, TheAccelerationOfUnequalGroupsIsTheSkewnessOfTheSum) {
+  Groups groups(2);
+  for (int i = 0; i < 60; ++i) groups[0].push_back(std::exp(0.05 * i) / 10);
+  groups[1] = {-6, -1, -0.5, 0, 0.2, 0.3};
+  const auto sum = [](const Groups& g) { return meanOf(g[0]) + meanOf(g[1]); };
+  double cubes = 0, squares = 0;
+  for (const auto& group : groups) {
+    const auto n = static_cast<double>(group.size());
+    for (const double x : group) {
+      cubes += std::pow((x - meanOf(group)) / n, 3);
+      squares += std::pow((x - meanOf(group)) / n, 2);
+    }
+  }
+  const double a = cubes / 6 / std::pow(squares, 1.5);
+  std::mt19937_64 random(11);
+  std::vector<double> sums;
+  for (int k = 0; k < 40'000; ++k) {
+    Groups drawn = groups;
+    for (std::size_t g = 0; g < 2; ++g) {
+      for (double& x : drawn[g]) x = groups[g][random() % groups[g].size()];
+    }
+    sums.push_back(sum(drawn));
+  }
+  std::sort(sums.begin(), sums.end());
+  const auto shareBelow = [&](double x) {
+    const auto below = std::lower_bound(sums.begin(), sums.end(), x) - sums.begin();
+    return static_cast<double>(below) / static_cast<double>(sums.size());
+  };
+  const boost::math::normal_distribution<double> normal;
+  const double bias = quantile(normal, shareBelow(sum(groups)));
+  const auto interval = bcaInterval(groups, sum);
+  // By the shares of the resampled sums below the ends: Phi(z0 + (z0 + z) / (1 - a (z0 + z))).
+  for (const double z : {-1.959964, 1.959964}) {
+    const double expected = cdf(normal, bias + (bias + z) / (1 - a * (bias + z)));
+    const double end = z < 0 ? interval->low : interval->high;
+    EXPECT_NEAR(shareBelow(end), expected, 0.005) << z;
+  }
 }
 
 TEST(Bca, IsEmptyWhereNothingVaries) {
