@@ -109,6 +109,33 @@ TEST(Align, TheFitIsBestAmongItsNeighbours) {
   }
 }
 
+// Of points whose best orthogonal matrix is a mirror, here diag(1, 1, -1): the covariance is
+// diag(18, 8, -2) / 6, and of proper rotations the identity is the best, with the scale
+// (18 + 8 - 2) / (18 + 8 + 2) (Umeyama, 1991, eq. 42).
+TEST(Align, AMirroredEstimateIsNotAlignedByAReflection) {
+  std::vector<PosePair> pairs;
+  for (const Eigen::Vector3d& p :
+       {Eigen::Vector3d(3, 0, 0), Eigen::Vector3d(0, 2, 0), Eigen::Vector3d(0, 0, 1)}) {
+    for (const double sign : {1.0, -1.0}) {
+      const Eigen::Vector3d x = sign * p, y(x.x(), x.y(), -x.z());
+      pairs.push_back(
+          {{0, x, Eigen::Quaterniond::Identity()}, {0, y, Eigen::Quaterniond::Identity()}});
+    }
+  }
+  const auto found = align(pairs, optionsOf(AlignmentKind::kSim3));
+  ASSERT_TRUE(found.ok());
+  EXPECT_TRUE(found->T_truth_estimate.R.isIdentity(1e-12)) << found->T_truth_estimate.R;
+  EXPECT_NEAR(found->scale, 24.0 / 28, 1e-12);
+}
+
+// Truth in map coordinates is millions of metres from their origin.
+TEST(Align, FarFromTheOriginAMotionOfMetresIsOne) {
+  const Transform far(kMotion.R, Eigen::Vector3d(4.6e6, 5.3e6, 400));
+  const auto found = align(pairsUnder(far, 1, 0), optionsOf(AlignmentKind::kSe3));
+  ASSERT_TRUE(found.ok());
+  EXPECT_TRUE(found->T_truth_estimate.R.isApprox(far.R, 1e-6));
+}
+
 TEST(Align, AteDoesNotSeeARigidMotionOfTheEstimate) {
   const std::vector<PosePair> pairs = pairsUnder(Transform(), 1, 0.05);
   std::vector<PosePair> moved = pairs;
@@ -157,7 +184,19 @@ TEST(Align, RefusesWhatIsNotUniqueAndSaysWhy) {
   EXPECT_EQ(refusal(line, optionsOf(AlignmentKind::kSe3)), FailureCode::kPositionsOnALine);
   EXPECT_TRUE(align(line, optionsOf(AlignmentKind::kYaw)).ok());
   EXPECT_EQ(refusal(still, optionsOf(AlignmentKind::kScale)), FailureCode::kPositionsStandStill);
+  for (PosePair& pair : still) std::swap(pair.estimate.p, pair.truth.p);
+  EXPECT_EQ(refusal(still, optionsOf(AlignmentKind::kScale)), FailureCode::kPositionsStandStill);
   EXPECT_EQ(refusal(vertical, optionsOf(AlignmentKind::kYaw)), FailureCode::kNoHorizontalMotion);
+  // Half a turn about a horizontal axis has no yaw.
+  const Transform half(expSO3({std::numbers::pi, 0, 0}), Eigen::Vector3d::Zero());
+  EXPECT_EQ(refusal(pairsUnder(half, 1, 0), optionsOf(AlignmentKind::kYawFirst)),
+            FailureCode::kUpsideDown);
+}
+
+TEST(Align, FirstNIsOfFitsAlone) {
+  const std::vector<PosePair> pairs = pairsUnder(kMotion, 1, 0);
+  EXPECT_EQ(align(pairs, optionsOf(AlignmentKind::kYaw, 50))->first_n, 50);
+  EXPECT_EQ(align(pairs, optionsOf(AlignmentKind::kOrigin, 50))->first_n, 0);
 }
 
 }  // namespace

@@ -120,6 +120,32 @@ TEST(Associate, MaximumIsIncludedByDefaultAndExcludedByRpg) {
   EXPECT_EQ(associate(at({0}), truth, options).pairs.size(), 0U);
 }
 
+// Whatever the units in which a rule compares, its limit is one of seconds.
+TEST(Associate, EveryRuleHasItsMaximumInSeconds) {
+  for (const AssociationRule rule : {AssociationRule::kOneToOne, AssociationRule::kEvo,
+                                     AssociationRule::kRpg, AssociationRule::kOvEval}) {
+    AssociationOptions options;
+    options.rule = rule;
+    options.max_dt_s = 0.02;
+    EXPECT_EQ(associate(at({1000}), at({1019}), options).pairs.size(), 1U) << toString(rule);
+    EXPECT_EQ(associate(at({1000}), at({1021}), options).pairs.size(), 0U) << toString(rule);
+    EXPECT_EQ(associate(at({1000}), at({1019}), options).record.max_dt_s, 0.02);
+  }
+}
+
+// What belongs to a pose of the estimate, such as its covariance, is found by its index.
+TEST(Associate, KeepsTheIndicesOfTheEstimate) {
+  AssociationOptions options;
+  options.max_dt_s = 0.002;
+  options.max_gap_s = 1;
+  const Trajectory estimate = at({0, 100, 200, 300, 400}), truth = at({50, 99, 201, 250, 399});
+  EXPECT_THAT(associate(estimate, truth, options).estimate_index, ElementsAre(1, 2, 4));
+  options.rule = AssociationRule::kInterpolate;
+  const Association found = associate(estimate, truth, options);
+  EXPECT_THAT(found.estimate_index, ElementsAre(1, 2, 3));
+  EXPECT_EQ(found.record.max_dt_s, 0) << "interpolated poses have their own stamps";
+}
+
 TEST(Associate, CountsDuplicatesAndGapsAndTheClockOffset) {
   const AssociationRecord record =
       associate(at({0, 10, 10, 20, 50, 50, 50}), at({3, 13, 23, 53, 153}), {}).record;
@@ -166,6 +192,7 @@ TEST(PoseAt, TurnsUniformlyOnTheShorterArc) {
   EXPECT_TRUE(pose.p.isApprox(Eigen::Vector3d(2, 0, 1)));
   const Eigen::Quaterniond expected(Eigen::AngleAxisd(0.3, turn.axis()));
   EXPECT_NEAR(pose.q.angularDistance(expected), 0, 1e-12);
+  EXPECT_TRUE(poseAt(poses, 25, 100).pose.has_value()) << "a gap of the limit is within it";
   EXPECT_FALSE(poseAt(poses, 25, 99).pose.has_value());
   EXPECT_TRUE(poseAt(poses, 25, 99).in_gap);
 }

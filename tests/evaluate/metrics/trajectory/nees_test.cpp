@@ -88,10 +88,12 @@ TEST(Nees, OverconfidentCovariancesAreAboveAndCautiousOnesBelow) {
     const Sample bold = sample(seed, 1.5);
     for (const NeesRecord& r : neesOf(bold.poses, bold.covariances).parts) {
       EXPECT_GT(r.mean, r.upper) << r.part;
+      EXPECT_EQ(r.reading, NeesReading::kOverconfident) << r.part;
     }
     const Sample cautious = sample(seed, 0.7);
     for (const NeesRecord& r : neesOf(cautious.poses, cautious.covariances).parts) {
       EXPECT_LT(r.mean, r.lower) << r.part;
+      EXPECT_EQ(r.reading, NeesReading::kCautious) << r.part;
     }
   }
 }

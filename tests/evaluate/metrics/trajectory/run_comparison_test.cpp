@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paired differences: which pairs count, the exact sign test, an interval that covers.
 
+#include <cmath>
 #include <random>
 #include <string>
 #include <vector>
@@ -42,6 +43,57 @@ TEST(PairedDifferences, AreOfTheSameSequenceWhateverTheOrder) {
   EXPECT_DOUBLE_EQ(d[0].mean_m, 0.375);
   EXPECT_EQ(d[0].b_better, 0U);
   EXPECT_FALSE(d[0].low_m.has_value()) << "two pairs make no interval";
+}
+
+// The better one is that of the smaller error, whichever was named first.
+TEST(PairedDifferences, TheBetterOneHasTheSmallerErrors) {
+  for (const double sign : {1.0, -1.0}) {
+    std::vector<TrajectoryRun> runs;
+    for (int i = 0; i < 6; ++i) {
+      runs.push_back(run(std::to_string(i), "a", 2));
+      runs.push_back(run(std::to_string(i), "b", 2 + sign * (1 + 0.01 * i)));
+    }
+    const PairedDifference d = pairedDifferences(runs)[0];
+    EXPECT_EQ(d.better, sign < 0 ? "b" : "a");
+    EXPECT_EQ(d.b_better, sign < 0 ? 6U : 0U);
+  }
+}
+
+// Pairs have a spread and a median of their own, besides that of the sequences' means: -1, 3 and 7.
+TEST(PairedDifferences, MedianAndSpreadAreOfPairs) {
+  const auto d =
+      pairedDifferences({run("x", "a", 9, "1"), run("x", "b", 8, "1"), run("x", "a", 9, "2"),
+                         run("x", "b", 12, "2"), run("y", "a", 9), run("y", "b", 16)})[0];
+  EXPECT_DOUBLE_EQ(d.median_m, 3);
+  EXPECT_DOUBLE_EQ(d.mean_m, (1 + 7) / 2.0);
+  EXPECT_DOUBLE_EQ(d.std_m, std::sqrt((16 + 0 + 16) / 3.0));
+}
+
+// A run that failed stands behind every error; one without a ground truth is in no order.
+TEST(RunsSummary, TheMedianIsOverTheRunsThatHaveATruth) {
+  const auto summaryOf = [](std::vector<TrajectoryRun> runs) { return summarised(runs).at(0); };
+  const TrajectoryRun good = run("x", "a", 1), better = run("x", "a", 0.5);
+  TrajectoryRun failed = good, partial = good, without = good;
+  failed.status = RunStatus::kFailed;
+  partial.status = RunStatus::kPartial;
+  without.without_truth = true;
+  without.ate_translation_m = {};
+  EXPECT_EQ(summaryOf({good, better, better}).ate_median_m, 0.5);
+  EXPECT_EQ(summaryOf({good, better, failed}).ate_median_m, 1);
+  EXPECT_FALSE(summaryOf({good, failed}).ate_median_m);
+  EXPECT_EQ(summaryOf({good, without, without}).ate_median_m, 1);
+  EXPECT_EQ(summaryOf({good, partial}).level, VerdictLevel::kCaution);
+  EXPECT_EQ(summaryOf({good, partial, failed}).level, VerdictLevel::kBad);
+  EXPECT_EQ(summaryOf({good, without}).level, VerdictLevel::kGood);
+}
+
+TEST(PairedDifferences, ARunWithoutATruthHasNoErrorToCompare) {
+  TrajectoryRun without = run("x", "b", 0);
+  without.without_truth = true;
+  without.ate_translation_m = {};
+  const auto d = pairedDifferences({run("x", "a", 1), without});
+  EXPECT_EQ(d[0].pairs, 0U);
+  EXPECT_EQ(d[0].left_out, 1U);
 }
 
 TEST(PairedDifferences, CountWhatTheyLeaveOut) {

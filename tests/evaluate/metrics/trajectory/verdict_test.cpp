@@ -101,6 +101,30 @@ TEST(TrajectoryVerdict, AFailedRunIsBadAndNamedWithItsReason) {
   EXPECT_THAT(v.headline, HasSubstr("diverged: ATE 9.100 m"));
 }
 
+// A partial run and a failed one: the worse one's reason is told, and none of another calibration.
+TEST(TrajectoryVerdict, TheReasonIsOfTheWorstRunOfThatCalibration) {
+  TrajectoryRun of_other = completeRun("kalibr", "1"), partial = completeRun("ours", "2"),
+                failed = completeRun("ours", "3");
+  of_other.status = failed.status = RunStatus::kFailed;
+  partial.status = RunStatus::kPartial;
+  of_other.problem = "no file";
+  partial.problem = "covers 88.3 %";
+  failed.problem = "diverged";
+  TrajectoryStudy study = studyOf({partial, failed});
+  study.runs.insert(study.runs.begin(), of_other);
+  const std::string evidence = trajectoryVerdict(study).findings[0].evidence;
+  EXPECT_THAT(evidence, HasSubstr("MH_01 3: diverged"));
+  EXPECT_THAT(evidence, Not(HasSubstr("no file")));
+}
+
+TEST(TrajectoryVerdict, OfOneRunTheOrientationIsSaidWhereItIsKnown) {
+  TrajectoryRun run = completeRun("", "1");
+  run.ate_rotation_deg.rmse = 1.24;
+  run.ate_rotation_deg.n = 1;
+  EXPECT_THAT(trajectoryVerdict(studyOf({run})).headline,
+              HasSubstr(", its orientation 1.2 deg RMSE."));
+}
+
 TEST(TrajectoryVerdict, ARunWithoutNamesHasItsReasonAlone) {
   TrajectoryRun partial = completeRun("ours", "");
   partial.sequence.clear();
