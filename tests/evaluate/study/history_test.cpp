@@ -99,6 +99,98 @@ TEST(HistoryTest, NamesTheFirstBadNightOfAStepUntilItIsMended) {
   for (const StudyAlarm& a : history.judge()) EXPECT_NE(a.kind, "median");
 }
 
+/// Alarms of the last of these nights, each of another version.
+std::vector<StudyAlarm> judgedLast(const std::string& name, const std::vector<double>& values,
+                                   const std::vector<StudyAcceptance>& accepted = {}) {
+  History history;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i > 0) history.nextNight();
+    history.add("a", name, values[i], std::to_string(i));
+  }
+  std::vector<StudyAlarm> alarms = history.judge(accepted);
+  std::erase_if(alarms, [](const StudyAlarm& alarm) { return alarm.kind != "median"; });
+  return alarms;
+}
+
+// Bad nights are not what later ones are compared with, however many they are.
+TEST(HistoryTest, AStepDoesNotBecomeTheNormal) {
+  std::vector<double> values{0.30, 0.30, 0.30};
+  values.insert(values.end(), 12, 0.36);
+  const auto alarms = judgedLast("ate_m/s", values);
+  ASSERT_EQ(alarms.size(), 1U);
+  EXPECT_EQ(alarms[0].night, 4);
+  EXPECT_EQ(alarms[0].was, 0.30);
+}
+
+// What became better is to stay so: fourteen nights later those before it are forgotten.
+TEST(HistoryTest, TheMedianIsOfTheLastNightsAlone) {
+  std::vector<double> values(20, 0.30);
+  values.insert(values.end(), 14, 0.20);
+  EXPECT_TRUE(judgedLast("ate_m/s", values).empty());
+  values.push_back(0.25);
+  EXPECT_EQ(judgedLast("ate_m/s", values).size(), 1U);
+}
+
+// Four deviations, each half a per cent of the figure's size at least, whatever its sign, and of
+// entropies near 0 a hundredth of a nat.
+TEST(HistoryTest, ADeviationIsAShareOfTheSizeOrTheLeastOfItsKind) {
+  const struct {
+    const char* name;
+    double before, now;
+    bool alarm;
+  } cases[] = {{"ate_m/s", 0.300, 0.305, false},
+               {"ate_m/s", 0.300, 0.307, true},
+               {"camera_entropy_nats", -200, -196.5, false},
+               {"camera_entropy_nats", -200, -195.5, true},
+               {"camera_entropy_nats", 0, 0.039, false},
+               {"camera_entropy_nats", 0, 0.041, true}};
+  for (const auto& c : cases) {
+    const std::vector<double> values{c.before, c.before, c.before, c.now};
+    EXPECT_EQ(!judgedLast(c.name, values).empty(), c.alarm) << c.name << " " << c.now;
+  }
+}
+
+// Nights that scatter by 0.01 either side of 0.30: a median absolute deviation of 0.01, of which a
+// normal distribution's sigma is 1.4826 times as much.
+TEST(HistoryTest, ScatterIsMeasuredAsASigma) {
+  std::vector<double> values{0.31, 0.29, 0.31, 0.29, 0.31, 0.29, 0.30};
+  values.push_back(0.30 + 0.0585);
+  EXPECT_TRUE(judgedLast("ate_m/s", values).empty());
+  values.back() = 0.30 + 0.0601;
+  EXPECT_EQ(judgedLast("ate_m/s", values).size(), 1U);
+}
+
+// The night that was accepted is the first one of the new normal, of that session alone.
+TEST(HistoryTest, AnAcceptanceIsOfItsSessionAndFromItsNightOn) {
+  EXPECT_TRUE(judgedLast("ate_m/s", {0.1, 0.3}, {{2, "a", "", "", ""}}).empty());
+  EXPECT_TRUE(judgedLast("ate_m/s", {0.1, 0.3}, {{2, "a", "ate_m/s", "", ""}}).empty());
+  EXPECT_EQ(judgedLast("ate_m/s", {0.1, 0.3}, {{2, "b", "", "", ""}}).size(), 1U);
+  EXPECT_EQ(judgedLast("ate_m/s", {0.1, 0.3}, {{2, "a", "ate_m/other", "", ""}}).size(), 1U);
+  const auto worse = judgedLast("ate_m/s", {0.1, 0.3, 0.4}, {{2, "a", "", "", ""}});
+  ASSERT_EQ(worse.size(), 1U);
+  EXPECT_EQ(worse[0].night, 3);
+  EXPECT_EQ(worse[0].was, 0.3);
+}
+
+// One session of five is worse for good, by as much as one likes: it has its alarm, and the study
+// none. A figure that the last night has not is not judged.
+TEST(HistoryTest, TheStudysAlarmIsOfMostOfItsSessions) {
+  History history;
+  for (int night = 1; night <= 12; ++night) {
+    if (night > 1) history.nextNight();
+    for (int s = 0; s < 5; ++s) {
+      history.add("s" + std::to_string(s), "ate_m/x", s == 0 && night > 4 ? 0.5 : 0.1,
+                  night > 4 ? "2" : "1");
+    }
+  }
+  const auto alarms = history.judge();
+  ASSERT_EQ(alarms.size(), 1U);
+  EXPECT_EQ(alarms[0].session, "s0");
+  EXPECT_EQ(alarms[0].kind, "median");
+  history.nextNight();
+  EXPECT_TRUE(history.judge().empty());
+}
+
 TEST(HistoryTest, BetterIsNoRegression) {
   History history;
   history.add("a", "ate_m/s", 0.30, "1");
@@ -128,6 +220,8 @@ TEST(HistoryTest, ASessionThatFailsWithNewDataIsNamed) {
   add("never", 2, "new", 1);
   add("mended", 1, "old", 1);
   add("mended", 2, "new", 0);
+  add("gone", 1, "new", 1);
+  add("gone", 0, "old", 0);
   add("regression", 1, "old", 0);
   add("regression", 2, "old", 1);
   EXPECT_THAT(calibratedFromOtherInputs(2, spans), testing::ElementsAre("damaged"));
