@@ -113,6 +113,41 @@ TEST(ComparedParameters, SignificanceNeedsBothDeviations) {
   EXPECT_NEAR(*row(comparedParameters({a, b}), "cam0.fu").significance[1], 0.5 / 0.5, 1e-12);
 }
 
+// Significance is a size: it has no sign. From two deviations on a difference is notable, and from
+// three on it is named.
+TEST(ComparedParameters, SignificanceIsTheSameInEitherDirection) {
+  Calibration a = stereo(), b = stereo();
+  a.cameras[0].intrinsics_std = Eigen::VectorXd::Constant(8, 0.3);
+  b.cameras[0].intrinsics_std = Eigen::VectorXd::Constant(8, 0.4);
+  for (const double change : {1.75, -1.75}) {
+    b.cameras[0].intrinsics.projection[0] = a.cameras[0].intrinsics.projection[0] + change;
+    const auto fu = row(comparedParameters({a, b}), "cam0.fu");
+    EXPECT_NEAR(*fu.significance[1], 3.5, 1e-12) << change;
+    EXPECT_EQ(fu.levels[1], VerdictLevel::kBad) << change;
+  }
+  const ComparisonThresholds thresholds;
+  EXPECT_EQ(thresholds.levelOf(1.99), VerdictLevel::kGood);
+  EXPECT_EQ(thresholds.levelOf(2), VerdictLevel::kCaution);
+  EXPECT_EQ(thresholds.levelOf(2.99), VerdictLevel::kCaution);
+  EXPECT_EQ(thresholds.levelOf(3), VerdictLevel::kBad);
+}
+
+// A file with one offset for all cameras has it for those that it has, and no other.
+TEST(ComparedParameters, ACameraThatAFileLacksHasNoOffsetThere) {
+  Calibration b = stereo();
+  b.imu->time_offsets = {{1e-3}, {3e-3, true}};
+  Calibration mono = stereo();
+  mono.cameras.resize(1);
+  const auto rows = comparedParameters({b, mono});
+  EXPECT_TRUE(row(rows, "time_offset.cam0").values[1].has_value());
+  EXPECT_FALSE(row(rows, "time_offset.cam1").values[1].has_value());
+  // The common one is the mean over cameras, in summaries as well.
+  EXPECT_NEAR(*row(rows, "time_offset").values[0], 2e-3, 1e-15);
+  EXPECT_NEAR(offsetSummary("b", b).time_offset_s.value(), 2e-3, 1e-15);
+  EXPECT_EQ(offsetSummary("b", b).per_camera_s.size(), 2U);
+  EXPECT_TRUE(offsetSummary("mono", mono).per_camera_s.empty());
+}
+
 TEST(ComparedParameters, AnotherModelHasValuesButNoDifference) {
   Calibration b = stereo();
   b.cameras[1].intrinsics.distortion_model = DistortionModel::kFov;
@@ -186,6 +221,24 @@ TEST(PairedPrediction, MeanAndIntervalAreOfBlocksOfViews) {
   EXPECT_NEAR(paired[0].std_px2, std::sqrt(62.0 / 4 / 5), 1e-6);
   EXPECT_NEAR(paired[0].half_px2, 2.776445 * std::sqrt(62.0 / 4 / 5), 1e-5);
   EXPECT_FALSE(paired[0].isClear());  // it would be by the normal distribution's 1.96
+}
+
+// Streams need not begin together: a view is known by its own place in its camera's stream.
+TEST(PairedPrediction, ViewsOfTheSecondCameraArePairedByTheirOwnIndex) {
+  CameraStageResult first = errorsOf({1, 2, 3}), other = errorsOf({2, 2, 2});
+  for (CameraStageResult* result : {&first, &other}) {
+    for (CornerResidual& r : result->residuals) r.camera = 1;
+  }
+  // `other` lacks the frame that `first` begins with, and camera 0's views count otherwise.
+  for (int f = 0; f < 3; ++f) {
+    first.frames[static_cast<std::size_t>(f)].view = {7 - f, f};
+    other.frames[static_cast<std::size_t>(f)].view = {7 - f, f + 1};
+  }
+  const auto paired = pairedPredictions(first, other, "b");
+  ASSERT_EQ(paired.size(), 1U);
+  EXPECT_EQ(paired[0].camera, "cam1");
+  EXPECT_EQ(paired[0].views, 2);
+  EXPECT_NEAR(paired[0].first_px2, (4.0 + 9) / 2, 1e-9);
 }
 
 TEST(PairedPrediction, OfFewBlocksThereIsNoInterval) {

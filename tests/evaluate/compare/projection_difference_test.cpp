@@ -193,6 +193,50 @@ TEST(ProjectionDifference, WeightsAndFocusChooseWhatIsFitted) {
   EXPECT_FALSE(projectionDifference(A, A, options));
 }
 
+// mrcal's focus is a sixth of the image's smaller side, about its middle, here (375.5, 239.5).
+TEST(ProjectionDifference, TheFocusIsASixthOfTheSmallerSide) {
+  DifferenceOptions options;
+  options.grid = {752, 480};  // a point for each pixel
+  const double area = M_PI * 80 * 80;
+  EXPECT_NEAR(pointsInFocus({752, 480}, options), area, 0.01 * area);
+  EXPECT_NEAR(pointsInFocus({480, 752}, options), area, 0.2 * area);
+}
+
+// With weights each fit minimises sum w s, or sum w^2 s^2: better than where all weigh alike.
+TEST(ProjectionDifference, EachFitMinimisesItsWeightedSum) {
+  const Intrinsics A = radtan();
+  Intrinsics B = A;
+  B.projection += Eigen::Vector4d(2, -1, 3, 1);
+  B.distortion += Eigen::Vector4d(5e-3, -4e-3, 2e-4, 3e-4);
+  const DifferenceOptions grid;
+  const auto weightOf = [&](int i) {
+    return grid.grid.pixel(A.resolution, i).x() > 500 ? 50.0 : 1.0;
+  };
+  const auto sumOf = [&](DifferenceFit fit, double range, bool weighted) {
+    DifferenceOptions options;
+    options.fit = fit;
+    options.range_m = range;
+    for (int i = 0; i < grid.grid.size(); ++i) {
+      options.weights.push_back(weighted ? weightOf(i) : 1);
+    }
+    const auto d = projectionDifference(A, B, options);
+    double sum = 0;
+    for (int i = 0; i < grid.grid.size(); ++i) {
+      const Eigen::Vector2d q = grid.grid.pixel(A.resolution, i);
+      const double scale = std::isfinite(range) ? range : 1;
+      const Eigen::Vector3d ray = (d->T_BA * (scale * *unproject(A, q))).normalized();
+      const double ws = weightOf(i) * (ray - *unproject(B, q)).squaredNorm();
+      sum += fit == DifferenceFit::kSquares ? ws : ws * ws;
+    }
+    return sum;
+  };
+  for (const DifferenceFit fit : {DifferenceFit::kSquares, DifferenceFit::kFourthPower}) {
+    for (const double range : {1.0, 4.0, kInfinity}) {
+      EXPECT_LT(sumOf(fit, range, true), 0.9 * sumOf(fit, range, false)) << range;
+    }
+  }
+}
+
 TEST(ProjectionDifference, ImagesOfDifferentSizesAreRefused) {
   Intrinsics B = radtan();
   B.resolution = {640, 480};
