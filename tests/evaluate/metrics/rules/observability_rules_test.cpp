@@ -72,9 +72,15 @@ TEST(ObservabilityRules, EveryComponentOfTheImusPoseIsJudgedInItsUnit) {
     EXPECT_EQ(lever.level, arm ? VerdictLevel::kCaution : VerdictLevel::kGood) << large;
     EXPECT_EQ(rotation.level, turn ? VerdictLevel::kCaution : VerdictLevel::kGood) << large;
     EXPECT_EQ(offset.level, !arm && !turn ? VerdictLevel::kCaution : VerdictLevel::kGood) << large;
-    if (arm) EXPECT_NEAR(lever.value, 0.006, 1e-12) << "in m";
-    if (turn) EXPECT_NEAR(rotation.value, 0.3, 1e-12) << "in degrees";
-    if (!arm && !turn) EXPECT_NEAR(offset.value, 1, 1e-12) << "in ms";
+    if (arm) {
+      EXPECT_NEAR(lever.value, 0.006, 1e-12) << "in m";
+    }
+    if (turn) {
+      EXPECT_NEAR(rotation.value, 0.3, 1e-12) << "in degrees";
+    }
+    if (!arm && !turn) {
+      EXPECT_NEAR(offset.value, 1, 1e-12) << "in ms";
+    }
   }
 }
 

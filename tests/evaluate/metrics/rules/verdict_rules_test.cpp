@@ -117,7 +117,9 @@ void expectItsFindingAlone(const Case& c) {
   EXPECT_EQ(verdict.level, VerdictLevel::kCaution) << c.rule;
   for (const Finding& f : verdict.findings) {
     EXPECT_EQ(f.level == VerdictLevel::kGood, f.rule != c.rule) << c.rule << ": " << f.rule;
-    if (f.rule == c.rule) EXPECT_EQ(f.subject, c.subject) << c.rule;
+    if (f.rule == c.rule) {
+      EXPECT_EQ(f.subject, c.subject) << c.rule;
+    }
   }
 }
 
