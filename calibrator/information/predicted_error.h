@@ -20,8 +20,8 @@ namespace plumbline {
 // noise, and C how the parameters answer to a smooth field of misfit; G = sigma^2 H + tau^2 sum
 // C_v C_v^T is the covariance of the normal equations' right side, sigma [px] the noise of a
 // corner, tau a misfit that every view draws anew, b one that they share: each so many px per
-// function of the field. H_T, C_T, D_T are the same sums, per corner, over the frames that stand
-// for later use. Without misfit E is sigma^2 tr(H_T H^-1): I-optimality.
+// function of the field. H_T, C_T, D_T are the same sums, per corner and without loss, over the
+// frames that stand for later use. Without misfit E is sigma^2 tr(H_T H^-1): I-optimality.
 
 /// One view at an estimate, for unit noise, its pose eliminated: with J the columns of n
 /// parameters, F those of the field, e the residuals, weighted by the loss,

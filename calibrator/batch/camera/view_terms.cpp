@@ -262,7 +262,9 @@ std::optional<ErrorModel> errorModel(const std::vector<RigView>& frames,
                                      const CameraEstimate& cameras, double cauchy_px,
                                      LaterUseKind kind, int threads) {
   // With every column first: by what later use asks of them it is decided which combinations stay.
-  const ViewTermsMaker all(cameras, {seenBoxes(frames, cameras), {}}, cauchy_px);
+  // Without the loss: later use asks for every corner alike. Its weights would hide the misfit just
+  // where the model does not fit (docs/counterfactuals.md, "With the default loss").
+  const ViewTermsMaker all(cameras, {seenBoxes(frames, cameras), {}}, 0);
   const std::vector<double> weights = cellWeights(frames, cameras, kind);
   const int count = static_cast<int>(frames.size());
   std::vector<LaterUse> parts(static_cast<std::size_t>(chunkCount(count, kUseChunk)));

@@ -96,10 +96,10 @@ std::vector<FieldBox> seenBoxes(const std::vector<RigView>& frames, const Camera
 /// What frames that stand for later use ask of the cameras, at an estimate, and the fields that
 /// are left by it.
 struct ErrorModel {
-  LaterUse use;  ///< in the field's combinations
+  LaterUse use;  ///< in the field's combinations; without loss
   ViewTermsMaker maker;
 };
-/// Empty where the frames do not determine the cameras.
+/// Empty where the frames do not determine the cameras. `cauchy_px` is the loss of views used.
 std::optional<ErrorModel> errorModel(const std::vector<RigView>& frames,
                                      const CameraEstimate& cameras, double cauchy_px,
                                      LaterUseKind kind, int threads = 1);
