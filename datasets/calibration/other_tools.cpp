@@ -193,7 +193,9 @@ Calibration readBasaltCalibration(const YamlMap& file) {
     camera.intrinsics.resolution = resolutionOf(value, "resolution", sizes[i]);
     // Basalt states every camera in the IMU: T_C0Ci = T_SC0^-1 T_SCi.
     if (i > 0) camera.T_C0Ci = T_SC0.inverse() * poseOf(poses[i]);
-    refuseImplausible(cameras[i], implausible(camera), {});
+    refuseImplausible(cameras[i], implausible(camera.intrinsics), {});
+    // Of two poses that are too far apart either may be the wrong one.
+    refuseImplausible(value, implausible(camera), {{Implausible::Part::kPlace, "T_imu_cam"}});
     calibration.cameras.push_back(std::move(camera));
   }
   calibration.imu = imuOf(value, T_SC0);
