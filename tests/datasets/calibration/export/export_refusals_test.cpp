@@ -103,6 +103,10 @@ TEST(ExportRefusals, RatesThatNoCameraHas) {
     EXPECT_EQ(refusal(rig("euroc"), ExportTool::kOrbSlam3, options), InputFault::kBadCameraRate)
         << rate;
   }
+  // ORB-SLAM3's Camera.fps is a whole number, and 0 frames a second are none.
+  options.camera_rate_hz = 0.4;
+  EXPECT_EQ(refusal(rig("euroc"), ExportTool::kOrbSlam3, options), InputFault::kBadCameraRate);
+  EXPECT_EQ(refusal(rig("euroc"), ExportTool::kKalibr, options), std::nullopt);
   options.camera_rate_hz = 240;
   EXPECT_EQ(refusal(rig("euroc"), ExportTool::kOrbSlam3, options), std::nullopt);
 }

@@ -154,6 +154,25 @@ TEST(SelectCameras, TheFirstNamedIsTheNewCamera0) {
   EXPECT_EQ(selectCameras(truth, {}, "rig.json").cameras.size(), 2U);
 }
 
+// A deviation belongs to what was estimated: of other places and offsets, composed from it, none is
+// known here.
+TEST(SelectCameras, DeviationsAreKeptOfWhatStaysTheSame) {
+  Calibration truth = rig("euroc");
+  truth.cameras[1].T_C0Ci_std = truth.imu->T_SC0_std = Vector6d::Constant(1e-3);
+  truth.imu->time_offset_std_s = 1e-5;
+  const auto chosen = [&](const std::vector<std::string>& names) {
+    return selectCameras(truth, names, "rig.json");
+  };
+  const Calibration same = chosen({"cam0", "cam1"});
+  EXPECT_TRUE(same.imu->T_SC0_std && same.cameras[1].T_C0Ci_std && same.imu->time_offset_std_s);
+  const Calibration turned = chosen({"cam1", "cam0"});
+  EXPECT_FALSE(turned.imu->T_SC0_std || turned.cameras[0].T_C0Ci_std ||
+               turned.cameras[1].T_C0Ci_std);
+  EXPECT_EQ(turned.imu->time_offset_std_s, 1e-5) << "synchronised cameras have one offset";
+  truth.imu->time_offsets = {{0.001}, {0.002, true}};
+  EXPECT_FALSE(chosen({"cam1"}).imu->time_offset_std_s) << "that of the camera left out";
+}
+
 // t_imu = t_cam1 + t_d1 = (t_cam1 + shift) + t_d0.
 TEST(UnlikeTimeOffsets, AreWrittenOrTheShiftIsNamed) {
   Calibration truth = rig("euroc");
