@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/transform.h"
 #include "calibrator/simulate/rig.h"
 #include "datasets/calibration/kalibr/camchain.h"
 
@@ -49,6 +50,21 @@ TEST(ChainContradiction, NamesTheInvertedTransform) {
             Suspect::kAllCameras);
   EXPECT_EQ(suspectAfter([](KalibrCamchain& c) { c.cameras[1].T_cam_imu->t.x() += 0.01; }),
             Suspect::kNone);
+}
+
+// Transforms agree up to 1 mm and 0.1 degrees, each by itself (calibration_reader.h).
+TEST(ChainContradiction, BeginsAtAMillimetreAndATenthOfADegree) {
+  const auto suspectOf = [](const Eigen::Vector3d& shift_m, double turn_deg) {
+    return suspectAfter([&](KalibrCamchain& c) {
+      Transform& T = *c.cameras[1].T_cn_cnm1;
+      T = Transform(expSO3({0, turn_deg * kDegree, 0}) * T.R, T.t + shift_m);
+    });
+  };
+  EXPECT_EQ(suspectOf({0, 0.0009, 0}, 0), std::nullopt);
+  EXPECT_EQ(suspectOf({0, 0.0011, 0}, 0), Suspect::kNone);
+  EXPECT_EQ(suspectOf({0, 0, 0}, 0.09), std::nullopt);
+  EXPECT_EQ(suspectOf({0, 0, 0}, 0.11), Suspect::kNone);
+  EXPECT_EQ(suspectOf({0, 0.0009, 0}, 0.09), std::nullopt);
 }
 
 }  // namespace

@@ -94,6 +94,31 @@ TEST(KalibrResultsText, OldVersionsPrintNormalisedErrorsAlone) {
   EXPECT_FALSE(old.gyro_rad_s || old.accel_m_s2);
 }
 
+// A camera that saw no target has no error; its transform is there all the same.
+TEST(KalibrResultsText, ACameraWithoutCornersHasNoError) {
+  std::string text = kImuText;
+  for (const char* unit : {"(cam0) [px]:", "(cam0):"}) {
+    const std::size_t at = text.find(std::string("Reprojection error ") + unit);
+    text.replace(at, text.find('\n', at) - at,
+                 std::string("Reprojection error ") + unit + " no corners");
+  }
+  const TemporaryFolder folder;
+  const KalibrResults results = readKalibrResults(folder.write("anything", text));
+  ASSERT_EQ(results.cameras.size(), 1U);
+  EXPECT_FALSE(results.cameras[0].rmsPx());
+  EXPECT_TRUE(results.cameras[0].T_cam_imu);
+}
+
+TEST(KalibrResultsText, ACameraWithoutItsTransformIsNamed) {
+  // Of two cameras with errors only one has a place.
+  const auto refusal = refusalOfText(kImuText, "Transformation (cam0):",
+                                     "Reprojection error (cam1) [px]: mean 1, median 1, std: 1\n"
+                                     "Transformation (cam0):");
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->code(), InputFault::kTruncated);
+  EXPECT_THAT(refusal->what(), testing::HasSubstr("cam1's T_ci"));
+}
+
 TEST(KalibrResultsText, DivergedResultsAreRefusedByLine) {
   const auto refusal = refusalOfText(kCamText, "[0.3, -0.4]", "[nan, nan]");
   ASSERT_TRUE(refusal);

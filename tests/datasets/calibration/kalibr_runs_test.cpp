@@ -36,12 +36,12 @@ Transform lookingPose(int i) {
 }
 
 // As Kalibr writes it: x, y, z, w of the conjugate.
-std::string posesText(bool as_the_header_says) {
+std::string posesText(bool as_the_header_says, const Transform& turn = {}) {
   std::string text =
       "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
       "q_RS_z []\n";
   for (int i = 0; i < 5; ++i) {
-    const Transform T = lookingPose(i);
+    const Transform T = lookingPose(i) * turn;
     const Eigen::Quaterniond q = T.quaternion();
     const Eigen::Vector4d v = as_the_header_says ? Eigen::Vector4d(q.w(), q.x(), q.y(), q.z())
                                                  : Eigen::Vector4d(-q.x(), -q.y(), -q.z(), q.w());
@@ -68,6 +68,14 @@ TEST(KalibrPoses, AFileThatKeepsItsHeadersPromiseIsNotKalibrs) {
   const std::string path = folder.write("poses.csv", posesText(true));
   EXPECT_EQ(faultOf([&] { (void)readKalibrPoses(path); }), InputFault::kContradiction);
   EXPECT_EQ(kalibrFileKind(path), KalibrFileKind::kPoses);  // the header is Kalibr's
+}
+
+// The same cameras turned about their own x: the target is behind them, so that they saw nothing.
+TEST(KalibrPoses, CamerasThatLookAwayFromTheTargetAreNotKalibrs) {
+  const Transform back(expSO3({2 * std::acos(0.0), 0, 0}), Eigen::Vector3d::Zero());
+  const TemporaryFolder folder;
+  const std::string path = folder.write("poses.csv", posesText(false, back));
+  EXPECT_EQ(faultOf([&] { (void)readKalibrPoses(path); }), InputFault::kContradiction);
 }
 
 TEST(KalibrPoses, FaultsAreNamedByLine) {
@@ -112,6 +120,11 @@ TEST(KalibrImus, EveryMatrixCountsWhateverTheModelIsCalled) {
   const std::string first = "    - [1.0, 0.0, 0.0]\n", third = "    - [0.0, 0.0, 1.0]\n";
   EXPECT_EQ(fault("  gyroscopes:\n    M:\n" + first + "    - [0.0, 1.0, 0.0]\n" + third),
             std::nullopt);
+  // A, the rates' dependence on acceleration [rad/s per m/s^2], is zero in an IMU without faults.
+  const std::string zeros = "    - [0.0, 0.0, 0.0]\n", sensitivity = "  gyroscopes:\n    A:\n";
+  EXPECT_EQ(fault(sensitivity + zeros + zeros + zeros), std::nullopt);
+  EXPECT_EQ(fault(sensitivity + first + "    - [0.0, 1.0, 0.0]\n" + third),
+            InputFault::kUnsupported);
   for (const char* matrix : {"A", "C_gyro_i", "M"}) {
     const std::string key = std::string("  gyroscopes:\n    ") + matrix + ":\n";
     EXPECT_EQ(fault(key + first + "    - [0.0, 0.9, 0.1]\n" + third), InputFault::kUnsupported);
@@ -138,6 +151,14 @@ TEST(KalibrImus, NoneIsLeftOut) {
 }
 
 // ---- folders
+
+/// The camera tool's camchain of kCamchainImuYaml, with this focal length.
+std::string cameraChain(const std::string& fu) {
+  std::string text = kCamchainImuYaml;
+  text.erase(text.find("  T_cam_imu"), text.find("  camera_model") - text.find("  T_cam_imu"));
+  text.erase(text.find("  timeshift"));
+  return text.replace(text.find("400.0"), 5, fu);
+}
 
 TEST(KalibrRuns, FilesAreKnownByContentNotByName) {
   const TemporaryFolder folder;
@@ -174,6 +195,50 @@ TEST(KalibrRuns, WhatBelongsTogetherIsGathered) {
   }
 }
 
+// Kalibr writes imu.yaml with imu0: at its top, what its user wrote is flat. Without a results text
+// the form alone tells which of the two is the run's.
+TEST(KalibrRuns, TheImuThatKalibrWroteGoesBeforeItsInput) {
+  const TemporaryFolder folder;
+  const std::string chain = folder.write("camchain.yaml", kCamchainImuYaml);
+  folder.write("a.yaml",
+               "accelerometer_noise_density: 0.009\naccelerometer_random_walk: 0.003\n"
+               "gyroscope_noise_density: 0.00017\ngyroscope_random_walk: 2.0e-05\n"
+               "rostopic: /imu0\nupdate_rate: 200.0\n");
+  EXPECT_EQ(readKalibrRun(chain).calibration().imu->noise.accel_density, 0.009);
+  folder.write("b.yaml", kImuYaml);
+  EXPECT_EQ(readKalibrRun(chain).calibration().imu->noise.accel_density, 0.002);
+}
+
+// Same densities, but the samples of a recording at another rate.
+TEST(KalibrRuns, AnImuOfAnotherRateIsAnotherRecordings) {
+  const TemporaryFolder folder;
+  const std::string chain = folder.write("camchain.yaml", kCamchainImuYaml);
+  folder.write("results.txt", kImuText);
+  std::string imu = kImuYaml;
+  folder.write("imu.yaml", imu.replace(imu.find("200.0"), 5, "400.0"));
+  const KalibrRun run = readKalibrRun(chain);
+  EXPECT_FALSE(run.imu);
+  EXPECT_EQ(run.calibration().imu->noise.rate_hz, 200);  // as the text says
+}
+
+// The camera tool prints "projection: [p] +- [std]" and "distortion: [d] +- [std]"; ours stack the
+// projection first.
+TEST(KalibrRuns, DeviationsOfTheTextStandBesideTheirParameters) {
+  const TemporaryFolder folder;
+  std::string text = kCamText;
+  text.erase(text.find("\tcam0"), text.find("\tcam1") - text.find("\tcam0"));
+  text.replace(text.find("cam1 (/right)"), 4, "cam0");
+  text.erase(text.find("\tbaseline"), text.find("Target conf") - text.find("\tbaseline"));
+  folder.write("results.txt", text);
+  std::string camchain = cameraChain("400.0");
+  camchain.replace(camchain.find("400.0, 400.0"), 12, "400.0, 401.0");
+  const auto camera =
+      readKalibrRun(folder.write("camchain.yaml", camchain)).calibration().cameras[0];
+  ASSERT_TRUE(camera.intrinsics_std);
+  EXPECT_EQ(camera.intrinsics_std->head(4), Eigen::Vector4d(1, 2, 3, 4));
+  EXPECT_EQ(camera.intrinsics_std->tail(4), Eigen::Vector4d::Constant(0.01));
+}
+
 TEST(KalibrRuns, ACopyOfATextIsSaidToBeOne) {
   const TemporaryFolder folder;
   folder.write("a", kCamchainImuYaml);
@@ -202,14 +267,6 @@ TEST(KalibrRuns, ALinkThatLeadsNowhereIsNoFile) {
   folder.write("camchain.yaml", kCamchainImuYaml);
   std::filesystem::create_symlink("loop", folder.path("loop"));
   EXPECT_TRUE(readKalibrRun(folder.path()).camera_imu);
-}
-
-/// The camera tool's camchain of kCamchainImuYaml, with this focal length.
-std::string cameraChain(const std::string& fu) {
-  std::string text = kCamchainImuYaml;
-  text.erase(text.find("  T_cam_imu"), text.find("  camera_model") - text.find("  T_cam_imu"));
-  text.erase(text.find("  timeshift"));
-  return text.replace(text.find("400.0"), 5, fu);
 }
 
 TEST(KalibrRuns, TheNamedCamchainDecides) {
@@ -291,6 +348,26 @@ TEST(KalibrTimeShifts, EqualOnesAreOneOffset) {
   EXPECT_EQ(meanTimeOffset(imu), -0.0125);
 }
 
+// A camera that was not calibrated for time has the shift of the first one that was, not none.
+TEST(KalibrTimeShifts, ACameraWithoutOneTakesThatOfAnother) {
+  const TemporaryFolder folder;
+  const auto without = [](const char* camera) {
+    std::string text = withSecondCamera("-0.0135");
+    const std::size_t at = text.find("  timeshift", text.find(camera));
+    return text.erase(at, text.find('\n', at) + 1 - at);
+  };
+  const std::string second = folder.write("second.yaml", without("cam1"));
+  const std::string first = folder.write("first.yaml", without("cam0"));
+  const auto imu = *readCalibration(second).imu;
+  EXPECT_EQ(imu.timeOffset(1), -0.0125);
+  EXPECT_FALSE(hasOwnOffset(imu.time_offsets, 1));
+  EXPECT_EQ(readCalibration(first).imu->timeOffset(), -0.0135);
+  EXPECT_TRUE(statesTimeOffset(first) && statesTimeOffset(second));
+  std::string neither = kCamchainImuYaml;
+  neither.erase(neither.find("  timeshift"));
+  EXPECT_FALSE(statesTimeOffset(folder.write("neither.yaml", neither)));
+}
+
 // ---- yac
 
 TEST(YacResults, AreCalibrations) {
@@ -337,8 +414,15 @@ T_imu0_cam0:
   EXPECT_EQ(c.imu->T_SC0.R(0, 1), -1);
   EXPECT_EQ(c.imu->timeOffset(), 0.0015);
   EXPECT_EQ(c.imu->noise.gyro_density, 1.7e-4);
+  EXPECT_EQ(c.imu->noise.gyro_random_walk, 2e-5);
+  EXPECT_EQ(c.imu->noise.accel_density, 2e-3);
   EXPECT_EQ(c.imu->noise.accel_random_walk, 3e-3);
+  EXPECT_EQ(c.imu->noise.rate_hz, 200);
   EXPECT_EQ(c.imu->gravity_m_s2, 9.81);
+  // Of another planet, or in another unit.
+  std::string moon = text;
+  moon.replace(moon.find("9.81"), 4, "1.62");
+  EXPECT_EQ(refusalOf([&] { (void)readCalibration(folder.write("moon.yaml", moon)); })->line(), 7);
 }
 
 }  // namespace

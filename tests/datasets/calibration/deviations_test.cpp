@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What our calibration.json says beside the calibration: covariances and deviations of its stages.
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/calibration/calibration_reader.h"
+#include "tests/datasets/calibration/kalibr_texts.h"
+#include "tests/datasets/refusal.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::Pair;
+
+// Two parameters of a stage with variances 4 and 9; `first` is one of the camera's or of the rig's.
+std::string covariance(const std::string& first) {
+  return fmt::format(
+      R"({{"parameters": [{{"name": "{}", "unit": "px"}}, {{"name": "T_SC0.tx", "unit": "m"}}],
+ "matrix": [[4, 1], [1, 9]]}})",
+      first);
+}
+
+std::string file(const std::string& camera_imu, const std::string& robust) {
+  return fmt::format(
+      R"({{"schema": 1, "cameras": [],
+"stages": {{"camera": {{}}, "camera_imu": {{{}}}}},
+"covariance": {{
+ "camera": {{"parameters": [{{"name": "cam0.fu", "unit": "px"}}], "matrix": [[0.25]]}},
+ "camera_imu": {}}}}})",
+      robust, camera_imu);
+}
+
+class Deviations : public testing::Test {
+ protected:
+  std::string write(const std::string& text) const { return folder_.write("rig.json", text); }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Deviations, AreRootsOfTheVariances) {
+  EXPECT_THAT(readDeviations(write(file(covariance("T_SC0.ty"), ""))),
+              ElementsAre(Pair("T_SC0.tx", 3), Pair("T_SC0.ty", 2), Pair("cam0.fu", 0.5)));
+}
+
+TEST_F(Deviations, AreRobustWhereTheStageHasThem) {
+  EXPECT_THAT(readDeviations(write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7])"))),
+              ElementsAre(Pair("T_SC0.tx", 7), Pair("T_SC0.ty", 5), Pair("cam0.fu", 0.5)));
+}
+
+// The camera-IMU stage estimates the cameras again, from more.
+TEST_F(Deviations, OfTwoStagesTheLastCounts) {
+  const std::string path = write(file(covariance("cam0.fu"), ""));
+  EXPECT_THAT(readDeviations(path), ElementsAre(Pair("T_SC0.tx", 3), Pair("cam0.fu", 2)));
+  const auto cameras = readCalibrationExtras(path).cameras;
+  ASSERT_TRUE(cameras);
+  EXPECT_EQ(cameras->names.size(), 2U);
+}
+
+// A stage without a focal length held the cameras: their covariance is the camera stage's.
+TEST_F(Deviations, AStageThatHeldTheCamerasSaysNothingOfThem) {
+  const auto cameras = readCalibrationExtras(write(file(covariance("T_SC0.ty"), ""))).cameras;
+  ASSERT_TRUE(cameras);
+  EXPECT_THAT(cameras->names, ElementsAre("cam0.fu"));
+  EXPECT_EQ(cameras->matrix(0, 0), 0.25);
+}
+
+TEST_F(Deviations, OtherToolsStateNone) {
+  EXPECT_THAT(readDeviations(folder_.write("chain.yaml", kCamchainImuYaml)), IsEmpty());
+  EXPECT_EQ(readCalibrationExtras(folder_.path("chain.yaml")).tool, "kalibr");
+}
+
+TEST_F(Deviations, FaultsNameTheirLine) {
+  const auto refusal = [&](std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return refusalOf([&] { (void)readDeviations(write(text.replace(at, from.size(), to))); });
+  };
+  const std::string good = file(covariance("T_SC0.ty"), R"("robust_std": [5, 7])");
+  const struct {
+    const char* from;
+    const char* to;
+    int line;
+    InputFault code;
+  } cases[] = {{"[[4, 1], [1, 9]]", "[[4, 1]]", 6, InputFault::kContradiction},
+               {"[[4, 1], [1, 9]]", "[[4, 1], [1]]", 6, InputFault::kContradiction},
+               {"[[4, 1], [1, 9]]", "[[4, 1], [1, -9]]", 6, InputFault::kOutOfRange},
+               {"[5, 7]", "[5]", 2, InputFault::kContradiction},
+               {"[5, 7]", "[5, -7]", 2, InputFault::kOutOfRange}};
+  for (const auto& c : cases) {
+    const auto fault = refusal(good, c.from, c.to);
+    ASSERT_TRUE(fault) << c.to;
+    EXPECT_EQ(fault->code(), c.code) << fault->what();
+    EXPECT_EQ(fault->line(), c.line) << fault->what();
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
