@@ -122,6 +122,7 @@ const std::vector<BadTrajectory> kCases = {
     {"StampsSixHundredYearsApart",
      "-9000000000 0 0 0 0 0 0 1\n9000000000 0 0 0 0 0 0 1\n9000000001 0 0 0 0 0 0 1\n", 1,
      InputFault::kOutOfRange},
+    {"ScaledByTwoPercent", "1.02 0 0 0 0 1.02 0 0 0 0 1.02 0\n", 1, InputFault::kNotRigid},
     {"NotARotation", "1 0 0 0 0 1 0 0 0 0 2 0\n", 1, InputFault::kNotRigid},
     {"Mirrored", "1 0 0 0 0 1 0 0 0 0 -1 0\n", 1, InputFault::kNotRigid},
     {"KittiNan", "1 0 0 0 0 1 0 nan 0 0 1 0\n", 1, InputFault::kNotFinite},
@@ -152,6 +153,29 @@ TEST(RefusedFiles, OptionsOfOtherFormatsAreNotPassedOver) {
   options.body.clear();
   options.times = folder.write("times.txt", "0\n");
   EXPECT_EQ(faultOf([&] { readTrajectory(poses, options); }), InputFault::kBadOption);
+}
+
+// The unit named is the first in which poses come at a rate of poses, not merely below 20 s.
+TEST(RefusedFiles, TheUnitIsThatOfAUsualRate) {
+  const TemporaryFolder folder;
+  const auto refusalAt = [&](double interval) {
+    const std::string path = folder.write("poses.txt", rows("{:.0f}", 0, interval));
+    return std::string(refusalOf([&] { readTrajectory(path); })->what());
+  };
+  EXPECT_THAT(refusalAt(50), testing::HasSubstr("look like milliseconds"));
+  EXPECT_THAT(refusalAt(5e3), testing::HasSubstr("look like microseconds"));  // 5 ms, not 5 s
+  EXPECT_THAT(refusalAt(5e6), testing::HasSubstr("look like nanoseconds"));
+}
+
+// Where the header states the unit, poses may be up to an hour apart, and no more.
+TEST(RefusedFiles, StatedStampsMayBeAnHourApart) {
+  const TemporaryFolder folder;
+  const auto fault = [&](double interval_s) {
+    const std::string path = folder.write("poses.txt", kS + rows("{:.0f}", 0, interval_s));
+    return faultOf([&] { readTrajectory(path); });
+  };
+  EXPECT_EQ(fault(3600), std::nullopt);
+  EXPECT_EQ(fault(3601), InputFault::kWrongUnit);
 }
 
 TEST(RefusedFiles, AFormatIsNamedWhereTheFirstRowIsNotOfIt) {

@@ -81,6 +81,15 @@ TEST(MotiveExport, TheAxesRowDecidesTheColumns) {
   EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(1, 2, 3));
 }
 
+TEST(MotiveExport, LengthsMayBeInThreeUnits) {
+  for (const auto& [units, metre] : {std::pair{"Meters", "1"}, std::pair{"Centimeters", "100"},
+                                     std::pair{"Millimeters", "1000"}}) {
+    const TrajectoryFile file =
+        readMocap(motiveHeader({units}) + kOneBody + "0,0.0,0,0,0,1," + metre + ",0,0,0\n");
+    EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(1, 0, 0)) << units;
+  }
+}
+
 TEST(MotiveExport, FramesWithoutTheBodyAreSkippedAndCounted) {
   const TrajectoryFile file = readMocap(motiveHeader() + kOneBody +
                                         "0,0.000000,0,0,0,1,0,0,0,0\n1,0.003000,,,,,,,,\n"
@@ -180,6 +189,22 @@ TEST(ViconExport, ReadsDegrees) {
   const Eigen::AngleAxisd turn(file.trajectory.poses[0].q);
   EXPECT_NEAR(turn.angle(), std::sqrt(3.0) * std::numbers::pi / 3, 1e-14);
   EXPECT_LT((turn.axis() - Eigen::Vector3d::Constant(1 / std::sqrt(3.0))).norm(), 1e-14);
+}
+
+// Vicon's vectors are continuous beyond half a turn: 270 degrees about z is -90.
+TEST(ViconExport, AVectorMayBeLongerThanHalfATurn) {
+  const TrajectoryFile file =
+      readMocap(vicon("RX,RY,RZ", "deg,deg,deg,mm,mm,mm", "1,0,0,0,270,0,0,1\n"));
+  const double h = std::sqrt(0.5);
+  const Eigen::Quaterniond expected(h, 0, 0, -h);
+  EXPECT_LT(file.trajectory.poses[0].q.angularDistance(expected), 1e-14);
+}
+
+// An object that stands on the origin, but turned, was seen.
+TEST(ViconExport, APositionOfZeroWithARotationIsMeasured) {
+  const TrajectoryFile file =
+      readMocap(vicon("RX,RY,RZ", "deg,deg,deg,mm,mm,mm", "1,0,0,0,90,0,0,0\n"));
+  EXPECT_EQ(file.trajectory.poses.size(), 1U);
 }
 
 TEST(ViconExport, ReadsQuaternions) {

@@ -146,6 +146,25 @@ TEST(TumTrajectory, EqualStampsAndGapsAreSaid) {
                           AllOf(HasSubstr("1 gap"), HasSubstr("2.050 s"), HasSubstr("0.950 s"))));
 }
 
+// The first of several equal stamps is where one looks for the cause. A gap is more than ten median
+// intervals, here of 0.05 s.
+TEST(TumTrajectory, AGapBeginsAboveTenUsualIntervals) {
+  std::string text;
+  for (int i = 0; i < 20; ++i) text += fmt::format("{:.2f} 0 0 0 0 0 0 1\n", 0.05 * i);
+  EXPECT_THAT(read(text + "1.45 0 0 0 0 0 0 1\n").remarks, IsEmpty());
+  EXPECT_THAT(read(text + "1.46 0 0 0 0 0 0 1\n").remarks, ElementsAre(HasSubstr("1 gap")));
+  EXPECT_THAT(read(text + "0.95 0 0 0 0 0 0 1\n0.95 0 0 0 0 0 0 1\n").remarks,
+              ElementsAre(AllOf(HasSubstr("2 poses have"), HasSubstr("first in line 21"))));
+}
+
+// A robot that turned about once has some poses near half a turn, and that is no fault.
+TEST(TumTrajectory, SomeOrientationsNearHalfATurnAreUsual) {
+  std::string text;
+  for (int i = 0; i < 10; ++i)
+    text += fmt::format("{} 0 0 0 {}\n", i, i < 7 ? "0.96 0 0 0.28" : "0 0 0 1");
+  EXPECT_THAT(read(text).remarks, IsEmpty());
+}
+
 TEST(TumTrajectory, OrientationsNearHalfATurnAreSaid) {
   const std::string rows = "1 0 0 0 0.99 0.1 0.1 0\n2 0 0 0 0.999 0 0.01 0.02\n";
   EXPECT_THAT(read(rows).remarks, ElementsAre(HasSubstr("near half a turn")));
@@ -210,6 +229,14 @@ TEST(EurocTrajectory, NeedsNoHeader) {
   }
 }
 
+// Commas and nanoseconds are EuRoC's whatever the order of the quaternion, which the header states.
+TEST(EurocTrajectory, AHeaderMayPutTheScalarLast) {
+  const TrajectoryFile file =
+      read("#timestamp [ns],px,py,pz,qx,qy,qz,qw\n1403715524907143168,0.5,1.9,0.9,0.6,0,0,0.8\n");
+  EXPECT_EQ(file.format, TrajectoryFormat::kEuroc);
+  expectQuaternion(file.trajectory.poses[0].q, {0.6, 0, 0, 0.8});
+}
+
 TEST(EurocTrajectory, LeicaHasNoOrientation) {
   const TrajectoryFile file = read(
       "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m]\n"
@@ -241,12 +268,23 @@ TEST(KittiTrajectory, BecomesPosesWithFrameNumbersOrTimes) {
   Eigen::Matrix3d quarter;  // about z: x goes to y
   quarter << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   EXPECT_LT((plain.trajectory.poses[1].transform().R - quarter).norm(), 1e-15);
+  // A comment is no row: the rows below it tell the format.
+  EXPECT_EQ(read("# sequence 00\n" + poses).format, TrajectoryFormat::kKitti);
   const TemporaryFolder folder;
   TrajectoryReadOptions options;
   options.times = folder.write("times.txt", "0.000000e+00\n1.036224e-01\n");
   const TrajectoryFile timed = readTrajectory(folder.write("00.txt", poses), options);
   EXPECT_EQ(timed.trajectory.poses[1].t, 103'622'400);
   EXPECT_THAT(timed.remarks, IsEmpty());
+}
+
+// Of a matrix that was written with two decimals R^T R is off by up to 0.01, and the quaternion is
+// a unit one all the same.
+TEST(KittiTrajectory, RoundedRotationsPassAndBecomeUnitQuaternions) {
+  const TrajectoryFile file = read("0.87 -0.5 0 1 0.5 0.87 0 2 0 0 1 3\n");  // 30 degrees about z
+  const StampedPose& pose = file.trajectory.poses[0];
+  EXPECT_NEAR(pose.q.norm(), 1, 1e-15);
+  EXPECT_NEAR(2 * std::atan2(pose.q.z(), pose.q.w()), std::acos(-1) / 6, 5e-3);
 }
 
 }  // namespace
