@@ -74,7 +74,15 @@ const std::vector<BadFile> kBadCorners = {
     {"NegativeId", kCorners, corners("1000000000,-1,1,2\n"), 2, InputFault::kOutOfRange},
     {"IdTwice", kCorners, corners("1000000000,3,1,2\n1000000000,3,1,2\n"), 3,
      InputFault::kDuplicate},
-    {"OutsideImage", kCorners, corners("1000000000,0,752,2\n"), 2, InputFault::kOutOfRange},
+    // Pixels reach half a pixel around their centres; the image is 752 x 480.
+    {"RightOfImage", kCorners, corners("1000000000,0,751.5,2\n1000000000,1,751.51,2\n"), 3,
+     InputFault::kOutOfRange},
+    {"LeftOfImage", kCorners, corners("1000000000,0,-0.5,2\n1000000000,1,-0.51,2\n"), 3,
+     InputFault::kOutOfRange},
+    {"BelowImage", kCorners, corners("1000000000,0,2,479.5\n1000000000,1,2,479.51\n"), 3,
+     InputFault::kOutOfRange},
+    {"AboveImage", kCorners, corners("1000000000,0,2,-0.5\n1000000000,1,2,-0.51\n"), 3,
+     InputFault::kOutOfRange},
     {"Backwards", kCorners, corners("2000000000,0,1,2\n1000000000,0,1,2\n"), 3,
      InputFault::kBadOrder},
     {"FrameSplit", kCorners, corners("1000000000,0,1,2\n1050000000,0,1,2\n1000000000,1,1,2\n"), 4,
@@ -106,6 +114,8 @@ const std::vector<BadFile> kBadSamples = {
     {"Degrees", kSamples,
      "#t [ns],wx [deg/s],wy [deg/s],wz [deg/s],ax,ay,az\n1000000000,1,2,3,4,5,6\n", 1,
      InputFault::kWrongUnit},
+    {"Gravities", kSamples, "#t [ns],wx,wy,wz,ax [g],ay [g],az [g]\n1000000000,1,2,3,0,0,1\n", 1,
+     InputFault::kWrongUnit},
     {"DegreesInTheSecondLine", kSamples,
      "# by a logger\n#t [ns],wx [deg/s],wy [deg/s],wz [deg/s],ax,ay,az\n1000000000,1,2,3,4,5,6\n",
      2, InputFault::kWrongUnit},
@@ -125,6 +135,9 @@ const std::vector<BadFile> kBadTargets = {
      InputFault::kOutOfRange},
     {"NoSpacing", kTarget,
      "target_type: aprilgrid\ntagCols: 6\ntagRows: 6\ntagSize: 0.088\ntagSpacing: 0\n", 5,
+     InputFault::kOutOfRange},
+    {"MoreTagsThanTheFamily", kTarget,
+     "target_type: aprilgrid\ntagRows: 4\ntagCols: 147\ntagSize: 0.05\ntagSpacing: 0.3\n", 2,
      InputFault::kOutOfRange},
     {"MissingKey", kTarget, "target_type: aprilgrid\ntagCols: 6\ntagSize: 0.088\n", 1,
      InputFault::kMissingKey},
@@ -177,6 +190,60 @@ TEST(TargetFile, ATagTooLargeMayBeInMillimetresOrCentimetres) {
   ASSERT_TRUE(refusal);
   EXPECT_THAT(refusal->what(),
               testing::HasSubstr("tagSize: 0.0088 if it is in millimetres, 0.088 if in centi"));
+}
+
+// 26.4 mm between tags of 88 mm are 0.3 of their size.
+TEST(TargetFile, ASpacingInMetresBecomesARatio) {
+  const TemporaryFolder folder;
+  std::string text = kTargetText;
+  text.replace(text.find("0.3\n"), 3, "0.0264");
+  const auto refusal = refusalOf([&] { readTarget(folder.write("target.yaml", text)); });
+  ASSERT_TRUE(refusal);
+  EXPECT_THAT(refusal->what(), testing::HasSubstr("write tagSpacing: 0.3"));
+}
+
+// tag36h11 has 587 tags.
+TEST(TargetFile, AGridMayUseTheWholeFamily) {
+  const TemporaryFolder folder;
+  const auto fault = [&](const std::string& cols) {
+    std::string text = kTargetText;
+    text.replace(text.find("tagCols: 6"), 10, "tagCols: " + cols);
+    text.replace(text.find("tagRows: 6"), 10, "tagRows: 1");
+    return faultOf([&] { readTarget(folder.write("target.yaml", text)); });
+  };
+  EXPECT_EQ(fault("587"), std::nullopt);
+  EXPECT_EQ(fault("588"), InputFault::kOutOfRange);
+}
+
+// ---- stamps
+
+// Samples at 200 Hz: 5 ms are 5000 us.
+TEST(StampUnit, IsNamedByTheRateThatItWouldGive) {
+  const TemporaryFolder folder;
+  writeGoodSession(folder);
+  for (const auto& [step, unit] : {std::pair{5000, "microseconds"}, std::pair{5, "milliseconds"}}) {
+    std::string rows;
+    for (int i = 0; i < 4; ++i) rows += std::to_string(100 + i * step) + ",0,0,0,0,0,9.8\n";
+    folder.write(kSamples, samples(rows));
+    const auto refusal = refusalOf([&] { readSession(folder.path()); });
+    ASSERT_TRUE(refusal);
+    EXPECT_THAT(refusal->what(), testing::HasSubstr(std::string("look like ") + unit));
+  }
+}
+
+// A driver that stamps what it finds in its buffer gives most samples nearly the stamp of the one
+// before; on the whole they come at 200 Hz.
+TEST(StampUnit, BurstsAreNoOtherUnit) {
+  const TemporaryFolder folder;
+  writeGoodSession(folder);
+  std::string rows;
+  for (int burst = 0; burst < 4; ++burst) {
+    for (int i = 0; i < 4; ++i) {
+      rows += std::to_string(1'000'000'000 + burst * 20'000'000 + i * 1000) + ",0,0,0,0,0,9.8\n";
+    }
+  }
+  folder.write(kSamples, samples(rows));
+  EXPECT_EQ(readSession(folder.path()).imu->samples.size(), 16U);
 }
 
 // ---- what is missing

@@ -82,6 +82,7 @@ TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
   } cases[] = {
       {replaced(good, "tagRows: 6", "tagRows: 5"), InputFault::kContradiction},
       {replaced(good, "tagSize: 0.088", "tagSize: 0.08"), InputFault::kContradiction},
+      {replaced(good, "tagSpacing: 0.3", "tagSpacing: 0.31"), InputFault::kContradiction},
       {replaced(good, "  shear:", "  sheer:"), InputFault::kMissingKey},
       {replaced(good, "terms_mm:", "terms_mm:\n  wobble: 1"), InputFault::kUnknownWord},
       {replaced(good, "  stretch: ", "  stretch: 6000 #"), InputFault::kOutOfRange},
