@@ -2,11 +2,14 @@
 // Numbers of a calibration's file that every reader shares: rigid transforms and resolutions.
 #include "datasets/calibration/calibration_fields.h"
 
+#include <fstream>
+#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
+#include "datasets/calibration/calibration_reader.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"
 
@@ -66,6 +69,49 @@ TEST_F(CalibrationFields, AResolutionIsTwoWholeNumbersOfPixels) {
     const auto refusal = refusalOf([&] { (void)resolutionField(map, "resolution"); });
     ASSERT_TRUE(refusal) << bad;
     EXPECT_EQ(refusal->line(), 2);
+  }
+}
+
+// ---- our own calibration.json
+
+class OurCalibration : public testing::Test {
+ protected:
+  /// The fault of the example with its first `from` behind `after` replaced.
+  std::optional<BadInput> refusalWith(const std::string& after, const std::string& from,
+                                      const std::string& to) const {
+    std::ifstream file(PLUMBLINE_SOURCE_DIR "/third_party_configs/source/calibration.json");
+    std::string text{std::istreambuf_iterator<char>(file), {}};
+    const std::size_t at = text.find(from, text.find(after));
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    const std::string path = folder_.write("calibration.json", text);
+    return refusalOf([&] { (void)readCalibration(path); });
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(OurCalibration, ContradictionsNameTheirLine) {
+  const struct {
+    const char* after;
+    const char* from;
+    const char* to;
+    int line;
+    InputFault code;
+  } cases[] = {
+      {"{", "\"schema\": 1", "\"schema\": 2", 2, InputFault::kUnknownFile},
+      // Camera 0 is the reference of all places, its own too.
+      {"cam0", "[1.0, 0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0, 0.1]", 12, InputFault::kContradiction},
+      {"cam0", "\"name\": \"cam1\"", "\"name\": \"cam0\"", 20, InputFault::kDuplicate},
+      {"cam1", "0.07451284,", "", 26, InputFault::kBadNumber},
+      {"cam1", "457.587", "-457.587", 25, InputFault::kOutOfRange},
+      {"\"imu\"", "9.80655", "0", 43, InputFault::kOutOfRange},
+  };
+  EXPECT_FALSE(refusalWith("{", "cam0", "left"));
+  for (const auto& c : cases) {
+    const auto refusal = refusalWith(c.after, c.from, c.to);
+    ASSERT_TRUE(refusal) << c.to;
+    EXPECT_EQ(refusal->code(), c.code) << refusal->what();
+    EXPECT_EQ(refusal->line(), c.line) << refusal->what();
   }
 }
 

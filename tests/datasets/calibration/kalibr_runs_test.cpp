@@ -205,8 +205,9 @@ TEST(KalibrRuns, TheImuThatKalibrWroteGoesBeforeItsInput) {
                "gyroscope_noise_density: 0.00017\ngyroscope_random_walk: 2.0e-05\n"
                "rostopic: /imu0\nupdate_rate: 200.0\n");
   EXPECT_EQ(readKalibrRun(chain).calibration().imu->noise.accel_density, 0.009);
-  folder.write("b.yaml", kImuYaml);
-  EXPECT_EQ(readKalibrRun(chain).calibration().imu->noise.accel_density, 0.002);
+  std::string result = kImuYaml;
+  folder.write("b.yaml", result.replace(result.find("0.002"), 5, "0.004"));
+  EXPECT_EQ(readKalibrRun(chain).calibration().imu->noise.accel_density, 0.004);
 }
 
 // Same densities, but the samples of a recording at another rate.
@@ -419,10 +420,14 @@ T_imu0_cam0:
   EXPECT_EQ(c.imu->noise.accel_random_walk, 3e-3);
   EXPECT_EQ(c.imu->noise.rate_hz, 200);
   EXPECT_EQ(c.imu->gravity_m_s2, 9.81);
-  // Of another planet, or in another unit.
-  std::string moon = text;
-  moon.replace(moon.find("9.81"), 4, "1.62");
-  EXPECT_EQ(refusalOf([&] { (void)readCalibration(folder.write("moon.yaml", moon)); })->line(), 7);
+  for (const char* g : {"1.62", "32.2"}) {  // of the moon, or in feet
+    std::string other = text;
+    other.replace(other.find("9.81"), 4, g);
+    const auto refusal =
+        refusalOf([&] { (void)readCalibration(folder.write("other.yaml", other)); });
+    ASSERT_TRUE(refusal) << g;
+    EXPECT_EQ(refusal->line(), 7);
+  }
 }
 
 }  // namespace
