@@ -17,7 +17,8 @@ namespace {
 constexpr TimeNs kSecond = 1'000'000'000;
 constexpr TimeNs kStart = 1'400'000'000 * kSecond;
 
-/// Ten seconds of one camera at 2 Hz and of an IMU at 10 Hz, both from kStart on.
+/// Ten seconds of one camera at 2 Hz from kStart on, and of an IMU at 10 Hz that ran three seconds
+/// before.
 class Selection : public testing::Test {
  protected:
   Selection() {
@@ -29,7 +30,7 @@ class Selection : public testing::Test {
     }
     folder_.write("cam0/corners.csv", corners);
     std::string samples = "#timestamp [ns],wx,wy,wz,ax,ay,az\n";
-    for (int i = 0; i <= 100; ++i) {
+    for (int i = -30; i <= 100; ++i) {
       samples += std::to_string(kStart + i * kSecond / 10) + ",0,0,0,0,0,9.8\n";
     }
     folder_.write("imu0/data.csv", samples);
@@ -62,7 +63,7 @@ TEST_F(Selection, AStrideAloneKeepsEverySample) {
   options_.imu_margin_s = 0;
   const Session session = read();
   EXPECT_EQ(session.cameras[0].views.size(), 6U);
-  EXPECT_EQ(session.imu->samples.size(), 101U);
+  EXPECT_EQ(session.imu->samples.size(), 131U);
 }
 
 TEST_F(Selection, AnOpenEndReachesToTheLast) {

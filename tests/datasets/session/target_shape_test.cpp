@@ -76,10 +76,14 @@ TEST_F(TargetShapeFile, FaultsHaveTheirCodes) {
   AprilGrid corners = board();
   corners.shape.corners = Eigen::VectorXd::Constant(3 * corners.cornerCount(), 5e-5);
   const std::string uneven = targetShapeText(corners);
+  AprilGrid lopsided = board();  // not symmetric
+  lopsided.shape.covariance = 1e-10 * TargetCovariance::Identity();
+  (*lopsided.shape.covariance)(0, 1) = 5e-11;
   const struct {
     std::string text;
     InputFault code;
   } cases[] = {
+      {targetShapeText(lopsided), InputFault::kOutOfRange},
       {replaced(good, "tagRows: 6", "tagRows: 5"), InputFault::kContradiction},
       {replaced(good, "tagSize: 0.088", "tagSize: 0.08"), InputFault::kContradiction},
       {replaced(good, "tagSpacing: 0.3", "tagSpacing: 0.31"), InputFault::kContradiction},
