@@ -39,10 +39,10 @@ class Stopping : public DecidedRecording {
     return judgeCameraStop(r, cameraBatches(r, keptCameras(r)));
   }
 
-  StopAudit imuAudit() const {
+  StopAudit imuAudit(const StoppingRuleOptions& options = {}) const {
     const ReplayRun r = run();
     const auto& cameras = recording_.truth.cameras;
-    return judgeCameraImuStop(r, cameras, cameraImuBatches(r, cameras));
+    return judgeCameraImuStop(r, cameras, cameraImuBatches(r, cameras), options);
   }
 
   bool stopped_ = false;
@@ -56,6 +56,8 @@ TEST_F(Stopping, LongAfterEnoughIsLate) {
   EXPECT_NEAR(audit.seconds, secondsBetween(*audit.enough, *audit.finished), 1e-9);
   EXPECT_GT(audit.seconds, 5);
   EXPECT_NEAR(audit.saved_s, 5, 0.2);
+  // By how much more than the whole recording's the held-out error was: 0 would be none.
+  EXPECT_NEAR(audit.measured_excess.value_or(1), 0, 0.05);
   EXPECT_LT(audit.entropy_of_all_nats, audit.entropy_at_finish_nats);
 }
 
@@ -93,7 +95,22 @@ TEST_F(Stopping, ACameraImuStageThatStopsAtOnceIsEarly) {
   decide(GuideStage::kCameraImu, 1, 2.5);
   const StopAudit audit = imuAudit();
   EXPECT_EQ(audit.verdict, Stop::kEarly) << audit.explanation;
+  // By the time that it took from there until it was enough, not until the end.
+  ASSERT_TRUE(audit.enough);
   EXPECT_GT(audit.seconds, 0);
+  EXPECT_NEAR(audit.seconds, secondsBetween(*audit.finished, *audit.enough), 1e-9);
+}
+
+// All three must be near: what no two recordings can give in one of them is never enough.
+TEST_F(Stopping, EachPartOfTheCameraImuResultCounts) {
+  decide(GuideStage::kCameraImu, 1, 18);
+  StoppingRuleOptions translation, rotation, offset;
+  translation.translation_m = rotation.rotation_rad = offset.offset_s = 1e-15;
+  for (StoppingRuleOptions options : {translation, rotation, offset}) {
+    options.checkpoints = 2;  // the fewest and the most frames
+    const StopAudit audit = imuAudit(options);
+    EXPECT_EQ(audit.verdict, Stop::kEarly) << audit.explanation;
+  }
 }
 
 TEST_F(Stopping, ACameraImuStageIsJudgedByItsDistanceFromAllFrames) {
