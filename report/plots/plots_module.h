@@ -17,4 +17,9 @@ using PlotDrawers =
     std::tuple<Drawer<LinePlot>, Drawer<ScatterPlot>, Drawer<Histogram>, Drawer<HeatMap>,
                Drawer<VectorField>, Drawer<BarPlot>, Drawer<BoxPlot>>;
 
+/// The drawers of the module at `path` (as dlopen() takes it), which stays loaded. The module is
+/// asked for its build (`plumbline_plots_build`) first: where that is not kPlotsBuild, it is
+/// unloaded again. nullptr, and `why` not, where it has none to give.
+const PlotDrawers* drawersOf(const std::string& path, std::string& why);
+
 }  // namespace plumbline::internal

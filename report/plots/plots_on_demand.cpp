@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // svg.h for programs that draw rarely: VTK is loaded with the first plot, and stays.
 #include <dlfcn.h>
+#include <link.h>
 
 #include "calibrator/base/error.h"
+#include "generated/report/plots_build.h"
 #include "report/plots/plots_module.h"
 #include "report/plots/svg.h"
 
@@ -12,30 +14,21 @@ namespace {
 constexpr const char* kModule = "plumbline_plots.so";
 
 /// Beside the program, where an installation has it, or in the build tree (the program's run path).
-/// dlopen() itself fills in $ORIGIN. `why` not: of a file that is there, rather than of one that is
-/// not.
-void* open(std::string& why) {
+/// dlopen() itself fills in $ORIGIN. Says why not of a file that is there, rather than of one that
+/// is not.
+internal::PlotDrawers load() {
   const std::string name = kModule;
   const std::string missing = name + ": cannot open shared object file: No such file";
+  std::string why;
   for (const std::string& path : {"$ORIGIN/" + name, "$ORIGIN/../lib/plumbline/" + name, name}) {
-    if (void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) return module;
-    const std::string error = ::dlerror();
+    std::string error;
+    if (const internal::PlotDrawers* const found = internal::drawersOf(path, error)) return *found;
     if (why.empty() || why.find(missing) != std::string::npos) why = error;
   }
-  return nullptr;
-}
-
-internal::PlotDrawers load() {
-  std::string why;
-  void* const module = open(why);
-  void* const drawers = module == nullptr ? nullptr : ::dlsym(module, "plumbline_plot_drawers");
-  if (drawers == nullptr) {
-    if (module != nullptr) why = ::dlerror();
-    throw InputError(kModule, 0,
-                     "plots cannot be drawn (" + why +
-                         "); put this file next to the program, or run without the report");
-  }
-  return *static_cast<const internal::PlotDrawers*>(drawers);
+  throw InputError(kModule, 0,
+                   "plots cannot be drawn (" + why +
+                       "); put the file that was built with the program next to it, or run "
+                       "without the report");
 }
 
 const internal::PlotDrawers& drawers() {
@@ -50,6 +43,28 @@ std::string draw(const Plot& plot, const std::string& id) {
 }
 
 }  // namespace
+
+namespace internal {
+
+const PlotDrawers* drawersOf(const std::string& path, std::string& why) {
+  void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (module == nullptr) {
+    why = ::dlerror();
+    return nullptr;
+  }
+  const auto ask = reinterpret_cast<const char* (*)()>(::dlsym(module, "plumbline_plots_build"));
+  const std::string build = ask == nullptr ? "unknown" : ask();
+  const void* const drawers = ::dlsym(module, "plumbline_plot_drawers");
+  if (build == kPlotsBuild && drawers != nullptr) return static_cast<const PlotDrawers*>(drawers);
+  const link_map* file = nullptr;
+  ::dlinfo(module, RTLD_DI_LINKMAP, &file);
+  why = std::string(file->l_name) + " is of another build: " + build + ", the program's is " +
+        kPlotsBuild;
+  ::dlclose(module);
+  return nullptr;
+}
+
+}  // namespace internal
 
 std::string toSvg(const LinePlot& plot, const std::string& id) { return draw(plot, id); }
 std::string toSvg(const ScatterPlot& plot, const std::string& id) { return draw(plot, id); }

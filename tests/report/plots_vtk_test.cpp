@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "report/plots/characters.h"
+#include "report/plots/plots_module.h"
 #include "report/plots/svg.h"
 #include "tests/report/markup.h"
 
@@ -106,6 +107,17 @@ TEST(Characters, AreThoseOfUtf8) {
   EXPECT_EQ(internal::lastCharacters("a\u00b5\u2013b", 3), "\u00b5\u2013b");
   EXPECT_EQ(internal::lastCharacters("ab", 3), "ab");
   EXPECT_EQ(internal::lastCharacters("ab", 0), "");
+}
+
+// It would be given data that lie otherwise in memory than it takes them to.
+TEST(Plots, AreNotDrawnByAModuleOfAnotherBuild) {
+  std::string why;
+  EXPECT_EQ(internal::drawersOf(PLUMBLINE_FOREIGN_PLOTS, why), nullptr);
+  EXPECT_THAT(why, StartsWith(std::string(PLUMBLINE_FOREIGN_PLOTS) + " is of another build"));
+  EXPECT_THAT(why, HasSubstr(": 0.0.1 (plots 0123456789ab), the program's is "));
+  EXPECT_EQ(internal::drawersOf(PLUMBLINE_FOREIGN_PLOTS "_missing", why), nullptr);
+  EXPECT_THAT(why, HasSubstr("No such file"));
+  EXPECT_NE(internal::drawersOf("plumbline_plots.so", why), nullptr);
 }
 
 TEST(Plots, NeverShareAnId) {
