@@ -237,10 +237,10 @@ void OutputFolder::replaceOlder() {
 }
 
 OutputFile::OutputFile(OutputRequest request, const std::string& mark)
-    : request_(std::move(request)), final_(finalPath(request_)) {
+    : request_(std::move(request)), mark_(mark), final_(finalPath(request_)) {
   removeDeadWorkplaces(final_);
   refuseInputs(request_, final_);
-  refuseFile(request_, mark, final_);
+  refuseFile(request_, mark_, final_);
   workplace_ = std::make_unique<Workplace>(final_, request_.path);
 }
 
@@ -249,11 +249,13 @@ OutputFile::~OutputFile() = default;
 void OutputFile::write(std::string_view content) {
   const fs::path made = workplace_->result();
   writeNewFile(made.parent_path(), made.filename(), content);
-  // Without leave to replace, place() refuses what has come there since refuseFile() looked.
-  if (request_.replace) {
+  const auto moved = workplace_->place();
+  if (moved == Workplace::Moved::kFailed) throw unmoved(request_, errno);
+  if (moved == Workplace::Moved::kInTheWay) {
+    // It may have come there since the constructor looked.
+    refuseFile(request_, mark_, final_);
+    if (!request_.replace) throw unmoved(request_, EEXIST);  // it has gone again
     if (!workplace_->replaceFile()) throw unmoved(request_, errno);
-  } else if (const auto moved = workplace_->place(); moved != Workplace::Moved::kDone) {
-    throw unmoved(request_, moved == Workplace::Moved::kInTheWay ? EEXIST : errno);
   }
   workplace_->done();
   workplace_.reset();

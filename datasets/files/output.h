@@ -71,10 +71,12 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
+  /// Throws InputError where what stands there by now must not be replaced.
   void write(std::string_view content);
 
  private:
   OutputRequest request_;
+  std::string mark_;
   std::filesystem::path final_;
   std::unique_ptr<Workplace> workplace_;
 };

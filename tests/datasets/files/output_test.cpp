@@ -323,6 +323,23 @@ TEST_F(Output, AFileReplacesItsLikeOnlyIfThatIsAllowed) {
   EXPECT_TRUE(fs::is_fifo(folder_.path("page.html")));
 }
 
+TEST_F(Output, AFileThatCameDuringTheRunIsJudgedAsOneThatWasThere) {
+  const auto written = [&](bool replace, const std::string& came) {
+    fs::remove(folder_.path("page.html"));
+    return faultOf([&] {
+      OutputFile out(request("page.html", replace), "mark");
+      folder_.write("page.html", came);
+      out.write("mark 2");
+    });
+  };
+  EXPECT_EQ(written(false, "mark 1"), InputFault::kResultExists);
+  EXPECT_EQ(text("page.html"), "mark 1");
+  EXPECT_EQ(written(true, "mine"), InputFault::kForeignFiles);
+  EXPECT_EQ(text("page.html"), "mine");
+  EXPECT_EQ(written(true, "mark 1"), std::nullopt);
+  EXPECT_EQ(text("page.html"), "mark 2");
+}
+
 TEST_F(Output, AFileIsNeverAnInputNorInAFolderOfResults) {
   const std::string input = folder_.write("input.json", "mark");
   OutputRequest r = request("alias.json", true);
