@@ -37,6 +37,7 @@ struct StudyOptions {
   int recheck = 0;
   SlurmOptions slurm;
   int merge_round = 0;  // of a job that merges what the arrays did
+  int merge_night = 0;
   JsonOption json;
   FailOnOption fail_on;
 };
@@ -156,6 +157,7 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
     request.refuse = refuseWhileUnderWay;
   } else {
     request.lock_wait_s = kSlurmLockWaitS;
+    request.number = o.merge_night;
   }
   auto given = givenOptions(app);
   // The definition is the input, which is stated by itself.
@@ -322,6 +324,7 @@ void declareStudy(CLI::App& app, StudyOptions& o) {
   o.fail_on.declare(app);
   app.add_option("--merge-round", o.merge_round, "")->group("");
   app.add_option("--merge-since", o.slurm.since, "")->group("");
+  app.add_option("--merge-night", o.merge_night, "")->group("");
 }
 
 void addPart(CLI::App& app, const char* name, const char* summary, const char* group,

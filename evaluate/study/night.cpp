@@ -188,6 +188,7 @@ PreparedNight prepareNight(const NightRequest& request) {
   night.provenance = request.provenance;
   const StudyStore store(night.folder /
                          kHistoryFile);  // a newer one ends the night before its work
+  night.number = request.number > 0 ? request.number : nightAfter(store);
   InputHashes hashes(night.folder / kHashesFile);
   night.steps = planStudy(night.study, hashes, {programVersion(), runningProgramHash()});
   hashes.save();
@@ -198,7 +199,7 @@ PreparedNight prepareNight(const NightRequest& request) {
   removeLeftovers(night.folder);
   if (request.redo_failed) forgetFailures(night.folder, night.steps);
   if (request.recheck > 0) {
-    chooseRechecks(night.folder, night.steps, request.recheck, nightAfter(store));
+    chooseRechecks(night.folder, night.steps, request.recheck, night.number);
   }
   return night;
 }
@@ -213,12 +214,15 @@ NightOutcome finishNight(const PreparedNight& night, const StepResults& results,
   for (const Step& step : night.steps) keys += step.inputs_key;
   record.provenance.input_hash = "xxh64:" + contentHash(keys);
   StudyStore store(night.folder / kHistoryFile);
-  const int number = nightAfter(store);
+  const int number = night.number;
+  const bool counts = nightAfter(store) > number;
   // In memory until it is saved: the night is judged as the last one of its own history.
-  store.addNight(nightOf(record, number, seconds), merged.figures);
-  store.setSteps(number, stepRows(night.steps, results));
+  if (!counts) {
+    store.addNight(nightOf(record, number, seconds), merged.figures);
+    store.setSteps(number, stepRows(night.steps, results));
+  }
   record.alarms = judgeNight(number, store.figures(), store.accepted(), night.study.thresholds);
-  store.addAlarms(number, record.alarms);
+  if (!counts) store.addAlarms(number, record.alarms);
   record.nights = store.nights();
   addStatistics(record);
   NightOutcome outcome;
@@ -231,7 +235,7 @@ NightOutcome finishNight(const PreparedNight& night, const StepResults& results,
   writeFileAtomically((night.folder / kIndexFile).string(), renderStudyPage(record));
   // Last of all, as this makes the night count: one that is killed before has not been, and the
   // next night has its number.
-  store.save();
+  if (!counts) store.save();
   outcome.night = number;
   outcome.sessions = record.nights.back().sessions;
   outcome.sessions_failed = record.nights.back().failed;

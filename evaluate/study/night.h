@@ -26,6 +26,7 @@ struct NightRequest {
   /// Asked under the lock, before anything in the folder changes; throws where another night is
   /// under way that does not hold the lock. Empty: not asked.
   std::function<void(const std::filesystem::path& folder)> refuse;
+  int number = 0;  ///< of a night that another process began; 0: the next one
 };
 
 /// A night that may begin: its folder is taken, its plan is written.
@@ -35,6 +36,7 @@ struct PreparedNight {
   std::vector<Step> steps;
   std::unique_ptr<NightLock> lock;
   Provenance provenance;
+  int number = 0;  ///< from 1
 };
 
 /// Reads and checks the study, takes the folder and its lock, hashes the inputs and writes the
@@ -55,7 +57,8 @@ struct NightOutcome {
 
 /// Merges the results, compares them with the nights before, and writes records.sqlite,
 /// summary.json and index.html, and last study.sqlite, with which the night counts. A night that is
-/// stopped before has not been.
+/// stopped before has not been; one that counts already, as who merged it was killed before anybody
+/// knew, is not added again.
 NightOutcome finishNight(const PreparedNight& night, const StepResults& results, double seconds);
 
 /// The night's result for a terminal.

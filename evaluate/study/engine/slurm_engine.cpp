@@ -200,9 +200,11 @@ class Round {
 
   std::string submitMerge(const std::string& after) const {
     const std::string command = fmt::format(
-        "{} study {} --out {} --engine slurm --slurm-rounds {} --merge-round {} --merge-since {}",
+        "{} study {} --out {} --engine slurm --slurm-rounds {} --merge-round {} "
+        "--merge-since {} --merge-night {}",
         shellWords({thisProgram()}), shellWords({night_.study.file.string()}),
-        shellWords({night_.folder.string()}), options_.rounds, number_, options_.since);
+        shellWords({night_.folder.string()}), options_.rounds, number_, options_.since,
+        night_.number);
     return sbatch("merge", after, "", command, "merge.log");
   }
 

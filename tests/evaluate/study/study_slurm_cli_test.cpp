@@ -58,6 +58,17 @@ TEST_F(StudySlurm, WhileSlurmDoesNotAnswerItsJobsRunOn) {
   EXPECT_GE(StudyStore(night / "study.sqlite").nights().back().seconds.value(), 3);
 }
 
+// A merging job that is killed as it is about to leave word: its round is not the one waited for.
+TEST_F(StudySlurm, ANightThatIsMergedTwiceCountsOnce) {
+  const fs::path night = doneNight();
+  mergeAlone("sed 's/merge-round 1/merge-round 9/' $script | sh");
+  const Outcome outcome = slurm(night, "--slurm-rounds 1");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_TRUE(fs::exists(night / "slurm/round_9.json"));
+  EXPECT_THAT(outcome.text, HasSubstr("Night 2: 4 of 4 sessions"));
+  EXPECT_EQ(StudyStore(night / "study.sqlite").nights().size(), 2U);
+}
+
 TEST_F(StudySlurm, AStepThatWasKilledIsRecordedAsLostAndRaisesAnAlarm) {
   const fs::path night = doneNight();
   const std::string step = "sessions/p1_free/perturb";
