@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <stdexcept>
 #include <system_error>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kHashName = "xxh64:";
+constexpr const char* kLinkName = "link:";
 
 // Everything within a folder, sorted; links are not followed.
 std::vector<fs::path> entriesOf(const fs::path& folder) {
@@ -42,7 +44,15 @@ std::vector<fs::path> readableEntriesOf(const fs::path& folder) {
   return entries;
 }
 
+bool isFileOrLink(const fs::file_status& status) {
+  return fs::is_regular_file(status) || fs::is_symlink(status);
+}
+
 ManifestEntry entryOf(const fs::path& file) {
+  if (fs::is_symlink(fs::symlink_status(file))) {
+    const std::string to = fs::read_symlink(file).string();
+    return {to.size(), kLinkName + contentHash(to)};
+  }
   const MappedFile content(file.string());
   return {content.text().size(), kHashName + contentHash(content.text())};
 }
@@ -50,10 +60,11 @@ ManifestEntry entryOf(const fs::path& file) {
 // The size first: it needs no reading.
 bool isAsListed(const fs::path& file, const ManifestEntry& listed) {
   std::error_code error;
-  if (fs::file_size(file, error) != listed.bytes || error) return false;
+  const bool link = fs::is_symlink(fs::symlink_status(file, error));
+  if (!link && (fs::file_size(file, error) != listed.bytes || error)) return false;
   try {
     return entryOf(file).hash == listed.hash;
-  } catch (const InputError&) {
+  } catch (const std::runtime_error&) {  // InputError, or of a link that has just gone
     return false;
   }
 }
@@ -88,8 +99,8 @@ std::optional<Manifest> parse(std::string_view text) {
 Manifest manifestOf(const fs::path& folder, const std::string& version, const std::string& kind) {
   Manifest manifest{version, kind, {}};
   for (const fs::path& path : entriesOf(folder)) {
-    if (!fs::is_regular_file(fs::symlink_status(path))) continue;
-    manifest.files[fs::relative(path, folder).generic_string()] = entryOf(path);
+    if (!isFileOrLink(fs::symlink_status(path))) continue;
+    manifest.files[path.lexically_relative(folder).generic_string()] = entryOf(path);
   }
   return manifest;
 }
@@ -133,7 +144,7 @@ std::optional<ForeignEntry> firstForeign(const fs::path& folder, const Manifest&
     const auto listed = manifest.files.find(name);
     if (listed == manifest.files.end()) return ForeignEntry{path, false};
     // Changed is foreign too: a user's edit of a result is not thrown away by the next run.
-    if (!fs::is_regular_file(status) || !isAsListed(path, listed->second)) {
+    if (!isFileOrLink(status) || !isAsListed(path, listed->second)) {
       return ForeignEntry{path, true};
     }
   }
@@ -164,7 +175,7 @@ void removeListed(const fs::path& folder, const Manifest& manifest) {
   for (const fs::path& path : entries) {
     const std::string name = path.lexically_relative(folder).generic_string();
     const fs::file_status status = fs::symlink_status(path, ignored);
-    if (fs::is_regular_file(status) && manifest.files.count(name) > 0) fs::remove(path, ignored);
+    if (isFileOrLink(status) && manifest.files.count(name) > 0) fs::remove(path, ignored);
   }
   // Backwards: what lies in a folder goes before it. Only empty ones are removed.
   for (auto path = entries.rbegin(); path != entries.rend(); ++path) {

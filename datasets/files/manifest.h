@@ -14,7 +14,8 @@ inline constexpr const char* kManifestFile = "plumbline.json";
 
 struct ManifestEntry {
   std::uint64_t bytes = 0;
-  std::string hash;  ///< "xxh64:" and 16 hexadecimal digits
+  std::string hash;  ///< "xxh64:" and 16 hexadecimal digits; of a symbolic link, which is never
+                     ///< followed, "link:" and those of the path that it holds
 };
 
 /// plumbline.json of a result folder:
@@ -26,7 +27,7 @@ struct Manifest {
   std::map<std::string, ManifestEntry> files;  ///< by path within the folder, with '/'
 };
 
-/// The manifest of all files that lie in `folder` now.
+/// The manifest of all files and links that lie in `folder` now.
 Manifest manifestOf(const std::filesystem::path& folder, const std::string& version,
                     const std::string& kind);
 
@@ -49,8 +50,9 @@ std::optional<ForeignEntry> firstForeign(const std::filesystem::path& folder,
 void moveUnlisted(const std::filesystem::path& folder, const Manifest& manifest,
                   const std::filesystem::path& to);
 
-/// Removes the files that the manifest lists, and the folders that are empty then. Whatever else
-/// lies there stays, with the folder that holds it and the manifest, which tells whose it is.
+/// Removes the files and links that the manifest lists, and the folders that are empty then.
+/// Whatever else lies there stays, with the folder that holds it and the manifest, which tells
+/// whose it is.
 void removeListed(const std::filesystem::path& folder, const Manifest& manifest);
 
 }  // namespace plumbline

@@ -103,6 +103,29 @@ TEST_F(Output, AnEarlierResultIsReplacedOnlyIfThatIsAllowed) {
   EXPECT_EQ(files().size(), 4U);
 }
 
+TEST_F(Output, LinksAreListedAndRemovedAsLinks) {
+  folder_.write("elsewhere/file", "mine");
+  folder_.write("result/file", "text");
+  const fs::path result = folder_.path("result");
+  fs::create_symlink("../elsewhere/file", result / "to_file");
+  fs::create_directory_symlink("../elsewhere", result / "to_folder");
+  fs::create_symlink("nowhere", result / "to_nothing");
+  const Manifest manifest = manifestOf(result, "1.2", "step");
+  ASSERT_EQ(manifest.files.size(), 4U);
+  EXPECT_EQ(manifest.files.at("to_nothing").hash, "link:" + contentHash("nowhere"));
+  EXPECT_FALSE(firstForeign(result, manifest));
+  // A link of another path, or the file that it leads to in its place, is a change.
+  fs::remove(result / "to_file");
+  fs::create_symlink("../elsewhere/fil", result / "to_file");
+  EXPECT_TRUE(firstForeign(result, manifest).value().changed);
+  fs::remove(result / "to_file");
+  folder_.write("result/to_file", "mine");
+  EXPECT_TRUE(firstForeign(result, manifest).value().changed);
+  removeListed(result, manifest);
+  EXPECT_FALSE(fs::exists(result));
+  EXPECT_EQ(text("elsewhere/file"), "mine");
+}
+
 TEST_F(Output, WhatAManifestDoesNotListMovesToPlacesThatAreFree) {
   make(request("out"));
   const auto manifest = readManifest(folder_.path("out"));
