@@ -20,6 +20,7 @@
 #include "datasets/files/workplace.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/terminal.h"
+#include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 
 namespace plumbline {
@@ -35,6 +36,7 @@ std::atomic<bool> ending{false};
   while (sigwait(&awaited, &signal) != 0) {
   }
   ending = true;
+  killChildren();  // else they would write on into what is being removed
   abandonWorkplaces();
   const char* clear = isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "";
   writeError(fmt::format("{}plumbline: stopped by signal {}; unfinished output was removed\n",

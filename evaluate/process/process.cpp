@@ -6,6 +6,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <mutex>
+#include <set>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -23,6 +25,18 @@ namespace {
 
 // Where the system gives no descriptor of a process, it is asked for this often.
 constexpr int kPollMs = 5;
+
+/// Those that were started and not yet reaped: by the mutex none of their ids is another process's.
+struct Children {
+  std::mutex mutex;
+  std::set<pid_t> ids;
+};
+
+/// Never destroyed: killChildren() leaves its mutex locked.
+Children& children() {
+  static auto* const all = new Children;
+  return *all;
+}
 
 double nowS() {
   using namespace std::chrono;
@@ -98,6 +112,7 @@ ChildProcess::ChildProcess(const ProcessRequest& request)
   std::vector<std::string> words = request.words, environment = environmentOf(request);
   const std::vector<char*> argv = pointersTo(words), envp = pointersTo(environment);
   const pid_t parent = getpid();
+  const std::lock_guard guard(children().mutex);
   pid_ = fork();
   if (pid_ == 0) become(argv.data(), envp.data(), log, parent, request);
   const int error = errno;
@@ -107,6 +122,7 @@ ChildProcess::ChildProcess(const ProcessRequest& request)
         request.words[0], 0,
         {InputFault::kOther, std::string("cannot be started (") + std::strerror(error) + ")"});
   }
+  children().ids.insert(pid_);
   setpgid(pid_, pid_);  // here too: whoever kills the group next finds it
   // Linux 5.3 and later; -1 before: then waitFor() polls.
   descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
@@ -114,33 +130,40 @@ ChildProcess::ChildProcess(const ProcessRequest& request)
 
 ChildProcess::~ChildProcess() {
   if (pid_ > 0) {
+    const std::lock_guard guard(children().mutex);
     killGroup();
     waitpid(pid_, nullptr, 0);
+    children().ids.erase(pid_);
   }
   if (descriptor_ >= 0) close(descriptor_);
 }
 
 void ChildProcess::killGroup() const { kill(-pid_, SIGKILL); }
 
+std::optional<ProcessEnd> ChildProcess::ended() {
+  int status = 0;
+  // wait4() gives the child's own figures, with those of the descendants that it waited for.
+  struct rusage used {};
+  const std::lock_guard guard(children().mutex);
+  if (wait4(pid_, &status, WNOHANG, &used) != pid_) return std::nullopt;
+  killGroup();  // what it left running
+  children().ids.erase(pid_);
+  pid_ = -1;
+  ProcessEnd end;
+  if (WIFEXITED(status)) end.exit_code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
+  end.beyond_time = beyond_time_;
+  end.seconds = nowS() - started_s_;
+  end.cpu_s = secondsOf(used.ru_utime) + secondsOf(used.ru_stime);
+  // ru_maxrss is in kilobytes on Linux.
+  end.peak_mb = static_cast<double>(used.ru_maxrss) / 1024;
+  return end;
+}
+
 std::optional<ProcessEnd> ChildProcess::waitFor(double seconds) {
   const double until = nowS() + seconds;
   for (;;) {
-    int status = 0;
-    // wait4() gives the child's own figures, with those of the descendants that it waited for.
-    struct rusage used {};
-    if (wait4(pid_, &status, WNOHANG, &used) == pid_) {
-      killGroup();  // what it left running
-      pid_ = -1;
-      ProcessEnd end;
-      if (WIFEXITED(status)) end.exit_code = WEXITSTATUS(status);
-      if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
-      end.beyond_time = beyond_time_;
-      end.seconds = nowS() - started_s_;
-      end.cpu_s = secondsOf(used.ru_utime) + secondsOf(used.ru_stime);
-      // ru_maxrss is in kilobytes on Linux.
-      end.peak_mb = static_cast<double>(used.ru_maxrss) / 1024;
-      return end;
-    }
+    if (const auto end = ended()) return end;
     const double now = nowS();
     // Killed here, it ends on a later turn, by the signal; beyond_time_ says why.
     if (limit_s_ > 0 && now - started_s_ > limit_s_ && !beyond_time_) {
@@ -176,6 +199,12 @@ ProcessEnd runProcess(const ProcessRequest& request) {
   for (;;) {
     if (const auto end = child.waitFor(3600)) return *end;
   }
+}
+
+void killChildren() {
+  children().mutex.lock();  // and never unlocked: see the header
+  for (const pid_t id : children().ids) kill(-id, SIGKILL);
+  for (const pid_t id : children().ids) waitpid(id, nullptr, 0);
 }
 
 std::string toString(const ProcessEnd& end) {

@@ -38,9 +38,9 @@ struct ProcessEnd {
 std::string toString(const ProcessEnd& end);
 
 /// A child in a process group of its own, that ends with this process, however that ends; what it
-/// has started itself ends with it where this process kills or reaps it, not where a signal ends
-/// this process. Its signal mask is empty, it does not ignore SIGPIPE and SIGXFSZ as this process
-/// may, and it leaves no core file.
+/// has started itself ends with it where this process kills or reaps it (killChildren()), not where
+/// SIGKILL ends this process. Its signal mask is empty, it does not ignore SIGPIPE and SIGXFSZ as
+/// this process may, and it leaves no core file.
 class ChildProcess {
  public:
   /// Throws InputError where it cannot be started.
@@ -57,6 +57,7 @@ class ChildProcess {
 
  private:
   void killGroup() const;
+  std::optional<ProcessEnd> ended();
 
   pid_t pid_ = -1;
   int descriptor_ = -1;  // of the process, to wait on
@@ -67,6 +68,11 @@ class ChildProcess {
 
 /// Runs it to its end.
 ProcessEnd runProcess(const ProcessRequest& request);
+
+/// Kills every child of this process with its group, and lets none be started or waited for any
+/// more: calls that would wait for ever. For the thread that ends the process on a signal, before
+/// it removes what they write (abandonWorkplaces()).
+void killChildren();
 
 /// This program's file, for commands that others run.
 std::string thisProgram();

@@ -10,6 +10,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
@@ -102,6 +103,27 @@ TEST_F(Process, BeyondItsTimeItIsKilledWithAllItStarted) {
     ASSERT_LT(i, 199) << "process " << left << " is still there";
     usleep(10000);
   }
+}
+
+// As a signal ends this process: nothing writes on while it removes what was being made.
+TEST_F(Process, OnASignalChildrenEndWithAllThatTheyStarted) {
+  const std::filesystem::path started = scratch_ / "started", late = scratch_ / "late";
+  const pid_t ending = fork();
+  if (ending == 0) {
+    ProcessRequest request;
+    request.words = {
+        "sh", "-c",
+        "(sleep 1; echo > " + late.string() + ") & echo > " + started.string() + "; wait"};
+    request.log = log_;
+    const ChildProcess child(request);
+    while (!std::filesystem::exists(started)) usleep(10'000);
+    killChildren();
+    _exit(0);
+  }
+  waitpid(ending, nullptr, 0);
+  ASSERT_TRUE(std::filesystem::exists(started));
+  usleep(1'500'000);
+  EXPECT_FALSE(std::filesystem::exists(late));
 }
 
 TEST_F(Process, BeyondItsMemoryAnAllocationFails) {

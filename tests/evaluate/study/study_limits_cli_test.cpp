@@ -33,6 +33,34 @@ TEST_F(StudyLimits, AStepBeyondItsTimeEndsWithAllThatItStarted) {
       << "left running";
 }
 
+// By hand, or by a scheduler: its process alone gets the signal, while what it runs writes on.
+TEST_F(StudyLimits, AStepThatIsEndedBySigtermLeavesNothing) {
+  const fs::path writes = scratch_ / "writes";
+  const fs::path data =
+      dataWith("(while :; do mkdir -p {out}/a; echo > {out}/a/$(date +%N); touch " +
+               writes.string() + "; done) | cat");
+  const std::string commands = study(data, doneNight(), "--engine commands").text;
+  const std::size_t at = commands.find(" sessions/p1_free/estimate");
+  ASSERT_NE(at, std::string::npos) << commands;
+  const std::string step = commands.substr(at + 1, commands.find_first_of(" \n", at + 1) - at - 1);
+  const fs::path folder = (scratch_ / "night" / step).parent_path();
+  const auto partial = [&] {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (entry.path().string().find(".partial-") != std::string::npos) return entry.path();
+    }
+    return fs::path();
+  };
+  const pid_t pid = start("study run-step " + (scratch_ / "night").string() + " " + step);
+  for (int i = 0; i < 2000 && !fs::exists(writes); ++i) usleep(10'000);
+  EXPECT_NE(partial(), fs::path());
+  kill(pid, SIGTERM);
+  int status = 0;
+  waitpid(pid, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 128 + SIGTERM);
+  usleep(200'000);
+  EXPECT_EQ(partial(), fs::path());
+}
+
 // By the message, which opens with the file: by its final name, as this program has it, or not.
 TEST_F(StudyLimits, AStepThatCannotWriteItsResultIsLostAndIsTriedAgain) {
   const fs::path data = dataWith(
