@@ -6,8 +6,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <map>
 #include <mutex>
-#include <set>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -29,7 +29,7 @@ constexpr int kPollMs = 5;
 /// Those that were started and not yet reaped: by the mutex none of their ids is another process's.
 struct Children {
   std::mutex mutex;
-  std::set<pid_t> ids;
+  std::map<pid_t, int> ids;  // and the signal that ends each with this process
 };
 
 /// Never destroyed: killChildren() leaves its mutex locked.
@@ -51,6 +51,12 @@ double secondsOf(const timeval& t) {
 void limitTo(int resource, rlim_t value) {
   const rlimit limit{value, value};
   (void)setrlimit(static_cast<__rlimit_resource>(resource), &limit);
+}
+
+/// This program ends in order, with what it runs itself (killChildren()); others leave that
+/// running.
+int lastSignalOf(const ProcessRequest& request) {
+  return request.words[0] == kRunningProgram ? SIGTERM : SIGKILL;
 }
 
 /// The caller's variables but those that the request sets.
@@ -75,8 +81,9 @@ std::vector<char*> pointersTo(std::vector<std::string>& texts) {
 // Between fork and exec, where only what is safe in a signal handler may be called.
 [[noreturn]] void become(char* const* words, char* const* environment, int log, pid_t parent,
                          const ProcessRequest& request) {
+  signal(SIGTERM, SIG_DFL);
   // By Linux the parent is the thread that forked: it has to live as long as the child shall.
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  prctl(PR_SET_PDEATHSIG, lastSignalOf(request));
   if (getppid() != parent) _exit(126);  // it died before the line above
   setpgid(0, 0);
   sigset_t none;
@@ -122,7 +129,7 @@ ChildProcess::ChildProcess(const ProcessRequest& request)
         request.words[0], 0,
         {InputFault::kOther, std::string("cannot be started (") + std::strerror(error) + ")"});
   }
-  children().ids.insert(pid_);
+  children().ids[pid_] = lastSignalOf(request);
   setpgid(pid_, pid_);  // here too: whoever kills the group next finds it
   // Linux 5.3 and later; -1 before: then waitFor() polls.
   descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
@@ -203,8 +210,8 @@ ProcessEnd runProcess(const ProcessRequest& request) {
 
 void killChildren() {
   children().mutex.lock();  // and never unlocked: see the header
-  for (const pid_t id : children().ids) kill(-id, SIGKILL);
-  for (const pid_t id : children().ids) waitpid(id, nullptr, 0);
+  for (const auto& [id, signal] : children().ids) kill(-id, signal);
+  for (const auto& [id, signal] : children().ids) waitpid(id, nullptr, 0);
 }
 
 std::string toString(const ProcessEnd& end) {

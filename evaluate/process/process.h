@@ -38,9 +38,10 @@ struct ProcessEnd {
 std::string toString(const ProcessEnd& end);
 
 /// A child in a process group of its own, that ends with this process, however that ends; what it
-/// has started itself ends with it where this process kills or reaps it (killChildren()), not where
-/// SIGKILL ends this process. Its signal mask is empty, it does not ignore SIGPIPE and SIGXFSZ as
-/// this process may, and it leaves no core file.
+/// has started itself ends with it where this process kills or reaps it, or where it is this
+/// program (kRunningProgram), which then gets SIGTERM and ends in order; not where SIGKILL ends
+/// this process and it is another. Its signal mask is empty, it does not ignore SIGTERM, SIGPIPE
+/// and SIGXFSZ as this process may, and it leaves no core file.
 class ChildProcess {
  public:
   /// Throws InputError where it cannot be started.
@@ -69,7 +70,7 @@ class ChildProcess {
 /// Runs it to its end.
 ProcessEnd runProcess(const ProcessRequest& request);
 
-/// Kills every child of this process with its group, and lets none be started or waited for any
+/// Ends every child of this process with its group, and lets none be started or waited for any
 /// more: calls that would wait for ever. For the thread that ends the process on a signal, before
 /// it removes what they write (abandonWorkplaces()).
 void killChildren();

@@ -61,6 +61,25 @@ TEST_F(StudyLimits, AStepThatIsEndedBySigtermLeavesNothing) {
   EXPECT_EQ(partial(), fs::path());
 }
 
+TEST_F(StudyLimits, WhatAStepStartedEndsWithANightThatIsKilled) {
+  for (const int signal : {SIGKILL, SIGTERM}) {
+    const std::string seconds = std::to_string(signal) + std::to_string(getpid());
+    const fs::path data = dataWith("sleep " + seconds + " | cat; echo {out}");
+    const pid_t pid = start(words(data, doneNight()));
+    const auto left = [&] {
+      return std::system(("pgrep -f '^sleep " + seconds + "$' >/dev/null").c_str()) == 0;
+    };
+    for (int i = 0; i < 400 && !left(); ++i) usleep(50'000);
+    EXPECT_TRUE(left());
+    kill(pid, signal);
+    waitpid(pid, nullptr, 0);
+    for (int i = 0; i < 60 && left(); ++i) usleep(50'000);
+    EXPECT_FALSE(left()) << signal;
+    fs::remove_all(scratch_ / "data");
+    fs::remove_all(scratch_ / "night");
+  }
+}
+
 // By the message, which opens with the file: by its final name, as this program has it, or not.
 TEST_F(StudyLimits, AStepThatCannotWriteItsResultIsLostAndIsTriedAgain) {
   const fs::path data = dataWith(
