@@ -16,18 +16,16 @@ namespace {
 // the parameters count as determined: beyond rounding, below what a handful of views leave.
 constexpr double kLeastViewPivot = 1e-10;
 
-/// 0 .. count - 1 in an order that the seed decides, alike on every platform: the standard fixes
-/// what the engine draws, but not what std::shuffle makes of it. Of 64 bits the remainder is even
-/// enough.
-std::vector<int> shuffled(int count, std::uint64_t seed) {
+}  // namespace
+
+std::vector<int> randomOrder(int count, std::uint64_t seed) {
   std::vector<int> order(static_cast<std::size_t>(count));
   std::iota(order.begin(), order.end(), 0);
   std::mt19937_64 random(seed);
+  // The standard fixes what the engine draws, but not what std::shuffle() makes of it.
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
   return order;
 }
-
-}  // namespace
 
 ViewSelector::ViewSelector(double threshold_bits, const Eigen::VectorXd& typical)
     : threshold_bits_(threshold_bits),
@@ -71,7 +69,7 @@ std::vector<int> selectViews(const std::vector<Eigen::MatrixXd>& views, double t
   // A parameter that no view touches stays free whatever is chosen; any size will do for it.
   typical = (typical.array() > 0).select(typical, 1.0);
   ViewSelector selector(threshold_bits, typical);
-  for (const int i : shuffled(static_cast<int>(views.size()), seed)) {
+  for (const int i : randomOrder(static_cast<int>(views.size()), seed)) {
     if (selector.offer(views[static_cast<std::size_t>(i)])) kept.push_back(i);
   }
   std::sort(kept.begin(), kept.end());

@@ -35,6 +35,10 @@ class ViewSelector {
   std::optional<double> log_determinant_;  // of information_, scaled
 };
 
+/// 0 .. count - 1, shuffled (Fisher and Yates); the seed decides, alike on every platform. Of 64
+/// bits the remainder is even enough.
+std::vector<int> randomOrder(int count, std::uint64_t seed);
+
 /// Kalibr's selection: the views are offered once, in an order shuffled by the seed; those kept, in
 /// ascending order. `views` holds the information of every view over the same parameters.
 std::vector<int> selectViews(const std::vector<Eigen::MatrixXd>& views, double threshold_bits,

@@ -6,6 +6,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/information/view_selection.h"
 #include "evaluate/replay/counterfactuals.h"
 #include "evaluate/replay/view_orders.h"
 

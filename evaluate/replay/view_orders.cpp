@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <numeric>
 #include <queue>
-#include <random>
 #include <set>
 #include <utility>
 
@@ -100,15 +99,6 @@ class Coverage {
 };
 
 }  // namespace
-
-std::vector<int> randomOrder(int count, std::uint64_t seed) {
-  std::vector<int> order(static_cast<std::size_t>(count));
-  std::iota(order.begin(), order.end(), 0);
-  std::mt19937_64 random(seed);
-  // Not std::shuffle(), whose draws differ between libraries.
-  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
-  return order;
-}
 
 std::vector<int> greedyInformationOrder(const std::vector<Eigen::MatrixXd>& shares) {
   if (shares.empty()) return {};

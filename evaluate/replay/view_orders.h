@@ -16,9 +16,6 @@ namespace plumbline {
 
 // Orders in which the views of a pool could be used: each a permutation of 0 .. count - 1.
 
-/// Shuffled (Fisher and Yates); the seed decides, alike on every platform.
-std::vector<int> randomOrder(int count, std::uint64_t seed);
-
 /// Each next view maximises the mutual information with the parameters given those before it,
 ///   0.5 (log |Lambda + I_v| - log |Lambda|),  Lambda = Lambda_0 + sum of those before.
 /// `shares` holds what each view tells (its own pose eliminated, all at one estimate); Lambda_0 is

@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/information/view_selection.h"
 #include "datasets/session/session_folder.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/replay/counterfactuals.h"

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/information/view_selection.h"
 #include "evaluate/replay/view_orders.h"
 #include "tests/evaluate/replay/simulated_pools.h"
 

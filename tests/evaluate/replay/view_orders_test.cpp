@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/information/view_selection.h"
 #include "calibrator/simulate/random_stream.h"
 
 namespace plumbline {
