@@ -180,6 +180,19 @@ TEST(CellWeights, RaiseWhatIsRarelySeen) {
   }
 }
 
+// Residuals of 0.3 px under a loss of 0.3 px: views used count for half of what they are without,
+// what later use asks does not know the residuals.
+TEST(ErrorModel, LaterUseCountsCornersWithoutTheLoss) {
+  const SolvedViews& s = solved();
+  const auto plain = errorModel(s.views, s.estimate, 0, LaterUseKind::kSeen);
+  const auto robust = errorModel(s.views, s.estimate, 0.3, LaterUseKind::kSeen);
+  ASSERT_TRUE(plain && robust);
+  EXPECT_EQ(plain->use.H, robust->use.H);
+  EXPECT_EQ(plain->use.D, robust->use.D);
+  const double all = plain->maker.seen(s.views[3]).I.trace();
+  EXPECT_LT(robust->maker.seen(s.views[3]).I.trace(), 0.8 * all);
+}
+
 TEST(ErrorModel, NothingFromTooFewFrames) {
   const SolvedViews& s = solved();
   EXPECT_FALSE(errorModel({}, s.estimate, 0, LaterUseKind::kSeen));
