@@ -59,6 +59,13 @@ double deviation(const std::vector<double>& values, double middle) {
 struct Series {
   const StudyFigure* last = nullptr;
   std::vector<std::pair<int, double>> values;  ///< night, value
+  /// The values, but of bad nights (judgeMedian()) the median that they were compared with.
+  std::vector<double> without_jumps;
+};
+
+/// Of a study's sessions on one night, as shares of their first nights' values.
+struct Changes {
+  std::vector<double> all, without_jumps;
 };
 
 bool concerns(const StudyAcceptance& a, const StudyFigure& f) {
@@ -143,7 +150,7 @@ class Judge {
     return false;
   }
 
-  void judgeMedian(const Series& series, const Judged& how) {
+  void judgeMedian(Series& series, const Judged& how) {
     const bool failure = familyOf(how.name) == kFailedFigure;
     std::vector<double> good;
     int first_bad = 0;
@@ -165,31 +172,36 @@ class Judge {
           // alarm.
           if (first_bad == 0) first_bad = night;
           was = middle;
+          series.without_jumps.push_back(middle);
           continue;
         }
       }
       first_bad = 0;
       good.push_back(value);
+      series.without_jumps.push_back(value);
     }
     if (first_bad > 0) add(*series.last, first_bad, "median", was, series.last->value);
   }
 
   void judgeStudy(const std::string& name, const std::vector<Series>& list) {
     const Judged& how = *judgedAs(name);
-    std::map<int, std::vector<double>> changes;
+    std::map<int, Changes> changes;
     for (const Series& series : list) {
       const double reference = series.values.front().second;
       // Where a figure is near 0: a change by `least` is then one by `floor`, the least deviation.
       const double unit = std::max(std::abs(reference), how.least / t_.floor);
-      for (const auto& [night, value] : series.values) {
-        changes[night].push_back((value - reference) / unit);
+      for (std::size_t i = 0; i < series.values.size(); ++i) {
+        const auto& [night, value] = series.values[i];
+        changes[night].all.push_back((value - reference) / unit);
+        changes[night].without_jumps.push_back((series.without_jumps[i] - reference) / unit);
       }
     }
     std::vector<double> ordinary;  // the first nights of the window, as far as they had come
-    double sum = 0, last = 0;
+    double sum = 0;
     int first = 0;
     for (const auto& [night, values] : changes) {
-      last = median(values);
+      // A jump that is alarmed as one is no drift as well.
+      const double last = median(values.without_jumps);
       if (ordinary.size() < window()) ordinary.push_back(last);
       // As it was on that night: later ones, which may be those that are looked for, would change
       // what a night adds, and with it the alarms of nights that are as they were.
@@ -206,7 +218,7 @@ class Judge {
     figure.name = name;
     // Any session's: the alarm is of all of them.
     figure.command = list.front().last->command;
-    add(figure, first, "cusum", 0, last);
+    add(figure, first, "cusum", 0, median(changes.rbegin()->second.all));
   }
 
   void add(const StudyFigure& f, int first, const char* kind, double was, double is) {

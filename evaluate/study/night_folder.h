@@ -63,9 +63,9 @@ void requireNightFolder(const std::filesystem::path& folder);
 ///
 /// And a study's ("cusum"): d_n is the median over sessions of (x_n - x_r) / max(|x_r|, least /
 /// floor), r the session's first night under the same inputs, so that only sessions that both
-/// nights have are compared; S_n = max(0, S_{n-1} + d_n / s_n - slack), s_n = max(1.4826 MAD,
-/// floor) over d of the first `window` nights up to n, an alarm above `cusum`, its first night the
-/// one after S was last 0.
+/// nights have are compared, x_n the median above where the night is bad by that rule; S_n = max(0,
+/// S_{n-1} + d_n / s_n - slack), s_n = max(1.4826 MAD, floor) over d of the first `window` nights
+/// up to n, an alarm above `cusum`, its first night the one after S was last 0.
 ///
 /// A figure that was accepted on a night starts anew there.
 std::vector<StudyAlarm> judgeNight(int night, const std::vector<FigureSpan>& figures,

@@ -40,6 +40,8 @@ class History {
   std::vector<FigureSpan> spans_;
 };
 
+bool isOfStudy(const StudyAlarm& a) { return a.kind == "cusum"; }
+
 TEST(HistoryTest, EqualNightsRaiseNoAlarm) {
   History history;
   for (int night = 0; night < 20; ++night) {
@@ -331,8 +333,7 @@ TEST(HistoryTest, CusumFindsADriftThatNoNightShows) {
       EXPECT_TRUE(alarms.empty()) << "night " << night;
     }
   }
-  const auto cusum = std::find_if(alarms.begin(), alarms.end(),
-                                  [](const StudyAlarm& a) { return a.kind == "cusum"; });
+  const auto cusum = std::find_if(alarms.begin(), alarms.end(), isOfStudy);
   ASSERT_NE(cusum, alarms.end());
   EXPECT_EQ(cusum->session, "");
   EXPECT_EQ(cusum->metric, "held_out_rmse_px");
@@ -350,6 +351,37 @@ TEST(HistoryTest, ANightThatWasMendedRaisesNoAlarmAfterwards) {
                   std::to_string(night));
     }
     EXPECT_EQ(history.judge().empty(), night != 4) << "night " << night;
+  }
+}
+
+TEST(HistoryTest, AJumpInOneNightIsNoDriftAsWell) {
+  History history;
+  for (int night = 1; night <= 12; ++night) {
+    if (night > 1) history.nextNight();
+    for (int s = 0; s < 4; ++s) {
+      history.add("s" + std::to_string(s), "held_out_rmse_px/e", night <= 3 ? 0.27 : 0.281,
+                  std::to_string(night));
+      history.add("s" + std::to_string(s), "failed", night <= 3 ? 0 : 1, std::to_string(night));
+    }
+    const auto alarms = history.judge();
+    EXPECT_EQ(alarms.size(), night <= 3 ? 0u : 8u) << "night " << night;
+    EXPECT_EQ(std::count_if(alarms.begin(), alarms.end(), isOfStudy), 0) << "night " << night;
+  }
+}
+
+// So far that the nights' own medians call it worse besides.
+TEST(HistoryTest, ADriftStaysOneWhereItHasBecomeLarge) {
+  History history;
+  for (int night = 1; night <= 20; ++night) {
+    if (night > 1) history.nextNight();
+    for (int s = 0; s < 4; ++s) {
+      history.add("s" + std::to_string(s), "ate_m/x", 0.1 * (1 + 0.005 * (night - 1)),
+                  std::to_string(night));
+    }
+    const auto alarms = history.judge();
+    const auto drift = std::find_if(alarms.begin(), alarms.end(), isOfStudy);
+    EXPECT_EQ(drift != alarms.end(), night > 4) << "night " << night;
+    if (drift != alarms.end()) EXPECT_NEAR(drift->is, 0.005 * (night - 1), 1e-9);
   }
 }
 
