@@ -39,12 +39,14 @@ std::string unitText(const StudyEffect& effect) {
   return effect.unit == "1" ? "" : " " + effect.unit;
 }
 
+constexpr const char* kNoInterval = "no 95 % interval with so few participants";
+
 /// "7 to 27 %", or "7 % lower to 5 % higher" where it holds no change at all.
 std::string intervalText(const StudyEffect& e) {
   const StudyInterval& interval = e.effect;
   const bool ratio = e.ratio;
   const std::string unit = unitText(e);
-  if (!interval.low || !interval.high) return "no 95 % interval with so few participants";
+  if (!interval.low || !interval.high) return kNoInterval;
   const Change low = changeOf(*interval.low, ratio), high = changeOf(*interval.high, ratio);
   // Sizes, in the direction that the sentence has already.
   if (low.lower == high.lower) {
@@ -57,10 +59,8 @@ std::string intervalText(const StudyEffect& e) {
                      direction(high.lower, e.endpoint));
 }
 
-/// An interval that ends at no change holds it, as with ties.
-bool excludesNoChange(const StudyEffect& e) {
-  const StudyInterval& interval = e.effect;
-  const double none = e.ratio ? 1 : 0;
+/// `none`: no change. An interval that ends at it holds it, as with ties.
+bool excludes(const StudyInterval& interval, double none) {
   return interval.low && interval.high && (*interval.low > none || *interval.high < none);
 }
 
@@ -81,7 +81,7 @@ std::string effectSentence(const StudyEffect& e, const std::string& words) {
   const std::string size = fmt::format("{}{} {}", numberText(change.size, e.ratio), unitText(e),
                                        direction(change.lower, e.endpoint));
   // In one order there is no claim to be careful of: the sentence ends in that it is confounded.
-  std::string text = e.design == StudyDesign::kOneOrder || excludesNoChange(e)
+  std::string text = e.design == StudyDesign::kOneOrder || excludes(e.effect, e.ratio ? 1 : 0)
                          ? fmt::format("{} has {} {} than {}, {}", e.method, size, words,
                                        e.baseline, intervalText(e))
                          : fmt::format("{}: {} and {} were not shown to differ; {} {}, {}", words,
@@ -115,13 +115,18 @@ std::string timeSentence(const StudyTimeDifference& t, double limit_s) {
                        participantsText(t.participants));
   }
   const double mean = t.difference_s.estimate;
-  std::string text = fmt::format("{} takes {:.3g} s {} than {} on average up to {:g} s", t.method,
-                                 std::abs(mean), mean < 0 ? "less" : "more", t.baseline, limit_s);
-  if (t.difference_s.low && t.difference_s.high) {
-    text += fmt::format(", 95 % interval of the difference {:+.3g} to {:+.3g} s",
-                        *t.difference_s.low, *t.difference_s.high);
-  }
-  // Said as it was measured, significant or not: the interval and p behind it tell which.
+  const std::string size = fmt::format("{:.3g} s {}", std::abs(mean), mean < 0 ? "less" : "more");
+  // As of every endpoint (effectSentence()).
+  std::string text =
+      t.design == StudyDesign::kOneOrder || excludes(t.difference_s, 0)
+          ? fmt::format("{} takes {} than {}", t.method, size, t.baseline)
+          : fmt::format("time to finish: {} and {} were not shown to differ; {} takes {}", t.method,
+                        t.baseline, t.method, size);
+  text += fmt::format(" on average up to {:g} s, ", limit_s);
+  text += t.difference_s.low && t.difference_s.high
+              ? fmt::format("95 % interval of the difference {:+.3g} to {:+.3g} s",
+                            *t.difference_s.low, *t.difference_s.high)
+              : kNoInterval;
   if (t.p) return text + fmt::format(" ({}; {})", pText(*t.p), participantsText(t.participants));
   return text + " (all in one order: method and order are confounded)";
 }

@@ -186,6 +186,19 @@ TEST(UserStudyPage, ShowsCountsAsCountsAndDriftsAsShares) {
   EXPECT_EQ(countOf(rows.at(1), "\u2013</td>"), 2U) << "an entropy has no share";
 }
 
+TEST(UserStudyPage, AnEndOfAnIntervalIsZeroOnlyWhereItIs) {
+  StudyRecord record = test::syntheticUserStudy();
+  StudyEffect& effect = record.statistics.effects.at(0);
+  const auto shown = [&](double low, double high) {
+    effect.effect = {0.997, low, high};
+    const std::string page = renderStudyPage(record);
+    return between(page.substr(page.find(">Effects<")), "<td", "</td>").at(3);
+  };
+  EXPECT_THAT(shown(0.994, 0.99959), HasSubstr(">-0.6 % to -0.041 %<"));
+  EXPECT_THAT(shown(0.994, 1), HasSubstr(">-0.6 % to +0.0 %<"));
+  EXPECT_THAT(shown(0.9, 0.9904), HasSubstr(">-10.0 % to -1.0 %<"));
+}
+
 TEST(UserStudyPage, GivesNoReasonForGivingUp) {
   StudyRecord record = test::syntheticUserStudy();
   const auto session = std::find_if(record.sessions.begin(), record.sessions.end(),

@@ -11,9 +11,13 @@
 namespace plumbline::html_internal {
 namespace {
 
-/// Factors as changes in percent, differences in their unit.
+/// Factors as changes in percent, differences in their unit. Below a percent with two digits, so
+/// that the end of an interval that excludes no change is not shown as none.
 std::string changeText(double value, bool ratio) {
-  return ratio ? fmt::format("{:+.1f} %", 100 * (value - 1)) : fmt::format("{:+.3g}", value);
+  if (!ratio) return fmt::format("{:+.3g}", value);
+  const double percent = 100 * (value - 1);
+  const bool small = std::abs(percent) < 0.95 && std::abs(percent) > 1e-9;  // less is rounding
+  return small ? fmt::format("{:+.2g} %", percent) : fmt::format("{:+.1f} %", percent);
 }
 
 Cell changeCell(const std::optional<StudyInterval>& i, bool ratio) {

@@ -195,6 +195,35 @@ TEST(StudyStatistics, AnIntervalThatEndsAtNoChangeHoldsIt) {
   }
 }
 
+TEST(StudyStatistics, TheTimeToFinishIsHeldAgainstItsInterval) {
+  StudyTimeDifference t;
+  t.baseline = "free";
+  t.method = "guided";
+  t.design = StudyDesign::kCrossover;
+  t.participants = 9;
+  t.p = 0.04;
+  const auto sentence = [&](double low, double high) {
+    t.difference_s = {0.5 * (low + high), low, high};
+    return timeSentence(t, 120);
+  };
+  EXPECT_EQ(sentence(1, 21),
+            "guided takes 11 s more than free on average up to 120 s, 95 % interval of the "
+            "difference +1 to +21 s (p = 0.04; 9 participants)");
+  EXPECT_EQ(sentence(-7, 21),
+            "time to finish: guided and free were not shown to differ; guided takes 7 s more on "
+            "average up to 120 s, 95 % interval of the difference -7 to +21 s (p = 0.04; 9 "
+            "participants)");
+  EXPECT_THAT(sentence(-21, 0), HasSubstr("were not shown to differ"));
+  EXPECT_THAT(sentence(-21, -1), HasSubstr("guided takes 11 s less than free"));
+  t.difference_s = {21, {}, {}};
+  EXPECT_THAT(timeSentence(t, 120),
+              HasSubstr("were not shown to differ; guided takes 21 s more on average up to 120 s, "
+                        "no 95 % interval with so few participants"));
+  t.design = StudyDesign::kOneOrder;
+  t.p.reset();
+  EXPECT_THAT(timeSentence(t, 120), HasSubstr("guided takes 21 s more than free"));
+}
+
 TEST(StudyStatistics, CallDurationsAloneLonger) {
   StudyRecord record = study(12);
   for (StudySession& s : record.sessions) s.time_offset_std_s = s.method == "guided" ? 2e-4 : 1e-4;
