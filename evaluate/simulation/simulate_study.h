@@ -61,11 +61,11 @@ struct SimulatedParticipant {
   std::vector<SimulatedVisit> visits;  ///< in their order
 };
 
-/// Crossover: every other participant begins with the guide, after a shuffle. Skills are spread
-/// evenly over the participants, in random order. In the second session errors, reaction and
-/// duration are `learning` times those of the first, speeds and reach its inverse, within
-/// OperatorSkill's limits. Of four participants or more two give up, one with each method, at two
-/// fifths of the duration. Equal options give equal participants.
+/// Crossover: who begins with the guide is drawn, half of the participants (rounded
+/// down). Skills are spread evenly over the participants, in random order. In the second session
+/// errors, reaction and duration are `learning` times those of the first, speeds and reach its
+/// inverse, within OperatorSkill's limits. Of four participants or more two give up, one with each
+/// method, at two fifths of the duration. Equal options give equal participants.
 std::vector<SimulatedParticipant> simulatedParticipants(const StudySimulationOptions& options);
 
 /// The same session with the same luck, had the person made it in the other period (1 or 2).
