@@ -176,6 +176,9 @@ void addOfSamples(const Failure& f, Words& words) {
   }
 }
 
+/// Of the frames that a selection left of the recording's: nothing is known of the others.
+bool isOfSelection(const Failure& f) { return f.values.count("selected_frames") > 0; }
+
 /// What leaves a parameter of a camera free, by what is known of its views; nothing is said that
 /// does not hold of them.
 struct FreeText {
@@ -183,6 +186,7 @@ struct FreeText {
 };
 
 FreeText whyFree(const Failure& f) {
+  if (isOfSelection(f)) return {};  // textOf() names it
   // Where a rig is tilted less, or sees less of the image, that is named as the cause.
   constexpr double kTilted = 25;  // degrees
   constexpr double kReach = 0.6;  // half diagonals
@@ -334,6 +338,12 @@ FailureText textOf(const Failure& failure) {
     FailureText text{fmt::vformat(row.message, words), fmt::vformat(row.cure, words)};
     if (!failure.where.empty()) text.message = failure.where + ": " + text.message;
     text.cure += wideAngle(failure);
+    if (isOfSelection(failure)) {
+      text.message +=
+          fmt::format("; --select-views left {:.0f} of {:.0f} frames",
+                      failure.number("selected_frames"), failure.number("selected_from"));
+      text.cure = kChooseMoreViews;
+    }
     return text;
   } catch (const std::exception&) {
     // A value is missing: the bare code says more than a broken program.

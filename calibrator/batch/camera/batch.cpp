@@ -119,7 +119,8 @@ ModelSolution solveModels(const Session& session, std::vector<PackedCorners>& co
 /// it.
 struct StageSolution : TargetSolution {
   std::vector<ModelChoice> models;
-  double choice_s = 0;  ///< of them and of the board's shape
+  double choice_s = 0;               ///< of them and of the board's shape
+  std::size_t before_selection = 0;  ///< frames; 0 where none was asked for
 };
 StageSolution solveStage(const Session& session, std::vector<PackedCorners>& corners,
                          CameraProblem& problem, const CameraEstimate& start,
@@ -158,12 +159,21 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
     again();
   }
   if (options.select_views && !problem.frames.empty()) {
+    stage.before_selection = problem.frames.size();
     keepFrames(selectFrames(problem, solution.estimate, *options.select_views), problem,
                solution.estimate);
     again();
   }
   solution.iterations = iterations;
   return stage;
+}
+
+/// A failure of what a selection left is one of the selection first.
+Failure withSelection(Failure failure, std::size_t frames, std::size_t before) {
+  if (frames >= before) return failure;
+  failure.values.emplace("selected_frames", frames);
+  failure.values.emplace("selected_from", before);
+  return failure;
 }
 
 /// All that is reported, and the choices of lens models also where it fails.
@@ -188,7 +198,10 @@ CameraAttempt solveAndReport(const Session& session, std::vector<PackedCorners> 
             std::move(solved.models)};
   }
   auto result = stageResult(session, problem, solved.solution, ResidualList::kKeep);
-  if (!result) return {std::move(result), std::move(solved.models)};
+  if (!result) {
+    return {withSelection(result.failure(), problem.frames.size(), solved.before_selection),
+            std::move(solved.models)};
+  }
   result.value().target_fit = solved.fit;
   result.value().models = solved.models;
   StageSeconds& seconds = result.value().summary.seconds;

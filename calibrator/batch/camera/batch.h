@@ -65,8 +65,9 @@ struct CameraStageOptions : MeasurementModel {
   std::vector<CameraCalibration> start;
 
   CornerFilter filter = CornerFilter::kNone;
-  double filter_sigmas = 4;                          ///< of CornerFilter::kSigma
-  std::optional<ViewSelectionOptions> select_views;  ///< none: all frames are used
+  double filter_sigmas = 4;  ///< of CornerFilter::kSigma
+  /// None: all frames are used. A failure of what it left has selected_frames and selected_from.
+  std::optional<ViewSelectionOptions> select_views;
 
   TargetMode target = TargetMode::kGiven;
   /// Of TargetMode::kAuto: the board is taken as stated where the standard deviation of some term

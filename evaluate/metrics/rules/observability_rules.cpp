@@ -15,19 +15,21 @@ Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds
     if (focal.name.empty()) continue;
     findings.push_back(
         above({fmt::format("Focal length of {}", camera.name), "-", t.focal_std,
-               "Record more tilted views and views at different distances."},
+               adviceOnViews(record, "Record more tilted views and views at different distances.")},
               focal.value,
               fmt::format("{} of {} is {:.3f} %", kindOf(focal), focal.name, 100 * focal.value)));
   }
   // All cameras' together: the worst one is named.
   const LargestStd translation = largestStd(estimates, {"tx", "ty", "tz"}, "T_C0C", false);
   if (translation.name.empty()) return findings;
-  findings.push_back(
-      above({"Translation between cameras", "m", t.extrinsics_std_m,
-             "Record more views that both cameras see at the same time, also at short distance."},
-            translation.value,
-            fmt::format("{} of {} is {:.2f} mm", kindOf(translation), translation.name,
-                        1e3 * translation.value)));
+  findings.push_back(above(
+      {"Translation between cameras", "m", t.extrinsics_std_m,
+       adviceOnViews(
+           record,
+           "Record more views that both cameras see at the same time, also at short distance.")},
+      translation.value,
+      fmt::format("{} of {} is {:.2f} mm", kindOf(translation), translation.name,
+                  1e3 * translation.value)));
   return findings;
 }
 

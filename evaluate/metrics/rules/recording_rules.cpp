@@ -73,18 +73,6 @@ Finding bentBoard(const CameraStageResult& stage, Rule rule, double rms_mm) {
                  found);
 }
 
-/// To a camera of which so many views were used.
-std::string adviceOnViews(const CalibrationRecord& record, std::size_t camera,
-                          std::ptrdiff_t used) {
-  const bool has_more =
-      camera < record.counts.size() && record.counts[camera].views_with_corners > used;
-  if (record.assumptions.views_selected && has_more) {
-    return "The recording has more: choose more of them, with a smaller value of --select-views, "
-           "or use all, without it.";
-  }
-  return "Record more views, differing in distance, tilt and position.";
-}
-
 }  // namespace
 
 Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) {
@@ -99,7 +87,9 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
     const double coverage = regions.coverage();
     findings.push_back(
         below({fmt::format("Image coverage of {}", camera.name), "-", t.coverage,
-               "Record views in which the target reaches the corners and edges of the image."},
+               adviceOnViews(
+                   record,
+                   "Record views in which the target reaches the corners and edges of the image.")},
               coverage, fmt::format("corners in {:.0f} % of the image regions", 100 * coverage)));
     std::vector<char> seen(stage.frames.size(), 0);
     for (const CornerResidual& r : stage.residuals) {
@@ -107,15 +97,17 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
     }
     const auto views = std::count(seen.begin(), seen.end(), 1);
     findings.push_back(below(
-        {fmt::format("Views of {}", camera.name), "1", t.views, adviceOnViews(record, i, views)},
+        {fmt::format("Views of {}", camera.name), "1", t.views,
+         adviceOnViews(record, "Record more views, differing in distance, tilt and position.")},
         static_cast<double>(views), fmt::format("{} views used", views)));
   }
   // The 90 % quantile: a tenth of the views has to be tilted, not a single one.
   const double tilt = kDegrees * quantile(viewTilts(stage.T_FC0), 0.9);
   findings.push_back(
       below({"Tilt of the views", "deg", t.tilt_deg,
-             "Tilt the rig (or the target) by 30 to 45 degrees: frontal views do not separate "
-             "focal length from distance."},
+             adviceOnViews(record,
+                           "Tilt the rig (or the target) by 30 to 45 degrees: frontal views do not "
+                           "separate focal length from distance.")},
             tilt, fmt::format("90 % of the views are tilted by up to {:.0f} degrees", tilt)));
   return findings;
 }

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/metrics/failure_text.h"
 
 namespace plumbline {
 namespace {
@@ -97,5 +98,13 @@ std::string kindOf(const LargestStd& largest) {
 }
 
 double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
+
+std::string adviceOnViews(const CalibrationRecord& record, const char* advice) {
+  int views = 0;
+  for (const CameraCounts& counts : record.counts) views += counts.views_with_corners;
+  const int used = record.camera->summary.views_used;
+  if (!record.assumptions.views_selected || used >= views) return advice;
+  return fmt::format("--select-views left {} of {} views: {}.", used, views, kChooseMoreViews);
+}
 
 }  // namespace plumbline

@@ -55,6 +55,10 @@ std::string kindOf(const LargestStd& largest);
 /// part / whole; 0 of nothing.
 double share(double part, double whole);
 
+/// `advice` to record other views; where --select-views left some of the recording's out, to choose
+/// more of them first.
+std::string adviceOnViews(const CalibrationRecord& record, const char* advice);
+
 /// kCameraImuNotConverged of a stage that did not; with the fault that explains its residuals best,
 /// where one is significant.
 Failure notConverged(const CameraImuStageResult& stage);

@@ -73,6 +73,24 @@ TEST(CameraFailures, AStartMustHoldEveryCamera) {
   EXPECT_THAT(inputErrorOf(s.session, options), HasSubstr("calibrations of 1 cameras"));
 }
 
+// The recording has others, of which the failure is not one.
+TEST(CameraFailures, OfASelectionSayHowManyFramesItLeft) {
+  const Session session = recording().session;
+  CameraStageOptions options;
+  options.select_views = ViewSelectionOptions();
+  options.select_views->threshold_bits = 1000;
+  const auto few = calibrateCameras(session, options);
+  ASSERT_FALSE(few.ok());
+  EXPECT_GE(few.failure().number("selected_frames"), 1) << few.failure();
+  EXPECT_LT(few.failure().number("selected_frames"), 5) << few.failure();
+  EXPECT_EQ(few.failure().number("selected_from"), 40) << few.failure();
+  options.select_views->threshold_bits = 0;
+  const Session still = recording(MotionKind::kFrontoParallel).session;
+  const auto all = calibrateCameras(still, options);
+  ASSERT_FALSE(all.ok());
+  EXPECT_EQ(all.failure().values.count("selected_frames"), 0u) << all.failure();
+}
+
 TEST(CameraFailures, TwoViewsAreTooFewAndTheNumbersAreTold) {
   Session session = recording().session;
   for (CameraStream& camera : session.cameras) camera.views.resize(2);

@@ -108,6 +108,20 @@ TEST(FailureText, BlamesViewsOnlyForWhatTheyLack) {
       HasSubstr("the cause is not known"));
 }
 
+TEST(FailureText, BlamesTheSelectionForWhatItLeft) {
+  const Failure few{FailureCode::kFocalLengthFree,
+                    {{"camera", "cam0"},
+                     {"direction", std::vector<std::string>{"cam0.fu"}},
+                     {"tilt_deg", 4.0},
+                     {"reach", 0.9},
+                     {"selected_frames", 2},
+                     {"selected_from", 503}}};
+  EXPECT_EQ(problemOf(few),
+            "not observable: the focal length of cam0 is not determined (free direction along "
+            "cam0.fu); --select-views left 2 of 503 frames; choose more of them, with a smaller "
+            "value of --select-views, or use all, without it");
+}
+
 TEST(FailureText, ListsWhatTheMotionLeavesLoose) {
   const Failure loose{FailureCode::kLooseDirections,
                       {{"translation_axis", Eigen::Vector3d(0.6, 0.8, 0)},

@@ -47,9 +47,9 @@ TEST(Verdict, FewFrontalViewsAreBad) {
 // Views that a selection left out need not be recorded anew.
 TEST(Verdict, OfSelectedViewsTheSelectionIsNamed) {
   CalibrationRecord record = cameraRecord(0.3, 0.0, 5);
-  const auto advice = [&record] {
+  const auto advice = [&record](const std::string& rule = "Views of cam0") {
     for (const Finding& finding : judge(record).findings) {
-      if (finding.rule == "Views of cam0") return finding.advice;
+      if (finding.rule == rule) return finding.advice;
     }
     return std::string();
   };
@@ -57,7 +57,12 @@ TEST(Verdict, OfSelectedViewsTheSelectionIsNamed) {
   EXPECT_EQ(advice().find("--select-views"), std::string::npos) << "there are no others";
   record.counts.resize(1);
   record.counts[0].views_with_corners = 1416;
-  EXPECT_NE(advice().find("--select-views"), std::string::npos) << advice();
+  record.camera->summary.views_used = 5;
+  for (const char* rule : {"Views of cam0", "Tilt of the views"}) {
+    EXPECT_EQ(advice(rule),
+              "--select-views left 5 of 1416 views: choose more of them, with a smaller value of "
+              "--select-views, or use all, without it.");
+  }
   record.assumptions.views_selected = false;
   EXPECT_EQ(advice().find("Record more views"), 0U) << advice();
 }
