@@ -65,16 +65,6 @@ class Places {
   int threads_;
 };
 
-/// For step.json: the command as a person may type it, with OUT for the folder.
-std::string commandText(const Step& step, const fs::path& night) {
-  const Places by_hand(night, "OUT", 0);
-  std::string text = step.kind == StepKind::kEstimate ? "" : "plumbline";
-  for (const std::string& word : step.words) {
-    text += (text.empty() ? "" : " ") + shellWords({by_hand.in(word)});
-  }
-  return text;
-}
-
 // What the command said last, or of its failure.
 std::string lastMessage(const fs::path& log) {
   const std::string mark = "plumbline: ";
@@ -310,6 +300,15 @@ void runCommand(const fs::path& night, const Step& step, int threads, const Step
 }
 
 }  // namespace
+
+std::string commandText(const Step& step, const fs::path& night) {
+  const Places by_hand(night, "OUT", 0);
+  std::string text = step.kind == StepKind::kEstimate ? "" : "plumbline";
+  for (const std::string& word : step.words) {
+    text += (text.empty() ? "" : " ") + shellWords({by_hand.in(word)});
+  }
+  return text;
+}
 
 std::string runningProgramHash() { return contentHash(MappedFile(kRunningProgram).text()); }
 

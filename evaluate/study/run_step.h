@@ -29,6 +29,10 @@ inline constexpr const char* kPlanFile = "plan.jsonl";
 /// plan is of another build, or the result cannot be written.
 StepResult runStep(const std::filesystem::path& night, const std::string& name, int threads);
 
+/// The step's command as a person may type it, with OUT for the folder, while the results that it
+/// needs lie in `night`.
+std::string commandText(const Step& step, const std::filesystem::path& night);
+
 /// Records that a step's process was lost before it could say anything itself.
 StepResult recordLost(const std::filesystem::path& night, const Step& step,
                       const std::string& message);

@@ -249,7 +249,7 @@ void StudyStore::addNight(const StudyNight& night, const std::vector<StudyFigure
   SQLite::Statement find(db,
                          "SELECT session, name, unit, inputs_key, version, value, command, id FROM "
                          "figures WHERE session = ? AND name = ? AND last_night = ?");
-  SQLite::Statement prolong(db, "UPDATE figures SET last_night = ? WHERE id = ?");
+  SQLite::Statement prolong(db, "UPDATE figures SET last_night = ?, command = ? WHERE id = ?");
   SQLite::Statement insert(
       db,
       "INSERT INTO figures (session, name, unit, inputs_key, version, value, command, first_night, "
@@ -260,9 +260,10 @@ void StudyStore::addNight(const StudyNight& night, const std::vector<StudyFigure
     find.bind(2, f.name);
     // What did not hold on the night before begins anew, even if it is what it once was.
     find.bind(3, night.night - 1);
-    // The command is no part of the comparison: the row keeps the one that it began with.
+    // The command is no part of the comparison: the row has that of its last night.
     if (find.executeStep() && figureAt(find) == f) {
-      runWith(prolong, night.night, static_cast<std::int64_t>(find.getColumn(7).getInt64()));
+      runWith(prolong, night.night, f.command,
+              static_cast<std::int64_t>(find.getColumn(7).getInt64()));
     } else {
       runWith(insert, f.session, f.name, f.unit, f.inputs_key, f.version, f.value, f.command,
               night.night, night.night);

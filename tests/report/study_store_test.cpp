@@ -61,6 +61,16 @@ TEST_F(StudyStoreTest, KeepsNightsAndProlongsFiguresThatStay) {
   EXPECT_EQ(spans[2].figure.version, "2");
 }
 
+TEST_F(StudyStoreTest, AFigureThatStaysHasTheCommandOfItsLastNight) {
+  StudyStore store(file());
+  StudyFigure moved = figure(0.1);
+  moved.command = "plumbline evaluate elsewhere";
+  store.addNight(night(1), {figure(0.1)});
+  store.addNight(night(2), {moved});
+  ASSERT_EQ(store.figures().size(), 1u);
+  EXPECT_EQ(store.figures()[0].figure.command, moved.command);
+}
+
 TEST_F(StudyStoreTest, AFigureThatPausesBeginsAnew) {
   StudyStore store(file());
   store.addNight(night(1), {figure(0.1)});

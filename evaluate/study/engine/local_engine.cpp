@@ -243,6 +243,8 @@ StepResults settledResults(const fs::path& night, const std::vector<Step>& steps
     try {
       // A result without its rows is of no use to the summaries.
       if (result->status == StepStatus::kDone) (void)readStepPart(night / step.name);
+      // The folder may have been moved since.
+      result->command = commandText(step, night);
       results[step.name] = std::move(*result);
     } catch (const InputError&) {  // damaged: done again
     }

@@ -26,7 +26,8 @@ using NightSink = std::function<void(const NightProgress&)>;
 /// The results that settle steps of a plan, by name.
 using StepResults = std::map<std::string, StepResult>;
 
-/// What is in the night's folder for these steps: only results that settle them.
+/// What is in the night's folder for these steps: only results that settle them,
+/// with the commands as they are now (commandText()).
 StepResults settledResults(const std::filesystem::path& night, const std::vector<Step>& steps);
 
 /// Seconds that each step may take, by name: what it took before, under whatever key; else the
