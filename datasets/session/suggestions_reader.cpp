@@ -13,9 +13,10 @@ namespace plumbline {
 namespace {
 
 constexpr const char* kSuggestionsLayout =
-    "t_ns, stage, id, T_FC0 (tx ty tz qx qy qz qw, or a 4x4 matrix)";
+    "t_ns, stage, id, T_FC0 (tx ty tz qx qy qz qw, or a 4x4 matrix), camera (may be left out)";
 // Of a quaternion's length, and of R R^T in its norm: numbers with four decimals pass.
 constexpr double kUnitTolerance = 1e-3;
+constexpr int kMostCameras = 1000;
 
 GuideStage stageFrom(TextTable& table) {
   const std::string word(table.word("stage"));
@@ -51,9 +52,20 @@ Transform fromRows(const TextTable& table, const std::vector<double>& n) {
   return Transform::fromMatrix(T);
 }
 
-Transform poseFrom(TextTable& table) {
-  std::vector<double> numbers;
-  while (table.moreCells()) numbers.push_back(table.number("T_FC0"));
+/// The camera's number stands after the pose, which has 7, 12 or 16 numbers; -1 without one.
+int takeCamera(const TextTable& table, std::vector<double>& numbers) {
+  const std::size_t n = numbers.size();
+  if (n != 8 && n != 13 && n != 17) return -1;
+  const double camera = numbers.back();
+  if (camera < 0 || camera > kMostCameras || camera != std::floor(camera)) {
+    throw table.fault({InputFault::kBadNumber, fmt::format("the camera is {:g}", camera),
+                       "0, 1, ...: for whose image the view was made"});
+  }
+  numbers.pop_back();
+  return static_cast<int>(camera);
+}
+
+Transform poseFrom(const TextTable& table, const std::vector<double>& numbers) {
   switch (numbers.size()) {
     case 7:
       return fromQuaternion(table, numbers);
@@ -62,7 +74,8 @@ Transform poseFrom(TextTable& table) {
       return fromRows(table, numbers);
     default:
       throw table.fault({InputFault::kBadNumber,
-                         fmt::format("T_FC0 has {} numbers", numbers.size()), "7, 12 or 16"});
+                         fmt::format("T_FC0 has {} numbers", numbers.size()),
+                         "7, 12 or 16, and the camera's after them"});
   }
 }
 
@@ -90,7 +103,10 @@ std::vector<Suggestion> readSuggestions(const std::string& path) {
                          "one row per suggestion", "delete one of the rows"});
     }
     s.candidate = fmt::format("{}", s.id);
-    s.T_FC0 = poseFrom(table);
+    std::vector<double> numbers;
+    while (table.moreCells()) numbers.push_back(table.number("T_FC0"));
+    s.camera = takeCamera(table, numbers);
+    s.T_FC0 = poseFrom(table, numbers);
     suggestions.push_back(std::move(s));
   }
   return suggestions;

@@ -17,8 +17,10 @@ std::vector<SuggestionOutcome> suggestionOutcomes(const ReplayRun& run,
                                                   const std::vector<CameraCalibration>& cameras);
 
 /// How the operator of a guided recording followed the suggestions that were shown to him: each is
-/// open from its time until the next one, and reached by the guide's own rule of its stage; one
-/// that is not when the frames end has no event. Those shown before the first frame or after the
+/// open from its time until the next one, and reached by the guide's own rule of its stage, in the
+/// camera that it was made for; one that is not has expired after the guide's limit, or was
+/// withdrawn for the next one before; the last has no event where the frames end before that.
+/// Those shown before the first frame or after the
 /// last are left out. Distances of poses need the poses of the frames: those of `full`.
 OperatorCompliance operatorCompliance(const ReplayRun& run,
                                       const std::vector<Suggestion>& suggestions,

@@ -81,16 +81,27 @@ ReachRule ruleOf(const ReplayRun& run, GuideStage stage) {
   return {run.guide.trajectories.reached_px, run.guide.trajectories.reached_s, kNever};
 }
 
-/// suggestions.csv does not say for whose image a view was made: the one that shows most of it.
-std::size_t bestCamera(const std::vector<std::vector<Corner>>& overlay) {
+double expiryOf(const ReplayRun& run, GuideStage stage) {
+  return stage == GuideStage::kCamera ? run.guide.views.expires_s
+                                      : run.guide.trajectories.expires_s;
+}
+
+/// For whose image it was made. A trajectory's start is held against camera 0. A view of a
+/// suggestions.csv that does not say it, or of a camera that is not there: that which shows most.
+std::size_t cameraOf(const Suggestion& suggestion,
+                     const std::vector<std::vector<Corner>>& overlay) {
+  if (suggestion.stage == GuideStage::kCameraImu) return 0;
+  const auto stated = static_cast<std::size_t>(suggestion.camera);
+  if (suggestion.camera >= 0 && stated < overlay.size()) return stated;
   const auto most =
       std::max_element(overlay.begin(), overlay.end(),
                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
   return static_cast<std::size_t>(most - overlay.begin());
 }
 
-/// Plays the frames from a suggestion's time on, those before `end`: expired there, or open where
-/// the frames are over before.
+/// Plays the frames from a suggestion's time on, those before `end`, where the next one was shown:
+/// one that is not reached has expired if it was shown for longer than the guide's limit; else the
+/// next took its place, or it was open when the frames were over.
 SuggestionOutcome follow(const ReplayRun& run, const Suggestion& suggestion, TimeNs end,
                          std::vector<std::vector<Corner>> corners,
                          const std::map<TimeNs, Transform>& poses) {
@@ -98,9 +109,13 @@ SuggestionOutcome follow(const ReplayRun& run, const Suggestion& suggestion, Tim
   outcome.suggestion = suggestion;
   outcome.overlay = std::move(corners);
   const TimeNs last = run.frames.back().t;
-  if (end <= last) outcome.end = SuggestionEvent::kExpired;
   outcome.ended = std::min(end, last);
-  const std::size_t camera = bestCamera(outcome.overlay);
+  if (secondsBetween(suggestion.t, outcome.ended) > expiryOf(run, suggestion.stage)) {
+    outcome.end = SuggestionEvent::kExpired;
+  } else if (end <= last) {
+    outcome.end = SuggestionEvent::kWithdrawn;
+  }
+  const std::size_t camera = cameraOf(suggestion, outcome.overlay);
   outcome.suggestion.camera = static_cast<int>(camera);
   OpenSuggestion open(suggestion, outcome.overlay[camera], ruleOf(run, suggestion.stage));
   DistanceTrack track;

@@ -95,9 +95,11 @@ std::string replaySummary(const ReplayRecord& record) {
     if (c.suggestions.empty()) {
       add(text, "operator: no suggestion was shown");
     } else {
-      add(text, "operator: reached {} of {} suggestions", c.reached, c.suggestions.size());
+      add(text, "operator: reached {} of {} suggestions", c.reached, endedSuggestions(c));
     }
     if (c.median_seconds_to_reach) add(text, ", median {:.1f} s", *c.median_seconds_to_reach);
+    const std::size_t open = c.suggestions.size() - static_cast<std::size_t>(endedSuggestions(c));
+    if (open > 0) add(text, "; {} open at the end", open);
     add(text, "\n");
   }
   add(text, "\n{}", verdictText(record.verdict));

@@ -23,13 +23,13 @@ TargetShape bentBoard(double bend_mm) {
 }
 
 std::string suggestionsCsv(const std::vector<Suggestion>& suggestions) {
-  std::string text = "#t_ns,stage,id,tx [m],ty [m],tz [m],qx,qy,qz,qw\n";
+  std::string text = "#t_ns,stage,id,tx [m],ty [m],tz [m],qx,qy,qz,qw,camera\n";
   for (const Suggestion& s : suggestions) {
     const Eigen::Quaterniond q = s.T_FC0.quaternion();
     fmt::format_to(std::back_inserter(text),
-                   "{},{},{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g}\n", s.t,
+                   "{},{},{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g},{}\n", s.t,
                    toString(s.stage), s.id, s.T_FC0.t.x(), s.T_FC0.t.y(), s.T_FC0.t.z(), q.x(),
-                   q.y(), q.z(), q.w());
+                   q.y(), q.z(), q.w(), s.camera);
   }
   return text;
 }

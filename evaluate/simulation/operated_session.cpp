@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/simulation/operated_session.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -138,6 +139,23 @@ void OperatedOptions::check() const {
   requireWithin(0, 1000, "trajectories", trajectories);
   requireWithin(0, 10, "arrival_s", arrival_s);
   requireWithin(0, 1, "camera_share", camera_share);
+}
+
+const Decision* endOf(const OperatedSession& made, int suggestion) {
+  for (const Decision& d : made.decisions) {
+    // Other decisions name the open suggestion as well.
+    const bool ends = d.event == SuggestionEvent::kReached ||
+                      d.event == SuggestionEvent::kExpired ||
+                      d.event == SuggestionEvent::kWithdrawn;
+    if (ends && d.suggestion == suggestion) return &d;
+  }
+  return nullptr;
+}
+
+int endedSuggestions(const OperatedSession& made) {
+  return static_cast<int>(
+      std::count_if(made.suggestions.begin(), made.suggestions.end(),
+                    [&](const Suggestion& s) { return endOf(made, s.id) != nullptr; }));
 }
 
 OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& options) {

@@ -54,6 +54,12 @@ OperatedSession recordFreely(const SimulatedRig& rig, const OperatedOptions& opt
 /// (unfinished, too).
 OperatedSession recordGuided(const SimulatedRig& rig, const OperatedOptions& options);
 
+/// The decision with which a suggestion ended; null: it was open when the recording ended.
+const Decision* endOf(const OperatedSession& made, int suggestion);
+
+/// How many suggestions ended before the recording did; at most the last did not.
+int endedSuggestions(const OperatedSession& made);
+
 /// A board bent across by so much (RMS), half as much the other way along, and a little stretched
 /// by its printer (0.1 mm); 0: an even board, not stretched either.
 TargetShape bentBoard(double bend_mm);

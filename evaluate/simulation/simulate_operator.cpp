@@ -66,14 +66,9 @@ Json outcomesOf(const OperatedSession& made) {
              {"shown_s", secondsBetween(begin, s.t)},
              {"reach_s", toJson(s.reach_s)},
              {"end", toString(SuggestionEvent::kNone)}};
-    for (const Decision& d : made.decisions) {
-      // Other decisions name the open suggestion as well.
-      const bool ends = d.event == SuggestionEvent::kReached ||
-                        d.event == SuggestionEvent::kExpired ||
-                        d.event == SuggestionEvent::kWithdrawn;
-      if (!ends || d.suggestion != s.id) continue;
-      one["end"] = toString(d.event);
-      one["after_s"] = secondsBetween(s.t, d.t);
+    if (const Decision* end = endOf(made, s.id)) {
+      one["end"] = toString(end->event);
+      one["after_s"] = secondsBetween(s.t, end->t);
     }
     all.push_back(std::move(one));
   }
@@ -137,7 +132,7 @@ OperatorSimulationSummary simulateOperator(const OperatorSimulationOptions& o,
   OperatorSimulationSummary summary{made.finished,
                                     made.camera_s,
                                     made.camera_imu_s,
-                                    static_cast<int>(made.suggestions.size()),
+                                    endedSuggestions(made),
                                     made.reached,
                                     std::nullopt,
                                     {}};

@@ -44,7 +44,8 @@ struct OperatorSimulationOptions {
 struct OperatorSimulationSummary {
   bool finished = true;
   double camera_s = 0, camera_imu_s = 0;
-  int suggestions = 0, reached = 0;
+  int suggestions = 0;  ///< that ended before the recording did
+  int reached = 0;      ///< of them
   std::optional<OperatedConvergence> convergence;
   OperatedStops stops;  ///< of the stages that ended by a bar in pixels
 };

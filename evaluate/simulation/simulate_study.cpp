@@ -51,7 +51,7 @@ struct Visit {
   const SimulatedVisit* visit;
   Outcome made;
   Outcome other;  ///< what it would have been in the other period
-  int suggestions = 0, reached = 0;
+  int suggestions = 0, ended = 0, reached = 0;
 };
 
 // To the milliseconds that STUDY.yaml states: the truth is of the figures that are analysed.
@@ -87,6 +87,7 @@ void makeVisit(const SimulatedRig& rig, const StudySimulationOptions& o, std::si
   // Made as well, for no factor says how long a guided session would have taken.
   v.other = outcomeOf(operated(rig, o, index, inOtherPeriod(*v.person, *v.visit, o)));
   v.suggestions = static_cast<int>(made.suggestions.size());
+  v.ended = endedSuggestions(made);
   v.reached = made.reached;
   const fs::path place = fs::path("sessions") / v.visit->name;
   makeFoldersIn(folder, place);
@@ -262,7 +263,7 @@ StudySimulationSummary summaryOf(const std::vector<Visit>& visits) {
   for (const Visit& v : visits) {
     ++summary.sessions;
     summary.gave_up += v.made.finished ? 0 : 1;
-    summary.suggestions += v.suggestions;
+    summary.suggestions += v.ended;
     summary.reached += v.reached;
     // Who gave up says nothing of how long it takes.
     if (v.made.finished) (v.visit->method == "free" ? free : guided).push_back(v.made.capture_s);

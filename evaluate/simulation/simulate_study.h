@@ -75,7 +75,8 @@ SimulatedVisit inOtherPeriod(const SimulatedParticipant& person, const Simulated
 /// What was made of a study.
 struct StudySimulationSummary {
   int sessions = 0, gave_up = 0;
-  int suggestions = 0, reached = 0;
+  int suggestions = 0;  ///< that ended before their recording did
+  int reached = 0;      ///< of them
   /// Median lengths of finished sessions; empty: nobody finished one.
   std::optional<double> free_s, guided_s;
 };

@@ -105,11 +105,11 @@ StudyTrajectory trajectoryOf(const fs::path& folder) {
   }
 }
 
-/// None without suggestions: nothing to follow is no compliance of 0.
+/// None without suggestions that ended: nothing to follow is no compliance of 0.
 std::optional<double> shareReached(const OperatorCompliance& compliance) {
-  if (compliance.suggestions.empty()) return std::nullopt;
-  return static_cast<double>(compliance.reached) /
-         static_cast<double>(compliance.suggestions.size());
+  const int ended = endedSuggestions(compliance);
+  if (ended == 0) return std::nullopt;
+  return static_cast<double>(compliance.reached) / ended;
 }
 
 // A recording of corners with suggestions.csv says how its operator followed them, without a

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <numbers>
@@ -49,7 +50,9 @@ struct SuggestionOutcome {
 template <class V>
 void fields(V& v, SuggestionOutcome& o) {
   fields(v, o.suggestion);
-  v("end", o.end, "`reached`, `expired`, `withdrawn`; `none`: open at the end");
+  v("end", o.end,
+    "`reached`, `expired`, `withdrawn` (for the next one, or as the stage ended); `none`: open at "
+    "the end");
   v("ended_ns", o.ended, "when");
   v("reached_s", o.reached_s, "s", "how long it took to reach it; `reach_s` was predicted");
   v("closest_px", o.closest_px, "px", "least mean corner distance while it was open");
@@ -71,6 +74,14 @@ void fields(V& v, OperatorCompliance& c) {
   v("suggestions", c.suggestions, "as they were shown at recording time");
   v("reached", c.reached, "1", "of them");
   v("median_seconds_to_reach", c.median_seconds_to_reach, "s", "of those reached");
+}
+
+/// What an operator can be judged by: one that was open when the frames ended was neither reached
+/// nor missed.
+inline int endedSuggestions(const OperatorCompliance& c) {
+  return static_cast<int>(
+      std::count_if(c.suggestions.begin(), c.suggestions.end(),
+                    [](const auto& s) { return s.end != SuggestionEvent::kNone; }));
 }
 
 /// Was the guide's "finish" right? Judged by the held-out error of the batch over the views kept.

@@ -223,11 +223,13 @@ Section complianceSection(const ReplayRecord& record) {
     section.remarks.emplace_back("No suggestion was shown.");
     return section;
   }
+  const std::size_t open = c.suggestions.size() - static_cast<std::size_t>(endedSuggestions(c));
   section.remarks.push_back(
-      fmt::format("{} of {} suggestions were reached{}.", c.reached, c.suggestions.size(),
+      fmt::format("{} of {} suggestions were reached{}{}.", c.reached, endedSuggestions(c),
                   c.median_seconds_to_reach
                       ? fmt::format(", after {:.1f} s in the median", *c.median_seconds_to_reach)
-                      : ""));
+                      : "",
+                  open > 0 ? fmt::format("; {} open at the end", open) : ""));
   return withTable(std::move(section), outcomeTable(record, c.suggestions));
 }
 

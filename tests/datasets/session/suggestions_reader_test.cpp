@@ -36,9 +36,21 @@ TEST_F(Suggestions, APoseIsAQuaternionOrAMatrix) {
   EXPECT_EQ(list[1].stage, GuideStage::kCameraImu);
   EXPECT_EQ(list[2].id, 1);
   for (const Suggestion& s : list) {
+    EXPECT_EQ(s.camera, -1) << "not stated";
     EXPECT_LT((s.T_FC0.t - Eigen::Vector3d(1, 2, 3)).norm(), 1e-12);
     EXPECT_LT((s.T_FC0.R * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), 1e-7);
   }
+}
+
+TEST_F(Suggestions, TheCameraStandsAfterThePose) {
+  const auto list = read(
+      "1000000000000000000,camera,0,1,2,3,0,0,0,1,1\n"
+      "1000000001000000000,camera,1,0,-1,0,1,1,0,0,2,0,0,1,3,0\n"
+      "1000000002000000000,camera,2,0,-1,0,1,1,0,0,2,0,0,1,3,0,0,0,1,2\n");
+  ASSERT_EQ(list.size(), 3u);
+  EXPECT_EQ(list[0].camera, 1);
+  EXPECT_EQ(list[1].camera, 0);
+  EXPECT_EQ(list[2].camera, 2);
 }
 
 TEST_F(Suggestions, AreFoundAtBothLevels) {
@@ -63,6 +75,8 @@ TEST_F(Suggestions, FaultsNameFileAndLine) {
            {"1000000001", InputFault::kTruncated},
            {"1000000001000000000,camera,1,1,2,3,1,0,0,1\n", InputFault::kNotRigid},
            {"1000000001000000000,camera,1,1,2,3,0,0,0\n", InputFault::kBadNumber},
+           {"1000000001000000000,camera,1,1,2,3,0,0,0,1,-1\n", InputFault::kBadNumber},
+           {"1000000001000000000,camera,1,1,2,3,0,0,0,1,0.5\n", InputFault::kBadNumber},
            {"1000000001000000000,camera,1,1,0,0,0,0,1,0,0,0,0,-1,0\n", InputFault::kNotRigid},
            {"1000000001000000000,camera,x,1,2,3,0,0,0,1\n", InputFault::kBadNumber},
            {"1000000001000000000,camera,1,1,2,nan,0,0,0,1\n", InputFault::kNotFinite}}) {

@@ -101,12 +101,16 @@ TEST(ReplaySummary, OfSuggestionsThatWereNotReachedHasNoTime) {
   ReplayRecord record;
   record.compliance.emplace();
   EXPECT_THAT(replaySummary(record), ::testing::HasSubstr("operator: no suggestion was shown\n"));
-  record.compliance->suggestions.resize(5);
-  EXPECT_THAT(replaySummary(record), ::testing::HasSubstr("reached 0 of 5 suggestions\n"));
+  record.compliance->suggestions.resize(6);
+  for (std::size_t i = 0; i < 5; ++i) {
+    record.compliance->suggestions[i].end = SuggestionEvent::kExpired;
+  }
+  EXPECT_THAT(replaySummary(record),
+              ::testing::HasSubstr("reached 0 of 5 suggestions; 1 open at the end\n"));
   record.compliance->reached = 2;
   record.compliance->median_seconds_to_reach = 3;
   EXPECT_THAT(replaySummary(record),
-              ::testing::HasSubstr("reached 2 of 5 suggestions, median 3.0 s"));
+              ::testing::HasSubstr("reached 2 of 5 suggestions, median 3.0 s; 1 open at"));
 }
 
 // Of several seeds some may get there, and an order may end before the pool does.

@@ -58,7 +58,7 @@ TEST_F(Following, AnOperatorWhoGoesThereReachesIt) {
 }
 
 // As of a recording that was cut: what was shown outside it is left out, and what it cuts off stays
-// open; only where another one was shown did a suggestion expire.
+// open; where another one was shown before its time was over, it was taken back.
 TEST_F(Following, OnlyWhatWasShownDuringTheFramesIsJudged) {
   Suggestion s;
   s.T_FC0 = recording_.cameraPose(0, at(40));
@@ -72,13 +72,39 @@ TEST_F(Following, OnlyWhatWasShownDuringTheFramesIsJudged) {
   const auto c = operatorCompliance(run(), shown, recording_.truth.cameras);
   ASSERT_EQ(c.suggestions.size(), 2U);
   EXPECT_EQ(c.suggestions[0].suggestion.id, 1);
-  EXPECT_EQ(c.suggestions[0].end, SuggestionEvent::kExpired);
+  EXPECT_EQ(c.suggestions[0].end, SuggestionEvent::kWithdrawn);
   EXPECT_EQ(c.suggestions[0].ended, at(30));
   EXPECT_EQ(c.suggestions[1].suggestion.id, 2);
   EXPECT_EQ(c.suggestions[1].end, SuggestionEvent::kNone);
   EXPECT_EQ(c.suggestions[1].ended, frames_.back().t);
   EXPECT_EQ(c.reached, 0);
   EXPECT_FALSE(c.median_seconds_to_reach.has_value());
+  EXPECT_EQ(endedSuggestions(c), 1);
+  // Longer than the guide's limit, whether another one was shown or not.
+  ReplayRun hasty = run();
+  hasty.guide.views.expires_s = 1;
+  for (const SuggestionOutcome& outcome :
+       operatorCompliance(hasty, shown, recording_.truth.cameras).suggestions) {
+    EXPECT_EQ(outcome.end, SuggestionEvent::kExpired) << outcome.suggestion.id;
+  }
+}
+
+// Both cameras show all of the board there; only the right one is where it should be.
+TEST_F(Following, ASuggestionIsJudgedInItsOwnCamera) {
+  Suggestion ahead;
+  ahead.t = at(0);
+  ahead.T_FC0 = recording_.cameraPose(0, at(40));
+  ahead.camera = 1;
+  for (GuideFrame& frame : frames_) frame.corners[0].clear();
+  const auto in_its_own = operatorCompliance(run(), {ahead}, recording_.truth.cameras);
+  EXPECT_EQ(in_its_own.reached, 1);
+  EXPECT_EQ(in_its_own.suggestions.at(0).suggestion.camera, 1);
+  ahead.camera = 0;
+  EXPECT_EQ(operatorCompliance(run(), {ahead}, recording_.truth.cameras).reached, 0);
+  // A trajectory's start is held against camera 0, whatever shows more of it.
+  ahead.camera = -1;
+  ahead.stage = GuideStage::kCameraImu;
+  EXPECT_EQ(operatorCompliance(run(), {ahead}, recording_.truth.cameras).reached, 0);
 }
 
 TEST_F(Following, TheOverlayIsWhatEachCameraWouldSee) {

@@ -30,11 +30,30 @@ TEST(OperatedSession, IsGuidedUntilTheTrajectoriesAreDone) {
   EXPECT_LT(s.camera_s + s.camera_imu_s, 115);
   ASSERT_GE(s.suggestions.size(), 2U);
   EXPECT_GE(s.reached, 2);
-  EXPECT_LE(s.reached, static_cast<int>(s.suggestions.size()));
+  EXPECT_LE(s.reached, endedSuggestions(s));
+  EXPECT_GE(endedSuggestions(s), static_cast<int>(s.suggestions.size()) - 1);
   for (std::size_t i = 1; i < s.suggestions.size(); ++i) {
     EXPECT_GT(s.suggestions[i].t, s.suggestions[i - 1].t);
   }
   EXPECT_EQ(s.suggestions.back().stage, GuideStage::kCameraImu);
+}
+
+// Neither reached nor missed; whoever counts both alike leaves it out.
+TEST(OperatedSession, WhatIsOpenAtTheEndHasNotEnded) {
+  OperatedSession s;
+  for (int id = 0; id < 2; ++id) {
+    s.suggestions.emplace_back().id = id;
+    Decision& opened = s.decisions.emplace_back();
+    opened.event = SuggestionEvent::kOpened;
+    opened.suggestion = id;
+  }
+  EXPECT_EQ(endedSuggestions(s), 0);
+  s.decisions.emplace_back().event = SuggestionEvent::kExpired;
+  s.decisions.back().suggestion = 1;
+  EXPECT_EQ(endedSuggestions(s), 1);
+  EXPECT_EQ(endOf(s, 0), nullptr);
+  ASSERT_NE(endOf(s, 1), nullptr);
+  EXPECT_EQ(endOf(s, 1)->event, SuggestionEvent::kExpired);
 }
 
 // The guide asks for the next trajectory after five seconds, when a slow person is not done yet.
