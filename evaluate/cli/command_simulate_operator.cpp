@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
+#include "datasets/session/session_folder.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/guide_trajectory_options.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/options/simulation_options.h"
 #include "evaluate/cli/terminal.h"
+#include "evaluate/results/provenance.h"
 #include "evaluate/simulation/simulate_operator.h"
 
 namespace plumbline {
@@ -48,6 +52,12 @@ constexpr SkillFigure kFigures[] = {
      "Fraction of the suggestions that are followed"},
     {"--patience-s", &OperatorSkill::patience_s, 1, "Time after which the operator gives up [s]"},
 };
+
+/// Options of the guide that `replay` has under the same names.
+constexpr const char* kGuideOptions[] = {
+    "--criterion",        "--stop-projection-px",   "--stop-reprojection-px",
+    "--trajectory-s",     "--trajectory-amplitude", "--trajectory-held-s",
+    "--first-trajectory", "--operator-speed"};
 
 struct SimulateOperatorOptions {
   OutputOptions output;
@@ -145,7 +155,24 @@ std::string stopText(const char* stage, const std::optional<StopHindsight>& stop
                      stage, stop->stopped_s, px(stop->predicted_px), px(stop->expected_px), best);
 }
 
-int simulateOperatorFolder(const SimulateOperatorOptions& o) {
+/// The replay of what was recorded, by a guide that knows what the recording's did.
+std::string replayOf(const SimulateOperatorOptions& o, const OperatorSimulationOptions& simulation,
+                     const CLI::App& app) {
+  std::vector<std::string> words{"plumbline", "replay", o.output.out};
+  if (simulation.board_bend_mm != 0 && simulation.guide_board == GuideBoard::kMeasured) {
+    const std::string shape = std::string("truth/") + kTargetShapeFile;
+    words.insert(words.end(),
+                 {"--target-shape", (std::filesystem::path(o.output.out) / shape).string()});
+  }
+  for (const char* option : kGuideOptions) {
+    if (app.count(option) == 0) continue;
+    words.insert(words.end(), {option, app.get_option(option)->results().back()});
+  }
+  words.insert(words.end(), {"--out", "replay"});
+  return shellWords(words);
+}
+
+int simulateOperatorFolder(const SimulateOperatorOptions& o, const CLI::App& app) {
   const OperatorSimulationOptions simulation = simulationOf(o);
   OutputFolder out(o.output.request("session"));
   const OperatorSimulationSummary made = simulateOperator(simulation, out.path());
@@ -155,7 +182,8 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o) {
       o.skill, o.method, simulation.seed, o.output.out, made.camera_s, made.camera_imu_s,
       made.finished ? "finished" : "not finished (gave up, or time limit reached)");
   if (simulation.method == OperatorMethod::kGuided) {
-    say("{} of {} suggestions reached\n", made.reached, made.suggestions);
+    say("{} of {} suggestions reached{}\n", made.reached, made.suggestions,
+        made.open ? "; one was open at the end" : "");
   }
   if (made.convergence) {
     const OperatedConvergence& c = *made.convergence;
@@ -168,7 +196,7 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o) {
     say("{}{}", stopText("Camera stage", made.stops.cameras),
         stopText("Camera-IMU stage", made.stops.camera_imu));
   }
-  say("Run it: plumbline replay {0} --out replay; the truth is in {0}/truth\n", o.output.out);
+  say("Run it: {}; the truth is in {}/truth\n", replayOf(o, simulation, app), o.output.out);
   return kDone;
 }
 

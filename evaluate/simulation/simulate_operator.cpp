@@ -129,13 +129,11 @@ OperatorSimulationSummary simulateOperator(const OperatorSimulationOptions& o,
   const OperatedOptions operated = operatedOptions(o);
   const bool guided = o.method == OperatorMethod::kGuided;
   const OperatedSession made = guided ? recordGuided(rig, operated) : recordFreely(rig, operated);
-  OperatorSimulationSummary summary{made.finished,
-                                    made.camera_s,
-                                    made.camera_imu_s,
-                                    endedSuggestions(made),
-                                    made.reached,
-                                    std::nullopt,
-                                    {}};
+  const auto ended = static_cast<std::size_t>(endedSuggestions(made));
+  OperatorSimulationSummary summary{made.finished,     made.camera_s,
+                                    made.camera_imu_s, static_cast<int>(ended),
+                                    made.reached,      ended < made.suggestions.size(),
+                                    std::nullopt,      {}};
   if (o.judge) summary.convergence = convergenceOf(made, operated, rig.calibration);
   // A stop is the guide's; nobody stops a free recording.
   if (o.judge && guided) {

@@ -46,6 +46,7 @@ struct OperatorSimulationSummary {
   double camera_s = 0, camera_imu_s = 0;
   int suggestions = 0;  ///< that ended before the recording did
   int reached = 0;      ///< of them
+  bool open = false;    ///< one was when the recording ended
   std::optional<OperatedConvergence> convergence;
   OperatedStops stops;  ///< of the stages that ended by a bar in pixels
 };

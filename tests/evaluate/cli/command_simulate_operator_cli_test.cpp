@@ -25,6 +25,8 @@ TEST(CommandSimulateOperator, WritesARecordingThatOurCommandsRead) {
   ASSERT_EQ(made.exit_code, 0) << made.text;
   EXPECT_THAT(made.text, HasSubstr("Simulated an operator (novice, guided, seed 4)"));
   EXPECT_THAT(made.text, HasSubstr("Cameras (0.1 px): "));
+  EXPECT_THAT(made.text, HasSubstr("Run it: plumbline replay " + one.string() + " --target-shape " +
+                                   one.string() + "/truth/target_shape.yaml --out replay;"));
   ASSERT_EQ(plumbline(options + "--judge --out " + two.string()).exit_code, 0);
   EXPECT_EQ(contents(one), contents(two)) << "same seed, same bytes";
   const auto truth = nlohmann::json::parse(read(one / "truth/truth.json"));
@@ -96,6 +98,7 @@ TEST(CommandSimulateOperator, AStageThatWasNotRecordedIsNotCalledInaccurate) {
   EXPECT_THAT(made.text, HasSubstr("0.0 s for the IMU"));
   EXPECT_THAT(made.text, HasSubstr("T_SC0 (1 mm, 0.05 deg): not recorded\n"));
   EXPECT_FALSE(fs::exists(out / "truth/target_shape.yaml"));
+  EXPECT_THAT(made.text, HasSubstr("Run it: plumbline replay " + out.string() + " --out replay;"));
   const auto truth = nlohmann::json::parse(read(out / "truth/truth.json"));
   EXPECT_EQ(truth.at("board").at("terms").at("stretch"), 0.0);
   fs::remove_all(out);
@@ -110,6 +113,8 @@ TEST(CommandSimulateOperator, PredictsTheWayToItsSuggestions) {
       plumbline("simulate operator --rig euroc --duration 10 --skill expert --seed 5" + guide +
                 "--out " + session.string());
   ASSERT_EQ(made.exit_code, 0) << made.text;
+  EXPECT_THAT(made.text, HasSubstr("target_shape.yaml --stop-projection-px 0.1 --operator-speed "
+                                   "0.35 --out replay;"));
   const auto truth = nlohmann::json::parse(read(session / "truth/truth.json"));
   ASSERT_FALSE(truth.at("suggestions").empty());
   for (const auto& s : truth.at("suggestions")) {
