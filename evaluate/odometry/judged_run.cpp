@@ -65,8 +65,7 @@ TrajectoryRun judgedWithoutTruth(TrajectoryRun run, const OdometrySequence& sequ
       "calibrations that do not fit the recording, but does not rank two that fit");
   if (run.coverage >= min_coverage) return run;
   run.status = RunStatus::kPartial;
-  run.problem = fmt::format("covers {:.1f} % of the images' time, less than {:g} %",
-                            100 * run.coverage, 100 * min_coverage);
+  run.problem = coverageText(run.coverage, min_coverage, "the images'");
   return run;
 }
 

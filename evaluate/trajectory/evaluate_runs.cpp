@@ -254,8 +254,7 @@ double spreadOf(const std::vector<Eigen::Vector3d>& points) {
 TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
   if (run.coverage >= min_coverage) return run;
   run.status = RunStatus::kPartial;
-  run.problem = fmt::format("covers {:.1f} % of the truth's time, less than {:g} %",
-                            100 * run.coverage, 100 * min_coverage);
+  run.problem = coverageText(run.coverage, min_coverage, "the truth's");
   if (run.coverage_from_first_pose >= min_coverage) {
     run.problem += fmt::format(
         "; its first pose is {:.1f} s after the truth's: --coverage-from first-pose ignores the "

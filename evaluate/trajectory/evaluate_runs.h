@@ -75,15 +75,22 @@ TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::pa
 /// where a file lies in one ("MH_01/mav0/vicon0/data.csv": "MH_01").
 TrajectoryRecord studyOfOne(TrajectoryRun run, const RunsRequest& request);
 
+/// "covers 89.96 % of the truth's time, less than 90 %": a share below `least`, with as many digits
+/// as it takes to show that.
+std::string coverageText(double share, double least, const char* of_what);
+
 /// Why nothing, or too little, was paired: both spans in seconds and what most likely differs (the
 /// unit, the epoch, the clock), or how far the nearest stamps are apart. Neither trajectory is
 /// empty.
 Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
                            const Association& association, const AssociationOptions& options);
 
-/// One sentence for each odd thing about the pairs: a clock offset, poses without a partner or in
-/// gaps, poses that were used twice. Equal stamps are the reader's remark, which knows the line.
-std::vector<std::string> remarksOn(const Association& association);
+/// One sentence for each odd thing about the pairs: stamps that differ, poses without a partner or
+/// in gaps, poses that were used twice. Equal stamps are the reader's remark, which knows the line.
+/// A clock offset is suspected where none was estimated (`clock_is_known`) and the stamps differ by
+/// more than a dense truth leaves: half its interval, that being at most half the estimate's.
+std::vector<std::string> remarksOn(const Association& association, const Trajectory& estimate,
+                                   const Trajectory& truth, bool clock_is_known);
 
 /// What is odd about the rotations of aligned poses.
 struct RotationRemark {

@@ -231,7 +231,8 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
   run = withCoverage(std::move(run), estimate, truth, options);
   run = measured(std::move(run), association.pairs, options.rpe, with_rotation);
   std::vector<std::string> remarks =
-      joined(remarksOn(association), remarksOnErrors(run, with_rotation, options.rpe.size()));
+      joined(remarksOn(association, estimate, truth, options.clock.has_value()),
+             remarksOnErrors(run, with_rotation, options.rpe.size()));
   TrajectoryEvaluation evaluation{std::move(run), std::move(remarks)};
   if (!with_rotation) return evaluation;
   const RotationRemark rotations = rotationRemark(association.pairs, *alignment, options.alignment);

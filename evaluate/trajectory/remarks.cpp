@@ -2,9 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/trajectory/quaternion_order.h"
 #include "evaluate/trajectory/evaluate_runs.h"
@@ -50,6 +54,21 @@ std::size_t usedTwice(const std::vector<PosePair>& pairs) {
   return count;
 }
 
+double intervalOf(const Trajectory& trajectory) {
+  std::vector<TimeNs> intervals;
+  for (std::size_t i = 1; i < trajectory.poses.size(); ++i) {
+    intervals.push_back(trajectory.poses[i].t - trajectory.poses[i - 1].t);
+  }
+  return intervals.empty() ? 0 : 1e-9 * static_cast<double>(middleOf(std::move(intervals)));
+}
+
+/// Of the poses of a denser truth the nearest is up to half an interval off, whatever the clocks
+/// are: it is then the distance of two grids of stamps.
+bool isLeftByGrid(double median_dt_s, const Trajectory& estimate, const Trajectory& truth) {
+  const double interval = intervalOf(truth);
+  return 2 * interval <= intervalOf(estimate) && 2 * std::abs(median_dt_s) <= interval;
+}
+
 constexpr double kNoticeableOffset = 1e-3;  // [s]
 constexpr double kManyWithout = 0.05;       // of the estimate's poses
 constexpr double kOtherBodyDeg = 15;        // after alignment, more than an estimator errs
@@ -86,15 +105,26 @@ Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
   return failure;
 }
 
-std::vector<std::string> remarksOn(const Association& association) {
+std::string coverageText(double share, double least, const char* of_what) {
+  constexpr int kMostDigits = 9;
+  int digits = 1;
+  const auto shown = [&] { return fmt::format("{:.{}f}", 100 * share, digits); };
+  while (digits < kMostDigits && std::stod(shown()) >= 100 * least) ++digits;
+  return fmt::format("covers {} % of {} time, less than {:g} %", shown(), of_what, 100 * least);
+}
+
+std::vector<std::string> remarksOn(const Association& association, const Trajectory& estimate,
+                                   const Trajectory& truth, bool clock_is_known) {
   const AssociationRecord& r = association.record;
   std::vector<std::string> remarks;
   // Signed, so that scatter of the stamps cancels and a clock's offset stays.
   if (std::abs(r.median_dt_s) > kNoticeableOffset) {
-    remarks.push_back(
-        fmt::format("the paired stamps differ by {:+.3f} ms in the median (estimate - truth): "
-                    "perhaps a clock offset; compare with --association interpolate",
-                    1e3 * r.median_dt_s));
+    const bool of_grid = clock_is_known || isLeftByGrid(r.median_dt_s, estimate, truth);
+    remarks.push_back(fmt::format(
+        "the paired stamps differ by {:+.3f} ms in the median (estimate - truth): {}; "
+        "compare with --association interpolate",
+        1e3 * r.median_dt_s,
+        of_grid ? "the truth has no poses at the estimate's stamps" : "perhaps a clock offset"));
   }
   if (r.stamps_in_gaps > 0) {
     remarks.push_back(fmt::format("{} estimated poses lie in gaps of the truth and are not used",

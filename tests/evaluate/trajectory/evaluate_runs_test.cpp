@@ -180,5 +180,14 @@ TEST_F(EvaluateRuns, ThreadsDoNotMatterAndTheFilesSayAll) {
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 13);
 }
 
+TEST(CoverageText, HasTheDigitsThatMakeItTrue) {
+  EXPECT_EQ(coverageText(0.749, 0.9, "the truth's"),
+            "covers 74.9 % of the truth's time, less than 90 %");
+  EXPECT_EQ(coverageText(0.89959, 0.9, "the images'"),
+            "covers 89.96 % of the images' time, less than 90 %");
+  EXPECT_EQ(coverageText(0.899996, 0.9, "the truth's"),
+            "covers 89.9996 % of the truth's time, less than 90 %");
+}
+
 }  // namespace
 }  // namespace plumbline
