@@ -119,11 +119,20 @@ void addConsistency(const BuiltinRun& run, OdometryRunRecord& r) {
   r.frame_max_ms = 1e3 * *std::max_element(run.frame_s.begin(), run.frame_s.end());
 }
 
-/// What the odometry would choose for the time offset, and for T_SC0; that it gives none is said.
-void addHint(const OdometryPlan& plan, const OdometryRequest& request, OdometryRunRecord& r,
+/// What the odometry would choose for the time offset, and for T_SC0; that it gives none is said,
+/// before the additional runs where the evaluated one, of these innovations, is too short for them.
+void addHint(const OdometryPlan& plan, const OdometryRequest& request,
+             const std::vector<FrameInnovation>& innovations, OdometryRunRecord& r,
              std::vector<std::string>& remarks) {
   const Calibration calibration = withNoise(plan);
   r.offset_calibrated_s = calibration.imu->timeOffset();
+  if (const int blocks = hintBlocks(innovations); blocks < kFewestHintBlocks) {
+    remarks.push_back(fmt::format(
+        "--estimate gives nothing: the flight is too short: the odometry ran for {} blocks of 1 s, "
+        "and {} are needed",
+        blocks, kFewestHintBlocks));
+    return;
+  }
   const auto run = [&](const Eigen::VectorXd& change) {
     return runBuiltin(*plan.sequence, changed(calibration, change), request.builtin)
         .result.innovations;
@@ -132,9 +141,10 @@ void addHint(const OdometryPlan& plan, const OdometryRequest& request, OdometryR
   const bool alone = request.sequences.size() * request.calibrations.size() == 1;
   const auto hint = calibrationHint(request.hint, run, alone ? request.threads : 1);
   if (!hint) {
-    remarks.emplace_back(
-        "--estimate gives nothing: the innovations have no minimum within 20 ms, 150 mm and 2.5 "
-        "deg of the calibration, or the flight is too short (8 blocks of 1 s are needed)");
+    remarks.push_back(fmt::format(
+        "--estimate gives nothing: the innovations have no minimum within 20 ms{} of the "
+        "calibration",
+        request.hint == HintKind::kExtrinsics ? ", 150 mm and 2.5 deg" : ""));
     return;
   }
   r.offset_hint_s = *r.offset_calibrated_s + hint->change[0];
@@ -244,7 +254,9 @@ OdometryOutcome runBuiltinPlan(const OdometryPlan& plan, const OdometryRequest& 
   r.losses = run.result.losses.size();
   r.mean_landmarks = run.result.mean_landmarks;
   addConsistency(run, r);
-  if (request.hint != HintKind::kNone) addHint(plan, request, r, outcome.remarks);
+  if (request.hint != HintKind::kNone) {
+    addHint(plan, request, run.result.innovations, r, outcome.remarks);
+  }
   if (run.skipped > 0) {
     outcome.remarks.push_back(
         fmt::format("{} images are missing or damaged and were skipped", run.skipped));

@@ -24,7 +24,6 @@ constexpr double kRise = 0.02;
 constexpr double kMostFactor = 3;       // by which one round may change a step
 constexpr double kFittingFactor = 2.5;  // up to which a step is as long as it should be
 constexpr double kBlock_s = 1;
-constexpr std::size_t kFewestBlocks = 8;
 
 /// t_d [s], translation [m], rotation [rad].
 VectorXd stepsOf(HintKind kind) {
@@ -184,6 +183,10 @@ Calibration changed(Calibration calibration, const VectorXd& change) {
   return calibration;
 }
 
+int hintBlocks(const std::vector<FrameInnovation>& innovations) {
+  return static_cast<int>(blocksOf({innovations}).size());
+}
+
 std::optional<CalibrationHint> calibrationHint(HintKind kind, const InnovationsAt& run,
                                                int threads) {
   assert(kind != HintKind::kNone);
@@ -193,7 +196,7 @@ std::optional<CalibrationHint> calibrationHint(HintKind kind, const InnovationsA
   VectorXd centre = VectorXd::Zero(n);
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<Block> blocks = blocksOf(runsAround(centre, steps, run, threads));
-    if (blocks.size() < kFewestBlocks) return std::nullopt;
+    if (blocks.size() < kFewestHintBlocks) return std::nullopt;
     const Block sum = sumOf(blocks);
     const auto q = quadraticOf(n, sum);
     if (!q) return std::nullopt;

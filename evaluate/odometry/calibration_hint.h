@@ -33,6 +33,10 @@ Calibration changed(Calibration calibration, const Eigen::VectorXd& change);
 /// Innovations of a run whose calibration is changed by so much; called from several threads.
 using InnovationsAt = std::function<std::vector<FrameInnovation>(const Eigen::VectorXd& change)>;
 
+/// Blocks of a second in which a run predicted frames, and how many a hint needs.
+int hintBlocks(const std::vector<FrameInnovation>& innovations);
+inline constexpr int kFewestHintBlocks = 8;
+
 /// The change under which the IMU predicts the tracks best: the minimum of a quadratic
 ///   J(x) = J(0) + g'x + x'Hx/2,  g_i = (J(h_i) - J(-h_i)) / 2,  H_ii = J(h_i) + J(-h_i) - 2 J(0),
 ///   H_ij = J(h_i + h_j) - J(h_i) - J(h_j) + J(0)

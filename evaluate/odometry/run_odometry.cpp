@@ -169,6 +169,32 @@ void checkBuiltinOnly(const OdometryRequest& request,
                    "calibration.json, or a second calibration");
 }
 
+/// The hint of a run with --estimate, or that there is none; the remark says why.
+std::string hintText(const TrajectoryRun& run) {
+  const OdometryRunRecord& o = *run.odometry;
+  const auto within = [](const std::optional<double>& deviation) {
+    return deviation ? fmt::format(" +- {:.3f}", 1e3 * *deviation) : "";
+  };
+  if (!o.offset_hint_s && !o.T_SC0_hint) {
+    const auto why =
+        std::find_if(run.remarks.begin(), run.remarks.end(),
+                     [](const std::string& remark) { return remark.starts_with("--estimate"); });
+    return fmt::format("hint of {}: none{}\n", partName(run),
+                       why == run.remarks.end() ? "" : "; " + *why);
+  }
+  std::string text = fmt::format("hint of {}:", partName(run));
+  if (o.offset_hint_s) {
+    text += fmt::format(" t_d {:.3f}{} ms (calibrated: {:.3f})", 1e3 * *o.offset_hint_s,
+                        within(o.offset_hint_std_s), 1e3 * *o.offset_calibrated_s);
+  }
+  if (o.T_SC0_hint) {
+    text +=
+        fmt::format("{} T_SC0 changed by {:.1f} mm and {:.3f} deg", o.offset_hint_s ? "," : "",
+                    1e3 * o.T_SC0_hint->head<3>().norm(), o.T_SC0_hint->tail<3>().norm() / kDegree);
+  }
+  return text + "\n";
+}
+
 }  // namespace
 
 Calibration withNoise(const OdometryPlan& plan) {
@@ -249,6 +275,9 @@ std::string odometrySummary(const TrajectoryRecord& record) {
     const OdometryRunRecord& o = *run.odometry;
     add(text, "{:<16} {:<20} {:>4} {:>9.1f} {:>9.1f} {:>8} {:>7}\n", run.sequence, run.calibration,
         run.run, o.seconds, o.real_time_factor, o.frames_skipped, o.losses);
+  }
+  for (const TrajectoryRun& run : record.runs) {
+    if (run.odometry && run.odometry->offset_calibrated_s) add(text, "{}", hintText(run));
   }
   for (const TrajectoryRun& run : record.runs) {
     if (!run.odometry || run.odometry->log.empty()) continue;

@@ -75,6 +75,16 @@ TEST(CalibrationHint, NothingWithoutAMinimum) {
       HintKind::kOffset, [&](const VectorXd& change) { return quadratic(change, far, unit, 1); }));
 }
 
+// A flight that is too short is known by its first run.
+TEST(CalibrationHint, BlocksAreSecondsFromTheFirstFrame) {
+  std::vector<FrameInnovation> frames;
+  EXPECT_EQ(hintBlocks(frames), 0);
+  for (int k = 0; k < 150; ++k) frames.push_back({7'300'000'000 + 50'000'000LL * k, 100, 100});
+  EXPECT_EQ(hintBlocks(frames), kFewestHintBlocks) << "7.45 s";
+  frames.resize(140);
+  EXPECT_EQ(hintBlocks(frames), kFewestHintBlocks - 1) << "6.95 s";
+}
+
 // T_SC0 moves by its tangent, and with it all cameras; every camera's offset moves alike.
 TEST(CalibrationHint, ChangesTheCalibrationByItsTangent) {
   const Calibration before = simulatedRig("euroc").calibration;
