@@ -14,11 +14,15 @@ namespace {
 constexpr double kMostSlope = 30;   // of a ray that a pinhole fits: 88 degrees
 constexpr double kRegular = 1e-12;  // of a system's diagonal, where parameters are free
 
+/// Whether steps of a fit may lead to lenses whose distortion folds back within the image: from
+/// some starts the way to the best lens, which has no fold there, leads through these.
+enum class AtFold { kStay, kPass };
+
 /// The fit as minimise() wants it. Outside the domain of the model there is no cost.
 class LensSteps {
  public:
-  LensSteps(const Intrinsics& start, const std::vector<SeenPoint>& points)
-      : points_(points), lens_(start) {
+  LensSteps(const Intrinsics& start, const std::vector<SeenPoint>& points, AtFold at_fold)
+      : points_(points), at_fold_(at_fold), lens_(start) {
     const auto cost = evaluate(lens_, H_, b_);
     cost_ = cost.value_or(std::numeric_limits<double>::infinity());
   }
@@ -61,7 +65,8 @@ class LensSteps {
     b.setZero(n);
     squares_ = 0;
     for (const SeenPoint& point : points_) {
-      const auto seen = projectWithJacobians(lens, point.p_C);
+      const auto seen = at_fold_ == AtFold::kPass ? projectBeyondFold(lens, point.p_C)
+                                                  : projectWithJacobians(lens, point.p_C);
       // A step that loses a point is refused, not rewarded with a smaller sum.
       if (!seen) return std::nullopt;
       const Eigen::Vector2d e = seen->uv - point.uv;
@@ -73,6 +78,7 @@ class LensSteps {
   }
 
   const std::vector<SeenPoint>& points_;
+  AtFold at_fold_;
   Intrinsics lens_, next_;
   Eigen::MatrixXd H_, next_H_;
   Eigen::VectorXd b_, next_b_, x_;
@@ -80,40 +86,56 @@ class LensSteps {
   double cost_ = 0;
 };
 
-/// Whether a point takes part. A pinhole's plane coordinates grow without bound towards 90 degrees:
-/// a few points there would decide the fit.
-bool canBeFitted(const Intrinsics& lens, const SeenPoint& point) {
-  if (lens.projection_model == ProjectionModel::kPinhole &&
-      !(point.p_C.head<2>().norm() < kMostSlope * point.p_C.z())) {
-    return false;
-  }
-  return project(lens, point.p_C).has_value();
+/// The points that take part in a fit from `start`, chosen once: a set that followed the lens would
+/// let the cost fall by losing points. A pinhole's plane coordinates grow without bound towards 90
+/// degrees: a few points there would decide the fit.
+std::vector<SeenPoint> fittedPoints(const Intrinsics& start, const std::vector<SeenPoint>& points) {
+  const bool pinhole = start.projection_model == ProjectionModel::kPinhole;
+  std::vector<SeenPoint> used;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(used), [&](const SeenPoint& p) {
+    return (!pinhole || isWellAhead(p.p_C)) && project(start, p.p_C).has_value();
+  });
+  return used;
 }
 
-}  // namespace
-
-std::optional<LensFit> fitLens(const Intrinsics& start, const std::vector<SeenPoint>& points) {
-  // Chosen once, by the start: a set that followed the lens would let the cost fall by losing
-  // points.
-  std::vector<SeenPoint> used;
-  std::copy_if(points.begin(), points.end(), std::back_inserter(used),
-               [&](const SeenPoint& p) { return canBeFitted(start, p); });
-  // Two equations a point.
-  if (2 * static_cast<Eigen::Index>(used.size()) < start.stacked().size()) return std::nullopt;
-  LensSteps steps(start, used);
+/// Where the steps from `start` end.
+Intrinsics leastFrom(const Intrinsics& start, const std::vector<SeenPoint>& points,
+                     AtFold at_fold) {
+  LensSteps steps(start, points, at_fold);
   MinimiserOptions options;
   options.first_damping = 1e-3;  // the start is a lens without its shape
   options.cost_tolerance = 1e-10;
   options.max_iterations =
       200;  // some models have long flat valleys, whose floor need not be found
   (void)minimise(steps, options);
-  if (!std::isfinite(steps.cost())) return std::nullopt;
-  LensFit fit{steps.lens(), 0, 0, static_cast<int>(used.size())};
-  fit.rms_px = std::sqrt(2 * steps.cost() / static_cast<double>(used.size()));
-  for (const SeenPoint& p : used) {
-    fit.most_px = std::max(fit.most_px, (*project(fit.lens, p.p_C) - p.uv).norm());
+  return steps.lens();
+}
+
+/// Empty where the lens does not show a point.
+std::optional<LensFit> fitOf(const Intrinsics& lens, const std::vector<SeenPoint>& points) {
+  LensFit fit{lens, 0, 0, static_cast<int>(points.size())};
+  double squares = 0;
+  for (const SeenPoint& p : points) {
+    const auto uv = project(lens, p.p_C);
+    if (!uv) return std::nullopt;
+    const double square = (*uv - p.uv).squaredNorm();
+    squares += square;
+    fit.most_px = std::max(fit.most_px, std::sqrt(square));
   }
+  fit.rms_px = std::sqrt(squares / static_cast<double>(points.size()));
+  if (!std::isfinite(fit.rms_px)) return std::nullopt;
   return fit;
+}
+
+}  // namespace
+
+bool isWellAhead(const Eigen::Vector3d& p_C) { return p_C.head<2>().norm() < kMostSlope * p_C.z(); }
+
+std::optional<LensFit> fitLens(const Intrinsics& start, const std::vector<SeenPoint>& points) {
+  const std::vector<SeenPoint> used = fittedPoints(start, points);
+  // Two equations a point.
+  if (2 * static_cast<Eigen::Index>(used.size()) < start.stacked().size()) return std::nullopt;
+  return fitOf(leastFrom(start, used, AtFold::kStay), used);
 }
 
 Intrinsics plainLike(const Intrinsics& lens, ProjectionModel projection,
@@ -128,14 +150,19 @@ std::optional<LensFit> convertedLens(const Intrinsics& from, ProjectionModel pro
   std::vector<SeenPoint> points;
   for (int i = 0; i < columns; ++i) {
     for (int j = 0; j < rows; ++j) {
-      // Middles of even cells of the image, which spans -0.5 to width - 0.5.
-      const Eigen::Vector2d uv((i + 0.5) * from.resolution.width / columns - 0.5,
-                               (j + 0.5) * from.resolution.height / rows - 0.5);
+      // From the first pixel to the last: at the border of the image the error is greatest.
+      const Eigen::Vector2d uv(i * (from.resolution.width - 1.0) / (columns - 1),
+                               j * (from.resolution.height - 1.0) / (rows - 1));
       const auto ray = unproject(from, uv);
       if (ray) points.push_back({*ray, uv});
     }
   }
-  return fitLens(plainLike(from, projection, distortion), points);
+  const Intrinsics plain = plainLike(from, projection, distortion);
+  const auto fit = fitLens(plain, points);
+  if (!fit) return std::nullopt;
+  const std::vector<SeenPoint> used = fittedPoints(plain, points);
+  const auto past_folds = fitOf(leastFrom(plain, used, AtFold::kPass), used);
+  return past_folds && past_folds->rms_px < fit->rms_px ? past_folds : fit;
 }
 
 }  // namespace plumbline

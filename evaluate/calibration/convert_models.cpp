@@ -12,7 +12,9 @@
 namespace plumbline {
 namespace {
 
-constexpr int kStep = 8;  // [px] at most between the pixels that are compared
+constexpr int kStep = 8;           // [px] at most between the pixels that are compared
+constexpr double kMostRms_px = 2;  // EuRoC's lenses leave 1.3 in the models with one to three
+                                   // coefficients, at their corners; useless ones ten and more
 
 std::string nameOf(const Intrinsics& k) {
   return toString(k.projection_model) + "-" + toString(k.distortion_model);
@@ -26,11 +28,13 @@ std::vector<double> placesAlong(int pixels) {
   return places;
 }
 
-/// Fills the figures of a conversion, cell by cell.
-void compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out) {
+/// Fills the figures of a conversion, cell by cell. Whether the new lens shows every pixel whose
+/// ray is well ahead.
+bool compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out) {
   const auto count = static_cast<std::size_t>(out.cells.size());
   std::vector<double> squares(count, 0), points(count, 0);
-  double sum = 0, all = 0;
+  double sum = 0, all = 0, outside = 0;
+  bool shows_ahead = true;
   const std::vector<double> rows = placesAlong(from.resolution.height);
   for (const double u : placesAlong(from.resolution.width)) {
     for (const double v : rows) {
@@ -38,8 +42,15 @@ void compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out)
       // A pixel without a ray in the old model, or whose ray the new one does not see, has no
       // error: its region says so where it has no other.
       const auto ray = unproject(from, uv);
-      const auto again = ray ? project(to, *ray) : std::nullopt;
-      if (!again) continue;
+      if (!ray) continue;
+      const bool ahead = isWellAhead(*ray);
+      const bool asked = ahead || to.projection_model != ProjectionModel::kPinhole;
+      const auto again = asked ? project(to, *ray) : std::nullopt;
+      if (!again) {
+        outside += 1;
+        shows_ahead = shows_ahead && !ahead;
+        continue;
+      }
       const double square = (*again - uv).squaredNorm();
       const auto cell = static_cast<std::size_t>(out.cells.cellOf(uv, from.resolution));
       squares[cell] += square;
@@ -51,15 +62,27 @@ void compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out)
   }
   // Over pixels, not over regions: those at the border may have few.
   out.rms_px = std::sqrt(sum / std::max(1., all));
+  out.outside = outside / std::max(1., outside + all);
   for (std::size_t i = 0; i < count; ++i) {
     out.region_px.push_back(points[i] > 0 ? std::optional(std::sqrt(squares[i] / points[i]))
                                           : std::nullopt);
   }
+  return shows_ahead;
+}
+
+[[noreturn]] void refuseConversion(const std::string& path, const CameraCalibration& camera,
+                                   const CameraModelPair& model, const std::string& why) {
+  throw InputError(path, 0,
+                   fmt::format("{} is {} and cannot be converted to {}-{}{}; choose another model, "
+                               "or calibrate with the one that the tool needs",
+                               camera.name, nameOf(camera.intrinsics), toString(model.projection),
+                               toString(model.distortion), why));
 }
 
 }  // namespace
 
-std::vector<ModelConversion> convertModels(Calibration& calibration, const CameraModelPair& model) {
+std::vector<ModelConversion> convertModels(Calibration& calibration, const CameraModelPair& model,
+                                           const std::string& path) {
   std::vector<ModelConversion> conversions;
   for (CameraCalibration& camera : calibration.cameras) {
     Intrinsics& lens = camera.intrinsics;
@@ -67,16 +90,22 @@ std::vector<ModelConversion> convertModels(Calibration& calibration, const Camer
       continue;
     }
     const auto fit = convertedLens(lens, model.projection, model.distortion);
-    if (!fit) {
-      throw InputError(fmt::format(
-          "{} is {} and cannot be converted to {}-{}; choose another model", camera.name,
-          nameOf(lens), toString(model.projection), toString(model.distortion)));
-    }
+    if (!fit) refuseConversion(path, camera, model, "");
     ModelConversion conversion;
     conversion.camera = camera.name;
     conversion.from = nameOf(lens);
     conversion.to = nameOf(fit->lens);
-    compare(lens, fit->lens, conversion);
+    if (!compare(lens, fit->lens, conversion)) {
+      refuseConversion(path, camera, model,
+                       ": the closest lens of that model does not show all of the image");
+    }
+    if (!(conversion.rms_px <= kMostRms_px)) {
+      refuseConversion(
+          path, camera, model,
+          fmt::format(": the closest lens of that model is off by {:.4g} px RMS over the image (at "
+                      "most {:.4g} px), more than {:g} px RMS",
+                      conversion.rms_px, conversion.most_px, kMostRms_px));
+    }
     conversions.push_back(std::move(conversion));
     lens = fit->lens;
     // They are of the other model's parameters.
@@ -95,6 +124,11 @@ std::string conversionText(const ModelConversion& c) {
       text += px ? fmt::format(" {:8.4f}", *px) : fmt::format(" {:>8}", "-");
     }
     text += "\n";
+  }
+  if (c.outside > 0) {
+    text += fmt::format(
+        " {:.1f} % of the image, 88 degrees and more off the axis, is outside the new model\n",
+        100 * c.outside);
   }
   return text;
 }

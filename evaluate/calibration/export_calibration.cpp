@@ -33,7 +33,9 @@ CalibrationExport exportCalibrationFile(const ExportRequest& request) {
                               request.camera_rate_hz};
   Calibration calibration = requestedCalibration(request);
   CalibrationExport out;
-  if (request.model) out.conversions = convertModels(calibration, *request.model);
+  if (request.model) {
+    out.conversions = convertModels(calibration, *request.model, request.calibration);
+  }
   // The files alone; what the conversion lost stands in `out` already.
   static_cast<ExportedFiles&>(out) = exportCalibration(calibration, request.tool, options);
   return out;

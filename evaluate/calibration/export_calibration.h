@@ -19,6 +19,9 @@ struct ModelConversion {
   std::string from, to;  ///< "pinhole-radtan"
   double rms_px = 0;
   double most_px = 0;
+  /// Share of the image that the old model has rays for and the new one does not show, all of it 88
+  /// degrees and more off the axis.
+  double outside = 0;
   ImageCells cells;
   /// RMS per cell [px]; empty where the old model has no ray, or the new one no pixel for it.
   std::vector<std::optional<double>> region_px;
@@ -26,8 +29,11 @@ struct ModelConversion {
 
 /// Gives every camera of the calibration in another model, with the least projection error over its
 /// image (convertedLens()); poses stay, standard deviations of the intrinsics go. Cameras that have
-/// the model already stay as they are. Throws InputError where a lens cannot be given in it.
-std::vector<ModelConversion> convertModels(Calibration& calibration, const CameraModelPair& model);
+/// the model already stay as they are. Throws InputError, with `path` as the file, where a lens
+/// cannot be given in it: where the closest one is off by more than 2 px RMS, or does not show a
+/// pixel less than 88 degrees off the axis.
+std::vector<ModelConversion> convertModels(Calibration& calibration, const CameraModelPair& model,
+                                           const std::string& path);
 
 /// A conversion as lines of text: the error over all, and by region from the top left.
 std::string conversionText(const ModelConversion& conversion);

@@ -53,7 +53,7 @@ void declareExport(CLI::App& app, ExportFilesOptions& o) {
                  "Frame rate of the cameras [Hz], for tools that need it (orbslam3; default: 20)");
   app.add_option("--model", o.model,
                  "Convert the cameras to another lens model by a least-squares fit of the "
-                 "projection over the image: " +
+                 "projection over the image (refused above 2 px RMS): " +
                      calibratedModelWords());
   o.json.declare(app);
 }
@@ -78,9 +78,9 @@ nlohmann::ordered_json jsonOf(const ModelConversion& c) {
   for (const auto& px : c.region_px) {
     regions.push_back(px ? nlohmann::ordered_json(*px) : nlohmann::ordered_json());
   }
-  return {{"camera", c.camera},   {"from", c.from},       {"to", c.to},
-          {"rms_px", c.rms_px},   {"most_px", c.most_px}, {"columns", c.cells.columns},
-          {"rows", c.cells.rows}, {"region_px", regions}};
+  return {{"camera", c.camera},         {"from", c.from},       {"to", c.to},
+          {"rms_px", c.rms_px},         {"most_px", c.most_px}, {"outside", c.outside},
+          {"columns", c.cells.columns}, {"rows", c.cells.rows}, {"region_px", regions}};
 }
 
 int exportFiles(const ExportFilesOptions& o) {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A lens in another model.
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "calibrator/camera/camera.h"
@@ -25,6 +28,26 @@ TEST(LensFit, RationalHoldsRadtan) {
       convertedLens(test::radtanCamera(), ProjectionModel::kPinhole, DistortionModel::kRational);
   ASSERT_TRUE(fit);
   EXPECT_LT(fit->most_px, 1e-2);
+}
+
+// Wide lenses whose way to the rational model leads through lenses that fold back: a fit that stays
+// before the fold ends at 1.9 to 26 px.
+TEST(LensFit, RationalHoldsWideLenses) {
+  const auto pinhole = ProjectionModel::kPinhole;
+  const Intrinsics tumvi = test::equidistantCamera();
+  const Intrinsics equidistant = test::cameraOf(pinhole, DistortionModel::kEquidistant,
+                                                {300, 301, 375, 241}, {-0.01, 0.02, -0.01, 0.002});
+  const Intrinsics fov =
+      test::cameraOf(pinhole, DistortionModel::kFov, {300, 302, 370, 245}, {0.9});
+  const Intrinsics omni = test::cameraOf(ProjectionModel::kOmni, DistortionModel::kRadtan,
+                                         {1.2, 700, 698, 370, 245}, {-0.2, 0.1, 1e-3, -2e-3});
+  const std::vector<std::pair<Intrinsics, double>> lenses = {
+      {tumvi, 0.25}, {equidistant, 0.04}, {fov, 0.004}, {omni, 0.25}};
+  for (const auto& [lens, most] : lenses) {
+    const auto fit = convertedLens(lens, pinhole, DistortionModel::kRational);
+    ASSERT_TRUE(fit) << toString(lens.distortion_model);
+    EXPECT_LT(fit->rms_px, most) << toString(lens.distortion_model);
+  }
 }
 
 // A double sphere of 220 degrees: a pinhole shows what lies ahead, the rest is not counted.

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/camera/camera.h"
 #include "evaluate/calibration/export_calibration.h"
+#include "tests/calibrator/camera/example_cameras.h"
 
 namespace plumbline {
 namespace {
@@ -26,7 +29,7 @@ TEST(ConvertModels, TheLargestErrorIsThatOfTheWholeImage) {
   const Calibration before = oneCamera();
   Calibration after = before;
   const auto conversions =
-      convertModels(after, {ProjectionModel::kPinhole, DistortionModel::kEquidistant});
+      convertModels(after, {ProjectionModel::kPinhole, DistortionModel::kEquidistant}, "c.yaml");
   ASSERT_EQ(conversions.size(), 1U);
   double most = 0;
   for (int u = 0; u < 752; ++u) {
@@ -39,6 +42,41 @@ TEST(ConvertModels, TheLargestErrorIsThatOfTheWholeImage) {
   }
   EXPECT_GE(conversions[0].most_px, most - 1e-9);
   EXPECT_GT(conversions[0].most_px, conversions[0].rms_px);
+  EXPECT_EQ(conversions[0].outside, 0);
+}
+
+// TUM-VI's lens: 76 degrees at the image's sides, 108 in its corners.
+Calibration fisheyeCamera() {
+  Calibration calibration;
+  calibration.cameras.emplace_back().name = "cam0";
+  calibration.cameras.front().intrinsics = test::equidistantCamera();
+  return calibration;
+}
+
+TEST(ConvertModels, APinholeLeavesOutWhatItCannotShow) {
+  Calibration fisheye = fisheyeCamera();
+  const auto conversions =
+      convertModels(fisheye, {ProjectionModel::kPinhole, DistortionModel::kRational}, "c.yaml");
+  ASSERT_EQ(conversions.size(), 1U);
+  EXPECT_LT(conversions[0].rms_px, 0.3);
+  EXPECT_LT(conversions[0].most_px, 3);
+  EXPECT_GT(conversions[0].outside, 0.01);
+  EXPECT_LT(conversions[0].outside, 0.03);
+  EXPECT_THAT(conversionText(conversions[0]), testing::HasSubstr("% of the image, 88 degrees"));
+}
+
+TEST(ConvertModels, AUselessLensIsRefusedByFileAndCamera) {
+  for (const DistortionModel model : {DistortionModel::kRadtan, DistortionModel::kNone}) {
+    Calibration fisheye = fisheyeCamera();
+    try {
+      (void)convertModels(fisheye, {ProjectionModel::kPinhole, model}, "c.yaml");
+      ADD_FAILURE() << toString(model);
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(),
+                  testing::AllOf(testing::StartsWith("c.yaml: cam0 is pinhole-equidistant"),
+                                 testing::HasSubstr("choose another model")));
+    }
+  }
 }
 
 }  // namespace
