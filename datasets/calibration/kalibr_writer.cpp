@@ -14,7 +14,7 @@ std::string matrixText(const char* key, const Transform& T) {
   return fmt::format("  {}:\n", key) + yamlRows(T.matrix(), "  ");
 }
 
-std::string cameraText(const Calibration& calibration, std::size_t i) {
+std::string cameraText(const Calibration& calibration, std::size_t i, bool offset_known) {
   const CameraCalibration& camera = calibration.cameras[i];
   const Intrinsics& k = camera.intrinsics;
   std::string text = fmt::format("cam{}:\n", i);
@@ -35,7 +35,7 @@ std::string cameraText(const Calibration& calibration, std::size_t i) {
   const std::string topic = "/" + camera.name + "/image_raw";  // Kalibr demands one
   text +=
       fmt::format("  rostopic: {}\n", yamlText(camera.rostopic.empty() ? topic : camera.rostopic));
-  if (calibration.imu) {
+  if (calibration.imu && offset_known) {
     text += fmt::format("  timeshift_cam_imu: {}\n", yamlNumber(calibration.imu->timeOffset(i)));
   }
   return text;
@@ -64,9 +64,11 @@ std::string kalibrOverlaps(std::size_t camera, std::size_t count) {
   return "[" + text + "]";
 }
 
-std::string kalibrCamchainText(const Calibration& calibration) {
+std::string kalibrCamchainText(const Calibration& calibration, bool offset_known) {
   std::string text;
-  for (std::size_t i = 0; i < calibration.cameras.size(); ++i) text += cameraText(calibration, i);
+  for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
+    text += cameraText(calibration, i, offset_known);
+  }
   return text;
 }
 

@@ -15,9 +15,8 @@ namespace plumbline {
 
 /// camchain-imucam.yaml, or camchain.yaml where the calibration has no IMU: T_cam_imu = T_CiC0
 /// T_C0S, T_cn_cnm1 = T_CiC(i-1), timeshift_cam_imu the camera's own time
-/// offset. cam_overlaps
-/// names all other cameras.
-std::string kalibrCamchainText(const Calibration& calibration);
+/// offset, unless that is not known. cam_overlaps names all other cameras.
+std::string kalibrCamchainText(const Calibration& calibration, bool offset_known = true);
 
 /// Kalibr's imu.yaml as it writes it, below imu0:, model calibrated.
 std::string kalibrImuText(const ImuNoise& noise, const std::string& rostopic);

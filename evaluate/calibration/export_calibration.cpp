@@ -30,7 +30,7 @@ Calibration requestedCalibration(const ExportRequest& request) {
 CalibrationExport exportCalibrationFile(const ExportRequest& request) {
   const ExportOptions options{request.calibration, kVersion,
                               request.imu.has_value() || statesImuNoise(request.calibration),
-                              request.camera_rate_hz};
+                              request.camera_rate_hz, statesTimeOffset(request.calibration)};
   Calibration calibration = requestedCalibration(request);
   CalibrationExport out;
   if (request.model) {

@@ -116,19 +116,23 @@ Json calibrationJson(const Calibration& calibration, const ImuCalibration& imu,
   json["gyro_noise_std"] = thrice(imu.noise.gyro_density);
   json["accel_bias_std"] = thrice(imu.noise.accel_random_walk);
   json["gyro_bias_std"] = thrice(imu.noise.gyro_random_walk);
-  // Camera 0's, of Basalt's one offset; unlikeOffsets() says what the others need.
+  // Camera 0's, of Basalt's one offset; offsetWarnings() says what the others need.
   json["cam_time_offset_ns"] = nanosecondsOf(imu.timeOffset());
   json["vignette"] = Json::array();
   return {{"value0", json}};
 }
 
-std::vector<std::string> basaltWarnings(const Calibration& calibration) {
-  std::vector<std::string> warnings = unlikeOffsets(calibration);
-  warnings.push_back(
-      "In the Basalt sources looked at, the line that would add cam_time_offset_ns is commented "
-      "out: check yours; if it is, add " +
-      secondsText(calibration.imu->timeOffset()) +
-      " to every image stamp and set cam_time_offset_ns to 0.");
+std::vector<std::string> basaltWarnings(const Calibration& calibration,
+                                        const ExportOptions& options) {
+  std::vector<std::string> warnings =
+      offsetWarnings(calibration, options, "cam_time_offset_ns is written as 0.");
+  if (options.offset_known) {
+    warnings.push_back(
+        "In the Basalt sources looked at, the line that would add cam_time_offset_ns is commented "
+        "out: check yours; if it is, add " +
+        secondsText(calibration.imu->timeOffset()) +
+        " to every image stamp and set cam_time_offset_ns to 0.");
+  }
   for (const CameraCalibration& camera : calibration.cameras) {
     if (!isPinhole(camera.intrinsics, DistortionModel::kRadtan)) continue;
     warnings.push_back(
@@ -158,7 +162,7 @@ ExportedFiles exportBasalt(const Calibration& calibration, const ExportOptions& 
   const ExportChecks checks(calibration, options, "Basalt");
   const ImuCalibration& imu = checks.neededImu();
   ExportedFiles out;
-  out.warnings = basaltWarnings(calibration);
+  out.warnings = basaltWarnings(calibration, options);
   out.files = {{"basalt_calib.json", calibrationJson(calibration, imu, checks).dump(2) + "\n"},
                {"basalt_notes.txt", notesText(options, out.warnings)}};
   return out;

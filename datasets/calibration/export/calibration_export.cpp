@@ -101,8 +101,15 @@ ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& 
   }
   ExportedFiles out;
   const bool with_imu = calibration.imu.has_value();
-  out.files.push_back({with_imu ? "camchain-imucam.yaml" : "camchain.yaml",
-                       commentHeader(options, {kDirections}) + kalibrCamchainText(calibration)});
+  std::vector<std::string> notes{kDirections};
+  if (with_imu && !options.offset_known) {
+    // The others' shifts are no matter here: this format has one for each camera.
+    out.warnings = offsetWarnings(calibration, options, "timeshift_cam_imu is left out.");
+    notes.push_back(out.warnings.front());
+  }
+  out.files.push_back(
+      {with_imu ? "camchain-imucam.yaml" : "camchain.yaml",
+       commentHeader(options, notes) + kalibrCamchainText(calibration, options.offset_known)});
   if (!with_imu) return out;
   if (!options.noise_known) {
     out.warnings.push_back(

@@ -26,6 +26,7 @@ struct ExportOptions {
   std::string version;  ///< of Plumbline, for the line of provenance
   bool noise_known = true;               ///< false: the IMU's noise densities are not measured
   std::optional<double> camera_rate_hz;  ///< ORB-SLAM3 wants one; 20 with a warning where empty
+  bool offset_known = true;              ///< false: the source states no time offset
 
   /// Throws InputError for a value out of its range.
   void check() const;

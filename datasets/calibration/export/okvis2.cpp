@@ -111,7 +111,7 @@ ExportedFiles exportOkvis2(const Calibration& calibration, const ExportOptions& 
       "OKVIS2 uses the time offset with the opposite sign: image_delay is minus our time offset.",
       "a_max and g_max are those of the tool's EuRoC example: set them to your IMU's range, or "
       "samples beyond them count as saturated."};
-  out.warnings = unlikeOffsets(calibration);
+  out.warnings = offsetWarnings(calibration, options, "image_delay is written as 0.");
   out.warnings.insert(out.warnings.end(), notes.begin(), notes.end());
   std::string text =
       opencvHeader(options, out.warnings) + "\n# T_SC maps camera to IMU.\ncameras:\n";

@@ -18,8 +18,10 @@ const char* openVinsDistortion(const CameraCalibration& camera, const ExportChec
   checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
 }
 
-std::vector<std::string> openVinsWarnings(const Calibration& calibration) {
-  std::vector<std::string> warnings = unlikeOffsets(calibration);
+std::vector<std::string> openVinsWarnings(const Calibration& calibration,
+                                          const ExportOptions& options) {
+  std::vector<std::string> warnings = offsetWarnings(
+      calibration, options, "timeshift_cam_imu is left out, and OpenVINS starts from 0.");
   warnings.push_back(
       fmt::format("To set in estimator_config.yaml, which is not written here: max_cameras: {}, "
                   "gravity_mag: {}, relative_config_imu: \"kalibr_imu_chain.yaml\", "
@@ -32,7 +34,8 @@ std::vector<std::string> openVinsWarnings(const Calibration& calibration) {
   return warnings;
 }
 
-std::string cameraText(const Calibration& calibration, std::size_t i, const ExportChecks& checks) {
+std::string cameraText(const Calibration& calibration, std::size_t i, const ExportChecks& checks,
+                       const ExportOptions& options) {
   const CameraCalibration& camera = calibration.cameras[i];
   const Intrinsics& k = camera.intrinsics;
   const Transform T_SCi = calibration.imu->T_SC0 * camera.T_C0Ci;
@@ -45,7 +48,8 @@ std::string cameraText(const Calibration& calibration, std::size_t i, const Expo
   text +=
       fmt::format("  intrinsics: {}\n  resolution: [{}, {}]\n  rostopic: {}\n",
                   yamlList(k.projection), k.resolution.width, k.resolution.height, topicOf(camera));
-  // Camera 0's under every camera: OpenVINS has one, and unlikeOffsets() says what to do.
+  if (!options.offset_known) return text;
+  // Camera 0's under every camera: OpenVINS has one, and offsetWarnings() says what to do.
   return text + numberLine("  timeshift_cam_imu", calibration.imu->timeOffset());
 }
 
@@ -72,14 +76,14 @@ ExportedFiles exportOpenVins(const Calibration& calibration, const ExportOptions
   const ExportChecks checks(calibration, options, "OpenVINS");
   const ImuCalibration& imu = checks.neededImu();
   ExportedFiles out;
-  out.warnings = openVinsWarnings(calibration);
+  out.warnings = openVinsWarnings(calibration, options);
   std::vector<std::string> notes = out.warnings;
   notes.insert(notes.begin(),
                "T_imu_cam maps camera to IMU; t_imu = t_cam + timeshift_cam_imu, of which OpenVINS "
                "reads only cam0's.");
   std::string cameras = opencvHeader(options, notes) + "\n";
   for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
-    cameras += cameraText(calibration, i, checks);
+    cameras += cameraText(calibration, i, checks, options);
   }
   const std::string densities =
       "Continuous-time noise densities; scale, misalignment and gravity sensitivity are those of "

@@ -52,8 +52,9 @@ void check(const Calibration& calibration, const ExportChecks& checks) {
 
 std::vector<std::string> orbSlam3Warnings(const Calibration& calibration,
                                           const ExportOptions& options) {
-  std::vector<std::string> warnings = unlikeOffsets(calibration);
-  if (calibration.imu) {
+  std::vector<std::string> warnings =
+      offsetWarnings(calibration, options, "ORB-SLAM3 takes it for 0.");
+  if (calibration.imu && options.offset_known) {
     const double td = calibration.imu->timeOffset();
     warnings.push_back(fmt::format(
         "ORB-SLAM3 has no time offset between camera and IMU: add {} to every image stamp before "
@@ -137,10 +138,11 @@ std::string orbSlam3Imu(const ImuCalibration& imu) {
 ExportedFiles exportOrbSlam3(const Calibration& calibration, const ExportOptions& options) {
   const ExportChecks checks(calibration, options, "ORB-SLAM3");
   check(calibration, checks);
-  // imageText() writes a whole number, and below 0.5 Hz none is left.
-  if (options.camera_rate_hz && std::lround(*options.camera_rate_hz) < 1) {
-    checks.refuse(InputFault::kBadCameraRate, "Camera.fps must be a whole number, 1 or more",
-                  "correct the rate of the images");
+  const double rate = options.camera_rate_hz.value_or(kAssumedRate);
+  if (rate < 1 || rate != std::round(rate)) {
+    checks.refuse(InputFault::kBadCameraRate,
+                  fmt::format("Camera.fps must be a whole number, 1 or more, not {:g}", rate),
+                  "round the rate of the images as you see fit");
   }
   ExportedFiles out;
   out.warnings = orbSlam3Warnings(calibration, options);

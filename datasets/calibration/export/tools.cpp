@@ -186,9 +186,15 @@ std::string secondsText(double seconds) {
   return fmt::format("{} s ({} ns)", yamlNumber(seconds), nanosecondsOf(seconds));
 }
 
-std::vector<std::string> unlikeOffsets(const Calibration& calibration) {
+std::vector<std::string> offsetWarnings(const Calibration& calibration,
+                                        const ExportOptions& options, const std::string& instead) {
   std::vector<std::string> warnings;
   if (!calibration.imu) return warnings;
+  if (!options.offset_known) {
+    return {
+        "The time offset between camera and IMU is unknown: the calibration does not state it. " +
+        instead + " Estimate it, or let the tool do so."};
+  }
   for (std::size_t i = 1; i < calibration.cameras.size(); ++i) {
     if (!hasOwnOffset(calibration.imu->time_offsets, i)) continue;
     // t_imu = t_i + t_d,i = (t_i + shift) + t_d,0.

@@ -91,10 +91,12 @@ long long nanosecondsOf(double seconds);
 /// "0.0021 s (2100000 ns)": every digit of the seconds.
 std::string secondsText(double seconds);
 
-/// Where cameras have time offsets of their own and the tool takes one for all, camera 0's: by how
-/// much the other cameras' stamps must be moved first, t_d,i - t_d,0. Empty where there is nothing
-/// to say.
-std::vector<std::string> unlikeOffsets(const Calibration& calibration);
+/// What is to be said of time offsets; empty without IMU, and where there is nothing to say. Where
+/// the source states none: that, and what the file has in its place (`instead`, a sentence). Where
+/// cameras have time offsets of their own and the tool takes one for all, camera 0's: by how much
+/// the other cameras' stamps must be moved first, t_d,i - t_d,0.
+std::vector<std::string> offsetWarnings(const Calibration& calibration,
+                                        const ExportOptions& options, const std::string& instead);
 
 /// The camera's topic, or /NAME/image_raw where it has none that is a plain ROS name.
 std::string topicOf(const CameraCalibration& camera);

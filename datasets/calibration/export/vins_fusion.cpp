@@ -96,9 +96,10 @@ std::string cameraText(const CameraCalibration& camera, const CameraDescription&
   return text;
 }
 
-std::vector<std::string> vinsFusionWarnings(const Calibration& calibration) {
+std::vector<std::string> vinsFusionWarnings(const Calibration& calibration,
+                                            const ExportOptions& options) {
   if (!calibration.imu) return {};
-  std::vector<std::string> warnings = unlikeOffsets(calibration);
+  std::vector<std::string> warnings = offsetWarnings(calibration, options, "td is written as 0.");
   warnings.emplace_back(
       "VINS-Fusion squares acc_n, gyr_n, acc_w and gyr_w and multiplies by dt^2, with no factor of "
       "the rate, so continuous-time densities must not be copied. The values here are the density "
@@ -158,7 +159,7 @@ ExportedFiles exportVinsFusion(const Calibration& calibration, const ExportOptio
   // Two cameras do without an IMU, one does not.
   if (!calibration.imu && calibration.cameras.size() < 2) checks.neededImu();
   ExportedFiles out;
-  out.warnings = vinsFusionWarnings(calibration);
+  out.warnings = vinsFusionWarnings(calibration, options);
   std::string text = opencvHeader(options, out.warnings) + "\n" + headText(calibration) +
                      transformsText(calibration);
   text += calibration.imu ? vinsFusionImu(*calibration.imu) : "estimate_td: 0\ntd: 0.0\n";

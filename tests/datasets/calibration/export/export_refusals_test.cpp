@@ -96,9 +96,32 @@ TEST(ExportRefusals, NoiseThatIsNotKnownOrNotPositive) {
   }
 }
 
+// 0 in a file would pass for a measurement.
+TEST(ExportRefusals, AnUnknownTimeOffsetIsSaidAndLeftOutWhereItMay) {
+  ExportOptions options = exportOptions();
+  options.offset_known = false;
+  Calibration calibration = rig("euroc");
+  calibration.imu->time_offsets = {{0}};
+  for (const ExportTool tool : exportTools()) {
+    if (tool == ExportTool::kCameraInfo) continue;  // says nothing of the IMU
+    const auto files = exportCalibration(calibration, tool, options);
+    ASSERT_FALSE(files.warnings.empty()) << toString(tool);
+    EXPECT_THAT(files.warnings.front(),
+                HasSubstr("The time offset between camera and IMU is unknown"));
+    std::string text;
+    for (const ExportFile& file : files.files) text += file.text;
+    EXPECT_THAT(text, HasSubstr("The time offset between camera and IMU is unknown"))
+        << toString(tool);
+    EXPECT_THAT(text, testing::Not(HasSubstr("timeshift_cam_imu: 0"))) << toString(tool);
+    for (const std::string& warning : files.warnings) {
+      EXPECT_THAT(warning, testing::Not(HasSubstr("0 ns"))) << toString(tool);
+    }
+  }
+}
+
 TEST(ExportRefusals, RatesThatNoCameraHas) {
   ExportOptions options = exportOptions();
-  for (const double rate : {0.0, -20.0, 1e30, std::nan("")}) {
+  for (const double rate : {0.0, -20.0, 1e30, std::nan(""), 0.4, 20.5}) {
     options.camera_rate_hz = rate;
     EXPECT_EQ(refusal(rig("euroc"), ExportTool::kOrbSlam3, options), InputFault::kBadCameraRate)
         << rate;
