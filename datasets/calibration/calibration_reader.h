@@ -40,8 +40,8 @@ Calibration readYacResult(const YamlMap& file);
 /// calibration) or Basalt's (calibration.json, all below value0).
 ///
 /// Kalibr: T_cam_imu maps IMU to camera, T_cn_cnm1 the previous camera to this one; a chain is
-/// resolved to T_C0Ci. The IMU is there if cam0 has T_cam_imu; the time offset is that of camera 0,
-/// with those of all where they differ. Its noise is not in that file (see
+/// resolved to T_C0Ci. The IMU is there if a camera has T_cam_imu; the time offset is that of
+/// camera 0, with those of all where they differ. Its noise is not in that file (see
 /// datasets/calibration/kalibr/run.h for all files of a run).
 /// yac: T_cam0_cam1 and T_imu0_cam0 are our T_C0C1 and T_SC0, time_delay our time offset
 /// (imu_timestamp = camera_timestamp + time_delay); densities sigma_*_c are continuous-time ones.

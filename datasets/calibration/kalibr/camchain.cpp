@@ -140,9 +140,15 @@ TimeOffsets offsetsOf(const KalibrCamchain& chain) {
   return offsets;
 }
 
-ImuCalibration imuOf(const KalibrCamchain& chain) {
+bool hasImuPlace(const KalibrCamera& camera) { return camera.T_cam_imu.has_value(); }
+
+ImuCalibration imuOf(const KalibrCamchain& chain, const Calibration& cameras) {
   ImuCalibration imu;
-  imu.T_SC0 = chain.cameras.front().T_cam_imu->inverse();
+  const auto first = std::find_if(chain.cameras.begin(), chain.cameras.end(), hasImuPlace);
+  imu.T_SC0 = first->T_cam_imu->inverse();
+  // T_SC0 = T_SCi T_C0Ci^-1.
+  const auto i = static_cast<std::size_t>(first - chain.cameras.begin());
+  if (i > 0) imu.T_SC0 = imu.T_SC0 * cameras.cameras[i].T_C0Ci.inverse();
   imu.time_offsets = offsetsOf(chain);
   return imu;
 }
@@ -234,10 +240,15 @@ bool KalibrCamchain::statesTimeOffset() const {
                      [](const KalibrCamera& c) { return c.timeshift_cam_imu.has_value(); });
 }
 
+bool KalibrCamchain::hasImu() const {
+  return std::any_of(cameras.begin(), cameras.end(), hasImuPlace);
+}
+
 bool KalibrCamchain::statesImuPlacesTwice() const {
   // cam0 has no T_cn_cnm1.
-  return hasImu() && std::any_of(cameras.begin() + 1, cameras.end(),
-                                 [](const KalibrCamera& c) { return c.T_cam_imu && c.T_cn_cnm1; });
+  return !cameras.empty() && hasImuPlace(cameras.front()) &&
+         std::any_of(cameras.begin() + 1, cameras.end(),
+                     [](const KalibrCamera& c) { return c.T_cam_imu && c.T_cn_cnm1; });
 }
 
 Calibration calibrationOf(const KalibrCamchain& chain) {
@@ -256,7 +267,7 @@ Calibration calibrationOf(const KalibrCamchain& chain) {
     refuseFarPlace(chain, i, camera);
     calibration.cameras.push_back(std::move(camera));
   }
-  if (chain.hasImu()) calibration.imu = imuOf(chain);
+  if (chain.hasImu()) calibration.imu = imuOf(chain, calibration);
   return calibration;
 }
 

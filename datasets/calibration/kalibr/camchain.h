@@ -34,7 +34,8 @@ struct KalibrCamchain {
   std::string path;
   std::vector<KalibrCamera> cameras;
 
-  bool hasImu() const { return !cameras.empty() && cameras.front().T_cam_imu.has_value(); }
+  /// Whether any camera has T_cam_imu.
+  bool hasImu() const;
   /// Whether any camera has timeshift_cam_imu: Kalibr writes none under --no-time-calibration.
   bool statesTimeOffset() const;
   /// Whether a camera beside cam0 has T_cam_imu and T_cn_cnm1, which calibrationOf() holds against
@@ -47,6 +48,7 @@ struct KalibrCamchain {
 KalibrCamchain readKalibrCamchain(const std::string& path);
 
 /// The rig that the chain describes. T_C0Ci follows T_cn_cnm1, or T_cam_imu where that is missing;
+/// the first T_cam_imu along the chain is the IMU's place;
 /// time_offsets has each camera's shift, an own one where it differs from camera 0's
 /// (meanTimeOffset() for their mean); 0 where no camera states one (statesTimeOffset()). The IMU's
 /// noise is not in this file. Throws InputError for a rolling shutter, a camera without a place,

@@ -57,6 +57,20 @@ TEST(KalibrFiles, CamchainComesBack) {
   EXPECT_LT(boxminus(again.imu->T_SC0, rig.imu->T_SC0).norm(), 1e-14);
 }
 
+TEST(KalibrFiles, TheImuIsWhereAnotherCameraThanTheFirstSaysIt) {
+  const TemporaryFolder folder;
+  const Calibration rig = threeCameraRig();
+  std::string text = kalibrCamchainText(rig);
+  for (const char* next : {"  cam_overlaps", "  T_cn_cnm1"}) {
+    const std::size_t at = text.find("  T_cam_imu:");
+    text.erase(at, text.find(next, at) - at);
+    const Calibration again = readCalibration(folder.write("camchain-imucam.yaml", text));
+    ASSERT_TRUE(again.imu);
+    EXPECT_EQ(again.imu->timeOffset(), -1e-5);
+    EXPECT_LT(boxminus(again.imu->T_SC0, rig.imu->T_SC0).norm(), 1e-14);
+  }
+}
+
 TEST(KalibrFiles, TransformsHaveKalibrsDirections) {
   // A camera 10 cm to the right of camera 0, the IMU 5 cm behind camera 0, no rotations.
   Calibration rig = threeCameraRig();
