@@ -62,13 +62,13 @@ const FaultWords kFaultWords[] = {
      "measure a tag's black square and the gap between tags, and correct tagSize or tagSpacing"},
     {UnmodelledFault::kCameraDelay, "exposure later than camera 0's under equal stamps", 1e3, "ms",
      "trigger the cameras together, or correct the camera's stamps"},
-    {UnmodelledFault::kImuMoved, "change of T_SC0", 1e3, "mm, mrad",
+    {UnmodelledFault::kImuMoved, "change of T_SC0", 1e3, "mm",
      "mount IMU and camera rigidly and record again; or calibrate the parts before and after "
      "separately",
      kPose},
     {UnmodelledFault::kClockStep, "step of the time offset", 1e3, "ms",
      "look for a clock that was set or a driver that restarted; calibrate the parts separately"},
-    {UnmodelledFault::kCameraMoved, "change of the camera's pose in camera 0", 1e3, "mm, mrad",
+    {UnmodelledFault::kCameraMoved, "change of the camera's pose in camera 0", 1e3, "mm",
      "mount the cameras rigidly and record again; or calibrate the parts before and after "
      "separately",
      kPose},
@@ -113,10 +113,16 @@ const FaultWords& wordsOf(UnmodelledFault fault) {
 
 constexpr double kKnown = 3;  // standard deviations
 
+/// Of component k: a pose's last three are rotations.
+const char* unitOf(const FaultWords& words, Eigen::Index k) {
+  return words.names.data() == kPose && k >= 3 ? "mrad" : words.unit;
+}
+
 /// A component of an estimate, in the unit that is shown.
 struct ShownComponent {
   std::string name;  ///< empty: there is one
   double estimate = 0, std = 0;
+  const char* unit;
 };
 
 /// All components; of cameras those in pixels, as the others have units of their own.
@@ -124,7 +130,8 @@ std::vector<ShownComponent> shownOf(const FaultTest& test, const FaultWords& wor
                                     const std::vector<CameraCalibration>& cameras) {
   std::vector<ShownComponent> shown;
   const auto add = [&](const std::string& name, Eigen::Index k) {
-    shown.push_back({name, words.scale * test.estimate(k), words.scale * test.std(k)});
+    shown.push_back(
+        {name, words.scale * test.estimate(k), words.scale * test.std(k), unitOf(words, k)});
   };
   if (test.fault == UnmodelledFault::kGivenCameras) {
     Eigen::Index at = 0;
@@ -143,17 +150,20 @@ std::vector<ShownComponent> shownOf(const FaultTest& test, const FaultWords& wor
   return shown;
 }
 
-/// "x +2.00, z +0.13 % (+- 0.01, 0.02)": the components that are known to differ from zero, or the
-/// one that is nearest to it. The others would bury them.
-std::string figures(const std::vector<ShownComponent>& shown, const char* unit) {
+/// "x +2.00, z +0.13 % (+- 0.01, 0.02)", "tx +2 mm, rz -1.5 mrad (+- 0.1, 0.2)": the components
+/// that are known to differ from zero, or else the one that differs most in its deviations. The
+/// others would bury them. A unit stands behind the last of those that share it.
+std::string figures(const std::vector<ShownComponent>& shown) {
   const auto ratio = [](const ShownComponent& c) { return std::abs(c.estimate) / c.std; };
   double least = 0;
   for (const ShownComponent& c : shown) least = std::max(least, ratio(c));
   least = std::min(kKnown, least);
-  std::string values, deviations;
+  std::string values, deviations, unit;
   for (const ShownComponent& c : shown) {
     if (!(ratio(c) >= least)) continue;
     const char* comma = values.empty() ? "" : ", ";
+    if (!values.empty() && unit != c.unit) values += " " + unit;
+    unit = c.unit;
     values += fmt::format("{}{}{}{:+.3g}", comma, c.name, c.name.empty() ? "" : " ", c.estimate);
     deviations += fmt::format("{}{:.1g}", comma, c.std);
   }
@@ -175,7 +185,7 @@ std::string sentence(const FaultTest& test, const CameraImuStageResult& stage) {
   });
   // What is wrong may be distortion or extrinsics alone.
   if (test.fault == UnmodelledFault::kGivenCameras && !in_pixels) return text;
-  return fmt::format("{}: {}", text, figures(shown, words.unit));
+  return fmt::format("{}: {}", text, figures(shown));
 }
 
 /// `shift` is what modelling the fault changes: T_SC0's translation [m], its rotation in the left

@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
@@ -174,9 +175,22 @@ Findings judgeLinearFit(const CameraImuStageResult& stage, double assumed_m_s2,
   return findings;
 }
 
+// What the fault in the model would move, the largest component of T_SC0 and the time offset, in
+// the larger of formal and robust standard deviation, which the verdict judges.
+double movedInDeviations(const FaultTest& test, const FaultDiagnosis& diagnosis) {
+  double most = 0;
+  for (Eigen::Index k = 0; k < test.shift.size(); ++k) {
+    const double std = std::max(diagnosis.formal_std(k), diagnosis.robust_std(k));
+    const double moved = std::abs(test.shift(k)) / std;
+    if (isLarger(moved, most)) most = moved;
+  }
+  return most;
+}
+
 // The size by its score test, where no cause is named. Only the size is asked for here, which takes
 // less evidence than the largest of all tests does: where a rig moves gently, a size that is off by
-// 3 % stays below the bound of a cause, and moves T_SC0 by several deviations.
+// 2 or 3 % stays below the bound of a cause, and moves T_SC0 by several deviations. Caution is a
+// size that is surely off by more than the bound, or that moves the calibration so far.
 std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
                                        const VerdictThresholds& t) {
   constexpr double kSigmas = 3;
@@ -190,16 +204,25 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
   const double std = size->std(0);
   // What three deviations leave of the estimate at least, so that an uncertain one is good; NaN
   // stays NaN.
-  const double least =
-      size->significance <= kSigmas ? 0 : std::max(std::abs(off) - kSigmas * std, 0.0);
-  const Rule rule{"Size of the target by the batch", "-", t.target_scale,
-                  "Measure a tag's black square against tagSize in target.yaml. If it agrees, "
-                  "record again with brisker motion: this recording is not conclusive."};
+  const bool differs = !(size->significance <= kSigmas);
+  const double least = differs ? std::max(std::abs(off) - kSigmas * std, 0.0) : 0;
+  const double moved = movedInDeviations(*size, *stage.faults);
+  Rule rule{"Size of the target by the batch", "-", t.target_scale,
+            "Measure a tag's black square against tagSize in target.yaml. If it agrees, record "
+            "again with brisker motion: this recording is not conclusive."};
+  VerdictLevel level = std::min(VerdictLevel::kCaution, levelAbove(least, rule.bound));
+  double value = least;
+  if (level == VerdictLevel::kGood && differs && moved > kSigmas) {
+    rule.unit = "sigma";
+    rule.bound.caution = kSigmas;
+    level = VerdictLevel::kCaution;
+    value = moved;
+  }
   return finding(
-      rule, std::min(VerdictLevel::kCaution, levelAbove(least, rule.bound)), least,
+      rule, level, value,
       fmt::format("the residuals suggest {:+.2f} % (+- {:.2f}) of the stated size ({:.1f} standard "
-                  "deviations)",
-                  100 * off, 100 * std, std::max(size->significance, 0.0)));
+                  "deviations), which would move the calibration by {:.1f} of its own",
+                  100 * off, 100 * std, std::max(size->significance, 0.0), moved));
 }
 
 }  // namespace

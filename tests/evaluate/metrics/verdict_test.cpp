@@ -153,7 +153,10 @@ TEST(Verdict, AWrongSizeBelowTheBoundOfACauseIsACaution) {
     test.estimate = Eigen::VectorXd::Constant(1, off);
     test.std = Eigen::VectorXd::Constant(1, std);
     test.significance = sigma;
-    record.camera_imu->faults.emplace().tests = {test};
+    FaultDiagnosis& faults = record.camera_imu->faults.emplace();
+    faults.tests = {test};
+    faults.formal_std.setConstant(1e-3);
+    faults.robust_std.setConstant(2e-3);
     return levelOf(judge(record), "Size of the target by the batch");
   };
   EXPECT_EQ(level(-0.0305, 0.0052, 4.3), VerdictLevel::kCaution);  // stated 3 % too large
@@ -162,6 +165,18 @@ TEST(Verdict, AWrongSizeBelowTheBoundOfACauseIsACaution) {
   EXPECT_EQ(level(-0.009, 0.0005, 4.9), VerdictLevel::kGood);      // too little to matter
   EXPECT_EQ(level(0.2, std::nan(""), 4.9), VerdictLevel::kCaution);
   EXPECT_EQ(level(0.2, 0.02, std::nan("")), VerdictLevel::kCaution);
+  // Below the bound as well, where it moves T_SC0 by three of its larger deviations.
+  test.shift(2) = 5e-3;
+  EXPECT_EQ(level(-0.0177, 0.0039, 4.2), VerdictLevel::kGood);
+  test.shift(2) = 7e-3;
+  EXPECT_EQ(level(-0.0177, 0.0039, 4.2), VerdictLevel::kCaution);
+  EXPECT_EQ(level(-0.0177, 0.0039, 2.9), VerdictLevel::kGood);
+  EXPECT_EQ(findingOf(judge(record), "Size of the target by the batch").unit, "-");
+  level(-0.0177, 0.0039, 4.2);
+  const Finding moves = findingOf(judge(record), "Size of the target by the batch");
+  EXPECT_EQ(moves.unit, "sigma");
+  EXPECT_DOUBLE_EQ(moves.value, 3.5);
+  EXPECT_EQ(moves.threshold, 3);
   // Where a cause is named, that says it.
   record.camera_imu->faults->causes = {test};
   for (const Finding& finding : judge(record).findings) {
@@ -258,6 +273,29 @@ TEST(Verdict, AFaultIsSaidOfTheCameraByItsName) {
   faults.tests = faults.causes = {test};
   EXPECT_THAT(findingOf(judge(record), "Unmodelled fault").evidence,
               ::testing::HasSubstr("under equal stamps of cam2: +2 ms"));
+}
+
+TEST(Verdict, APosesChangeIsToldInTheUnitOfEachComponent) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  CameraImuStageResult& stage = record.camera_imu.emplace();
+  stage.frames.push_back({0, {0}});
+  FaultTest test;
+  test.fault = UnmodelledFault::kImuMoved;
+  test.estimate = Eigen::VectorXd::Zero(6);
+  test.std = Eigen::VectorXd::Constant(6, 1e-4);
+  FaultDiagnosis& faults = stage.faults.emplace();
+  faults.formal_std.setConstant(3e-4);
+  const auto evidence = [&] {
+    faults.tests = faults.causes = {test};
+    return findingOf(judge(record), "Unmodelled fault").evidence;
+  };
+  test.estimate(4) = 3.5e-3;
+  EXPECT_THAT(evidence(), ::testing::StartsWith("change of T_SC0: ry +3.5 mrad (+- 0.1);"));
+  test.estimate(0) = 2e-3;
+  test.estimate(1) = -1e-3;
+  EXPECT_THAT(
+      evidence(),
+      ::testing::StartsWith("change of T_SC0: tx +2, ty -1 mm, ry +3.5 mrad (+- 0.1, 0.1, 0.1);"));
 }
 
 TEST(Verdict, ABoardWithoutASolutionIsNotCalledATooShortRecording) {
