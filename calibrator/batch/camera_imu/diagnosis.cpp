@@ -97,9 +97,19 @@ Tested tested(const Scores& scores, const ScoreTests& tests, const Candidate& ca
   return out;
 }
 
-bool isSignificant(const FaultTest& test, const DiagnosisOptions& options) {
-  if (test.frequency_hz) return test.significance > options.significance_frequency;
-  return test.significance > (test.since ? options.significance_since : options.significance);
+bool isSignificant(const FaultTest& test, const DiagnosisOptions& options, std::size_t blocks) {
+  const double deviations = test.frequency_hz ? options.significance_frequency
+                            : test.since      ? options.significance_since
+                                              : options.significance;
+  return test.significance > significanceBound(deviations, test.dof, blocks);
+}
+
+/// Whether a component of the estimate is known by itself. Beside another cause the components may
+/// compensate each other (misalignments of both sensors are a rotation of the IMU): then only their
+/// joint test differs from zero, and neither size nor effect is known.
+bool isKnown(const FaultTest& test) {
+  constexpr double kKnownDeviations = 3;
+  return (test.estimate.array().abs() > kKnownDeviations * test.std.array()).any();
 }
 
 /// Faults of the stamps, each of which looks like the others.
@@ -137,9 +147,9 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
     for (const Candidate& candidate : all) {
       Tested t = tested(scores, tests, candidate);
       if (round == 0) out.tests.push_back(t.test);
-      if (isSignificant(t.test, options) && standsAlone(t.test, out, options.block_s)) {
-        significant.push_back(std::move(t));
-      }
+      if (!isSignificant(t.test, options, scores.count())) continue;
+      if (round > 0 && !isKnown(t.test)) continue;
+      if (standsAlone(t.test, out, options.block_s)) significant.push_back(std::move(t));
     }
     if (significant.empty()) return;
     std::sort(significant.begin(), significant.end(), [&](const Tested& a, const Tested& b) {

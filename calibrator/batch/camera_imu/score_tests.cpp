@@ -5,6 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/normal.hpp>
+
 #include "calibrator/information/covariance.h"
 #include "calibrator/linear/dense.h"
 
@@ -88,6 +91,14 @@ double significanceOf(double chi2, int dof) {
   // cbrt(chi2 / dof) is nearly normal, with mean 1 - v and variance v.
   const double v = 2.0 / (9.0 * dof);
   return (std::cbrt(chi2 / dof) - (1 - v)) / std::sqrt(v);
+}
+
+double significanceBound(double deviations, int dof, std::size_t blocks) {
+  constexpr double kDispersions = 3;
+  const boost::math::fisher_f chance(dof, kDispersions * (static_cast<double>(blocks) - 1));
+  const double tail = boost::math::cdf(complement(boost::math::normal(), deviations));
+  const double chi2 = dof * boost::math::quantile(complement(chance, tail));
+  return std::max(deviations, significanceOf(chi2, dof));
 }
 
 ScoreTests::ScoreTests(const Scores& scores, Terms model)

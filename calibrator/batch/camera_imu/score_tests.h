@@ -43,6 +43,14 @@ class Scores {
 /// chi2 as a deviate of the normal distribution (Wilson and Hilferty 1931).
 double significanceOf(double chi2, int dof);
 
+/// The significance that by chance is exceeded as seldom as `deviations` (above 0) of a normal
+/// deviate are, where the dispersion is estimated from so many blocks of time (at least 2):
+///   chi2 / dof follows F(dof, 3 (blocks - 1)).
+/// The variances of T_SC0's translation, its rotation and the time offset count as three estimates
+/// of the dispersion (ScoreTests::overdispersion()). `deviations` at least, which it approaches for
+/// many blocks.
+double significanceBound(double deviations, int dof, std::size_t blocks);
+
 /// Score tests beside a model: the calibration's parameters, and faults that were accepted.
 /// The equations are those of diagnoseFaults().
 class ScoreTests {

@@ -8,12 +8,15 @@
 #include <cstdint>
 #include <optional>
 
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/results.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
+#include "calibrator/batch/camera_imu/score_tests.h"
 #include "calibrator/simulate/faults/fault.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 
@@ -23,8 +26,8 @@ namespace {
 constexpr double kDuration = 30;
 
 FaultDiagnosis diagnosisOf(const std::vector<Fault>& faults, std::uint64_t seed = 3,
-                           const std::string& rig = "euroc") {
-  SimulationOptions simulation = test::noisyRecording(seed, kDuration);
+                           const std::string& rig = "euroc", double duration_s = kDuration) {
+  SimulationOptions simulation = test::noisyRecording(seed, duration_s);
   simulation.trajectory.seed = seed;
   simulation.faults = faults;
   const SimulatedSession simulated = test::simulate(simulation, rig);
@@ -51,6 +54,35 @@ void expectCause(const FaultDiagnosis& diagnosis, UnmodelledFault kind,
   ASSERT_EQ(cause.estimate.size(), static_cast<Eigen::Index>(expected.size()));
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_NEAR(cause.estimate(static_cast<Eigen::Index>(i)), expected[i], tolerance) << i;
+  }
+}
+
+// One term over an estimated deviation is a Student's t, whose square is the chi2.
+TEST(CameraImuDiagnosis, FewBlocksTakeMoreSignificance) {
+  const double tail = boost::math::cdf(complement(boost::math::normal(), 5));
+  for (const int blocks : {8, 12, 20}) {
+    const boost::math::students_t t(3 * (blocks - 1));
+    const double least = boost::math::quantile(complement(t, tail / 2));
+    EXPECT_NEAR(significanceBound(5, 1, static_cast<std::size_t>(blocks)),
+                significanceOf(least * least, 1), 1e-6);
+  }
+  for (const int dof : {1, 3, 6, 11}) {
+    double before = significanceBound(6, dof, 8);
+    for (const std::size_t blocks : {10, 20, 60, 10000}) {
+      const double bound = significanceBound(6, dof, blocks);
+      EXPECT_LE(bound, before) << dof << ", " << blocks;
+      before = bound;
+    }
+    EXPECT_NEAR(before, 6, 0.05) << dof;
+  }
+}
+
+// Eight seconds: the deviations are those of eight blocks.
+TEST(CameraImuDiagnosis, ShortCleanRecordingsNameNoFault) {
+  for (const char* rig : {"euroc", "tumvi"}) {
+    for (const std::uint64_t seed : {1, 2, 3, 15}) {
+      EXPECT_TRUE(diagnosisOf({}, seed, rig, 8).causes.empty()) << rig << ", seed " << seed;
+    }
   }
 }
 
@@ -254,6 +286,20 @@ TEST(CameraImuDiagnosis, ShearedAxesAreNoWanderOfTheStamps) {
     EXPECT_TRUE(first == UnmodelledFault::kGyroMisalignment ||
                 first == UnmodelledFault::kAccelMisalignment)
         << seed;
+  }
+}
+
+// Misalignments of both sensors together are a rotation of the IMU: beside that of one, the other's
+// differs from zero in some direction, and its size and effect are not known.
+TEST(CameraImuDiagnosis, AFurtherCauseIsKnownInAComponent) {
+  for (const std::uint64_t seed : {4, 5, 305}) {
+    const FaultDiagnosis axes =
+        diagnosisOf({faultOf(FaultKind::kAxes, 0.5 * kDegree)}, seed, "euroc", 20);
+    ASSERT_FALSE(axes.causes.empty()) << seed;
+    for (std::size_t k = 1; k < axes.causes.size(); ++k) {
+      const FaultTest& further = axes.causes[k];
+      EXPECT_GT(further.estimate.cwiseAbs().cwiseQuotient(further.std).maxCoeff(), 3) << seed;
+    }
   }
 }
 
