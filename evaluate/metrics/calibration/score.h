@@ -99,7 +99,8 @@ Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_
 /// with the same cameras: by the bounds on their standard deviations, where they differ by more
 /// than three of the estimate's; with the mistake of convention that explains the difference, if
 /// one does. Where nothing could be estimated, that is said. An offset that the file does not state
-/// is 0, and its difference a caution at most.
+/// is 0, and its difference a caution at most. A second finding is on the offsets between cameras,
+/// where those were estimated or tested.
 enum class HeldOffset { kStated, kAssumed };
 std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
                                   const Result<CameraImuStageResult>& estimated,

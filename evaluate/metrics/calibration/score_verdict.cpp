@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/failure_text.h"
@@ -116,6 +117,61 @@ std::string contradictionAdvice(const ImuCalibration& held, const CameraImuStage
          "the verdict of plumbline calibrate on it)";
 }
 
+/// A camera's time offset less camera 0's, as a recording has it.
+struct OffsetBetween {
+  std::size_t camera = 0;
+  double s = 0, std_s = 0;
+};
+
+/// Of every camera with an offset of its own; of one that is synchronised by the score test, which
+/// says what its own would be.
+std::vector<OffsetBetween> offsetsBetween(const CameraImuStageResult& estimated, double std_s) {
+  std::vector<OffsetBetween> out;
+  const TimeOffsets& offsets = estimated.imu.time_offsets;
+  for (std::size_t c = 1; c < offsets.size(); ++c) {
+    // By camera 0's deviation, to which the same IMU and as many corners lead.
+    if (hasOwnOffset(offsets, c)) out.push_back({c, offsets[c].s - offsets.front().s, std_s});
+  }
+  if (!estimated.faults) return out;
+  for (const FaultTest& test : estimated.faults->tests) {
+    if (test.fault != UnmodelledFault::kCameraDelay) continue;
+    out.push_back({static_cast<std::size_t>(test.camera), test.estimate(0), test.std(0)});
+  }
+  return out;
+}
+
+/// The offsets between cameras that were held, which an estimate with one offset for synchronised
+/// cameras does not contradict by itself. `std_s` is of camera 0's offset.
+Findings judgeHeldBetween(const ImuCalibration& held, HeldOffset offset,
+                          const CameraImuStageResult& estimated, double std_s,
+                          const VerdictThresholds& t) {
+  Rule rule{"Time offsets between cameras against this recording", "ms", t.offset_std_ms, ""};
+  VerdictLevel worst = VerdictLevel::kGood;
+  double value = 0;
+  std::string list;
+  for (const OffsetBetween& b : offsetsBetween(estimated, std_s)) {
+    const double held_s = held.timeOffset(b.camera) - held.timeOffset();
+    const double off_ms = 1e3 * std::abs(held_s - b.s);
+    const std::string& name = estimated.cameras[b.camera].name;
+    list += fmt::format("{}{} less {} {:+.3f} ms, estimated on this recording {:+.3f} (+- {:.1g})",
+                        list.empty() ? "" : "; ", name, estimated.cameras.front().name,
+                        1e3 * held_s, 1e3 * b.s, 1e3 * b.std_s);
+    if (isLarger(off_ms, value)) value = off_ms;
+    const VerdictLevel level =
+        off_ms <= 3e3 * b.std_s ? VerdictLevel::kGood : levelAbove(off_ms, rule.bound);
+    if (level == VerdictLevel::kGood) continue;
+    worst = std::max(worst, level);
+    rule.advice += fmt::format(
+        "{}correct timeshift_cam_imu of {}: on this recording it is that of {} {:+.3f} ms",
+        rule.advice.empty() ? "" : "; ", name, estimated.cameras.front().name, 1e3 * b.s);
+  }
+  if (list.empty()) return {};
+  if (offset == HeldOffset::kAssumed) worst = std::min(worst, VerdictLevel::kCaution);
+  Finding f = finding(rule, worst, value, list);
+  f.subject = FindingSubject::kExtrinsics;
+  return {f};
+}
+
 /// "0.36 px RMSE on euroc (0.40 px with the IMU), 0.37 px in all 5 folds (held out)".
 std::string scoreWords(const std::vector<CalibrationScore>& scores) {
   std::string text;
@@ -202,7 +258,9 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
   } else if (f.level != VerdictLevel::kGood) {
     f.advice = contradictionAdvice(held, *estimated);
   }
-  return {f};
+  Findings findings = judgeHeldBetween(held, offset, *estimated, std(6), t);
+  findings.insert(findings.begin(), std::move(f));
+  return findings;
 }
 
 std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,

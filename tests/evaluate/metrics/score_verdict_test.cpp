@@ -165,6 +165,49 @@ TEST(ScoreVerdict, AnOffsetThatTheFileDoesNotStateIsNoMoreThanACaution) {
   EXPECT_THAT(turned.advice, HasSubstr("contradicts"));
 }
 
+TEST(ScoreVerdict, TheOffsetOfEachCameraIsHeldAgainstTheRecording) {
+  CameraImuStageResult seen = estimateOf(quarterTurn(), 8e-3);
+  seen.cameras.resize(3);
+  for (std::size_t c = 0; c < 3; ++c) seen.cameras[c].name = "cam" + std::to_string(c);
+  // Synchronised cameras, of which the third seems 0.01 ms late.
+  FaultDiagnosis& faults = seen.faults.emplace();
+  for (const int camera : {1, 2}) {
+    FaultTest test;
+    test.fault = UnmodelledFault::kCameraDelay;
+    test.camera = camera;
+    test.estimate = Eigen::VectorXd::Constant(1, camera == 2 ? 1e-5 : 0);
+    test.std = Eigen::VectorXd::Constant(1, 1e-5);
+    faults.tests.push_back(test);
+  }
+  ImuCalibration held;
+  held.T_SC0 = quarterTurn();
+  const auto judged = [&](double of_second_s, HeldOffset offset = HeldOffset::kStated) {
+    held.time_offsets = {{8e-3}, {8e-3 + of_second_s, true}, {8e-3}};
+    const auto findings = judgeHeldImu(held, offset, seen);
+    EXPECT_EQ(findings.size(), 2U);
+    EXPECT_EQ(findings.front().level, VerdictLevel::kGood);
+    return findings.back();
+  };
+  EXPECT_EQ(judged(0).level, VerdictLevel::kGood);
+  EXPECT_EQ(judged(0.4e-3).level, VerdictLevel::kGood);  // too little to matter
+  const Finding late = judged(4e-3);
+  EXPECT_EQ(late.level, VerdictLevel::kCaution);
+  EXPECT_NEAR(late.value, 4, 1e-9);
+  EXPECT_THAT(late.advice, HasSubstr("timeshift_cam_imu of cam1"));
+  EXPECT_THAT(late.advice, testing::Not(HasSubstr("cam2")));
+  EXPECT_EQ(judged(6e-3).level, VerdictLevel::kBad);
+  EXPECT_EQ(judged(6e-3, HeldOffset::kAssumed).level, VerdictLevel::kCaution);
+  // What the recording says is the measure: a camera that is late there may be so in the file.
+  faults.tests[0].estimate(0) = 4e-3;
+  EXPECT_EQ(judged(4e-3).level, VerdictLevel::kGood);
+  EXPECT_EQ(judged(0).level, VerdictLevel::kCaution);
+  // Not synchronised: the batch estimates it.
+  seen.imu.time_offsets = {{8e-3}, {11e-3, true}};
+  faults.tests.clear();
+  EXPECT_EQ(judged(3e-3).level, VerdictLevel::kGood);
+  EXPECT_EQ(judged(0).level, VerdictLevel::kCaution);
+}
+
 TEST(ScoreVerdict, ARecordingThatMovesTooLittleToTellIsNoFault) {
   const Finding f =
       judgeHeldImu({}, HeldOffset::kStated, Failure{FailureCode::kMotionInformationSingular, {}})
