@@ -149,6 +149,8 @@ TEST(SampleRules, StampsThatJitterAreFoundInTheCornersToo) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found.front().level, VerdictLevel::kCaution);
   EXPECT_DOUBLE_EQ(found.front().value, 0.5);
+  // States take up a part of the shifts.
+  EXPECT_NE(found.front().evidence.find("jitter of 0.5 ms at least"), std::string::npos);
   stage.frame_errors->neighbours = 0.9;  // an offset that drifts
   EXPECT_EQ(judgeStampJitter(stage, {}).front().level, VerdictLevel::kGood);
   stage.frame_errors->neighbours = -0.1;
