@@ -184,6 +184,50 @@ Failure withCamerasSuspect(const Failure& failure, const CalibrateRequest& reque
            {"imu", textOf(failure).message}}};
 }
 
+/// Whether a camera's stamps alone contradict the gyroscope: it is refused for that, or a fault of
+/// the stamps is the cause that its tests name.
+bool contradictsGyroscope(const Result<CameraImuStageResult>& stage) {
+  using Code = FailureCode;
+  if (!stage) {
+    const Code code = stage.failure().code;
+    return code == Code::kRatesDoNotCorrelate || code == Code::kStampsWander;
+  }
+  if (!stage->faults || stage->faults->causes.empty()) return false;
+  const UnmodelledFault cause = stage->faults->causes.front().fault;
+  return cause == UnmodelledFault::kStampsWander || cause == UnmodelledFault::kClockStep ||
+         cause == UnmodelledFault::kClockDrift;
+}
+
+/// Where some cameras alone contradict the gyroscope and others suit it, the failure that names the
+/// former: then IMU and clock are not at fault.
+std::optional<Failure> failureOfCameras(const Failure& failure, const CalibrateRequest& request,
+                                        const Session& session,
+                                        const std::vector<CameraCalibration>& cameras) {
+  if (failure.code != FailureCode::kRatesDoNotCorrelate || cameras.size() < 2) return std::nullopt;
+  CameraImuOptions options = request.camera_imu;
+  options.noise_check = false;
+  options.diagnose_faults = true;
+  std::vector<std::string> odd;
+  bool one_suits = false;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    Session alone = session;
+    alone.cameras = {session.cameras[c]};
+    std::vector<CameraCalibration> camera = {cameras[c]};
+    camera.front().T_C0Ci = {};
+    const auto stage = calibrateCameraImu(alone, camera, options);
+    if (contradictsGyroscope(stage)) {
+      odd.push_back(cameras[c].name);
+    } else if (stage && stage->summary.converged) {
+      one_suits = true;
+    }
+  }
+  if (odd.empty() || !one_suits) return std::nullopt;
+  Failure named = failure;
+  named.values.emplace("cameras", odd);
+  named.where = request.load.session;
+  return named;
+}
+
 CalibrationRecord emptyRecord(const CalibrateRequest& request, const LoadedSession& loaded) {
   CalibrationRecord record;
   attribute(record, request.provenance, loaded);
@@ -260,8 +304,10 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   if (with_imu) {
     record.assumptions.imu_noise = loaded.session.imu->noise;
     if (auto failure = cameraImuStage(request, loaded, cameras, stated, progress, record)) {
-      return locate(withCamerasSuspect(*failure, request, loaded.session, cameras, record), loaded,
-                    request.load.session);
+      const Failure suspect =
+          withCamerasSuspect(*failure, request, loaded.session, cameras, record);
+      const auto of_cameras = failureOfCameras(suspect, request, loaded.session, cameras);
+      return of_cameras ? *of_cameras : locate(suspect, loaded, request.load.session);
     }
   }
   addViewImages(loaded, record);

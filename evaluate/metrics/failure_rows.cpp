@@ -43,10 +43,8 @@ const FailureRow kRows[] = {
      "rotate the sensor about at least two axes of the IMU"},
     {Code::kRatesDoNotCorrelate,
      "gyroscope and camera rotation do not correlate under any time offset in range (best "
-     "{correlation:.2f}, expected above {needed:.2f})",
-     "check that both are from the same recording, that their stamps come from one clock (a larger "
-     "offset can be given by --imu-shift-ms), that the gyroscope columns are in the right order "
-     "and unit, and that there are no wrong samples (spikes) or tag ids"},
+     "{correlation:.2f}, expected above {needed:.2f}){alone}",
+     "{mend}"},
     {Code::kStampsWander,
      "the time offset between gyroscope and cameras is not constant: {from_ms:.1f} to {to_ms:.1f} "
      "ms in parts of the recording (standard deviation of the difference {std_ms:.1g} ms)",

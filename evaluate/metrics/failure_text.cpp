@@ -139,6 +139,31 @@ std::string partnersFound(const Failure& f) {
 // What some sentences say beyond the values as they stand; of each failure at most one of these has
 // something.
 
+/// Of all cameras; or, where some suit the gyroscope, of those whose stamps contradict it alone.
+void addOfRates(const Failure& f, Words& words) {
+  if (f.code != Code::kRatesDoNotCorrelate) return;
+  const auto found = f.values.find("cameras");
+  if (found == f.values.end()) {
+    words.push_back(fmt::arg("alone", ""));
+    words.push_back(fmt::arg(
+        "mend",
+        "check that both are from the same recording, that their stamps come from one clock (a "
+        "larger offset can be given by --imu-shift-ms), that the gyroscope columns are in the "
+        "right order and unit, and that there are no wrong samples (spikes) or tag ids"));
+    return;
+  }
+  const auto& names = std::get<std::vector<std::string>>(found->second.content());
+  const std::string list = fmt::format("{}", fmt::join(names, ", "));
+  words.push_back(fmt::arg(
+      "alone", fmt::format("; each camera alone: the stamps of {} contradict the gyroscope, those "
+                           "of the others were not found to",
+                           list)));
+  words.push_back(fmt::arg(
+      "mend", fmt::format("check the stamps of {} (lost frames that evenly spaced stamps hide, "
+                          "another clock), or calibrate the other cameras (--only)",
+                          list)));
+}
+
 /// Of samples that an IMU's file holds.
 void addOfSamples(const Failure& f, Words& words) {
   switch (f.code) {
@@ -331,6 +356,7 @@ FailureText textOf(const Failure& failure) {
     std::visit(AddValue{words, name.c_str()}, value.content());
   }
   try {
+    addOfRates(failure, words);
     addOfSamples(failure, words);
     addOfCameras(failure, words);
     addOfCalibration(failure, words);

@@ -100,23 +100,6 @@ std::string mistakeOf(const ImuCalibration& held, const ImuCalibration& seen) {
   return fmt::format("{}", fmt::join(mistakes, "; "));
 }
 
-/// What to do where `estimated` contradicts what was held.
-std::string contradictionAdvice(const ImuCalibration& held, const CameraImuStageResult& estimated) {
-  if (std::string mistake = mistakeOf(held, estimated.imu); !mistake.empty()) return mistake;
-  const auto is_cameras = [](const FaultTest& cause) {
-    return cause.fault == UnmodelledFault::kGivenCameras;
-  };
-  const bool cameras = estimated.faults && std::any_of(estimated.faults->causes.begin(),
-                                                       estimated.faults->causes.end(), is_cameras);
-  if (cameras) {
-    return "The cameras do not suit the recording's corners either, which alone moves T_SC0: "
-           "calibrate the cameras on it first";
-  }
-  return "The recording contradicts them; the cause was not tested: cameras that are not those of "
-         "the recording, another mounting, other conventions, or a fault of this recording (see "
-         "the verdict of plumbline calibrate on it)";
-}
-
 /// A camera's time offset less camera 0's, as a recording has it.
 struct OffsetBetween {
   std::size_t camera = 0;
@@ -170,6 +153,35 @@ Findings judgeHeldBetween(const ImuCalibration& held, HeldOffset offset,
   Finding f = finding(rule, worst, value, list);
   f.subject = FindingSubject::kExtrinsics;
   return {f};
+}
+
+/// What to do where `estimated` contradicts what was held.
+std::string contradictionAdvice(const ImuCalibration& held, const CameraImuStageResult& estimated) {
+  if (std::string mistake = mistakeOf(held, estimated.imu); !mistake.empty()) return mistake;
+  const auto is_cameras = [](const FaultTest& cause) {
+    return cause.fault == UnmodelledFault::kGivenCameras;
+  };
+  const bool cameras = estimated.faults && std::any_of(estimated.faults->causes.begin(),
+                                                       estimated.faults->causes.end(), is_cameras);
+  if (cameras) {
+    return "The cameras do not suit the recording's corners either, which alone moves T_SC0: "
+           "calibrate the cameras on it first";
+  }
+  return "The recording contradicts them; the cause was not tested: cameras that are not those of "
+         "the recording, another mounting, other conventions, or a fault of this recording (see "
+         "the verdict of plumbline calibrate on it)";
+}
+
+/// A board of another shape than the one assumed shows as errors of the calibration: it must be
+/// said.
+Finding unusedShape(const std::string& file) {
+  Finding f{"Shape of the target", VerdictLevel::kCaution,
+            "the board is assumed to be as target.yaml states; the calibration was estimated with "
+            "the board shape of " +
+                file,
+            "if this recording shows the same board, run again with --target-shape " + file};
+  f.subject = FindingSubject::kRecording;
+  return f;
 }
 
 /// "0.36 px RMSE on euroc (0.40 px with the IMU), 0.37 px in all 5 folds (held out)".

@@ -55,6 +55,16 @@ TEST(FailureText, EveryCodeHasASentenceAndACureMadeOfItsValues) {
   }
 }
 
+TEST(FailureText, NamesTheCamerasThatDoNotCorrelateWhereOthersDo) {
+  Failure rates{FailureCode::kRatesDoNotCorrelate, {{"correlation", 0.26}, {"needed", 0.6}}};
+  EXPECT_THAT(textOf(rates).message, ::testing::StartsWith("gyroscope and camera rotation do not"));
+  EXPECT_THAT(textOf(rates).cure, ::testing::HasSubstr("gyroscope columns"));
+  rates.values.emplace("cameras", std::vector<std::string>{"cam1"});
+  EXPECT_THAT(textOf(rates).message, ::testing::HasSubstr("the stamps of cam1 contradict"));
+  EXPECT_THAT(textOf(rates).cure, ::testing::HasSubstr("stamps of cam1"));
+  EXPECT_THAT(textOf(rates).cure, ::testing::Not(::testing::HasSubstr("gyroscope columns")));
+}
+
 TEST(FailureText, AMissingValueStillNamesTheCode) {
   EXPECT_EQ(textOf({FailureCode::kTooFewViews, {{"views", 2}}}).message, "TooFewViews (views 2)");
 }
