@@ -172,18 +172,6 @@ std::string contradictionAdvice(const ImuCalibration& held, const CameraImuStage
          "the verdict of plumbline calibrate on it)";
 }
 
-/// A board of another shape than the one assumed shows as errors of the calibration: it must be
-/// said.
-Finding unusedShape(const std::string& file) {
-  Finding f{"Shape of the target", VerdictLevel::kCaution,
-            "the board is assumed to be as target.yaml states; the calibration was estimated with "
-            "the board shape of " +
-                file,
-            "if this recording shows the same board, run again with --target-shape " + file};
-  f.subject = FindingSubject::kRecording;
-  return f;
-}
-
 /// "0.36 px RMSE on euroc (0.40 px with the IMU), 0.37 px in all 5 folds (held out)".
 std::string scoreWords(const std::vector<CalibrationScore>& scores) {
   std::string text;
