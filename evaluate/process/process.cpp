@@ -6,6 +6,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <mutex>
 
@@ -25,6 +26,9 @@ namespace {
 
 // Where the system gives no descriptor of a process, it is asked for this often.
 constexpr int kPollMs = 5;
+
+// So long may a child take to end after its last signal, before it gets SIGKILL.
+constexpr double kToEndS = 10;
 
 /// Those that were started and not yet reaped: by the mutex none of their ids is another process's.
 struct Children {
@@ -57,6 +61,31 @@ void limitTo(int resource, rlim_t value) {
 /// running.
 int lastSignalOf(const ProcessRequest& request) {
   return request.words[0] == kRunningProgram ? SIGTERM : SIGKILL;
+}
+
+/// To a child's group. One that is stopped (SIGSTOP) would see no signal but SIGKILL: it goes on.
+void signalGroup(pid_t id, int signal) {
+  kill(-id, signal);
+  kill(-id, SIGCONT);
+}
+
+/// Reaps these as they end, for kToEndS at most; returns those that have not ended.
+std::map<pid_t, int> reap(std::map<pid_t, int> ids) {
+  const double until = nowS() + kToEndS;
+  for (;;) {
+    std::erase_if(ids,
+                  [](const auto& child) { return waitpid(child.first, nullptr, WNOHANG) != 0; });
+    if (ids.empty() || nowS() > until) return ids;
+    poll(nullptr, 0, kPollMs);
+  }
+}
+
+/// Ends children with their groups, by the signal of each, and by SIGKILL what does not end by it.
+void endGroups(const std::map<pid_t, int>& ids) {
+  for (const auto& [id, signal] : ids) signalGroup(id, signal);
+  const std::map<pid_t, int> left = reap(ids);
+  for (const auto& [id, signal] : left) kill(-id, SIGKILL);
+  (void)reap(left);  // not for ever: even SIGKILL waits for a file system that does not answer
 }
 
 /// The caller's variables but those that the request sets.
@@ -138,14 +167,12 @@ ChildProcess::ChildProcess(const ProcessRequest& request)
 ChildProcess::~ChildProcess() {
   if (pid_ > 0) {
     const std::lock_guard guard(children().mutex);
-    killGroup();
-    waitpid(pid_, nullptr, 0);
-    children().ids.erase(pid_);
+    const auto child = children().ids.find(pid_);
+    endGroups({*child});
+    children().ids.erase(child);
   }
   if (descriptor_ >= 0) close(descriptor_);
 }
-
-void ChildProcess::killGroup() const { kill(-pid_, SIGKILL); }
 
 std::optional<ProcessEnd> ChildProcess::ended() {
   int status = 0;
@@ -153,7 +180,7 @@ std::optional<ProcessEnd> ChildProcess::ended() {
   struct rusage used {};
   const std::lock_guard guard(children().mutex);
   if (wait4(pid_, &status, WNOHANG, &used) != pid_) return std::nullopt;
-  killGroup();  // what it left running
+  kill(-pid_, SIGKILL);  // what it left running
   children().ids.erase(pid_);
   pid_ = -1;
   ProcessEnd end;
@@ -167,19 +194,27 @@ std::optional<ProcessEnd> ChildProcess::ended() {
   return end;
 }
 
+double ChildProcess::endsAtS() const {
+  if (limit_s_ <= 0) return std::numeric_limits<double>::infinity();
+  return started_s_ + limit_s_ + (beyond_time_ ? kToEndS : 0);
+}
+
+void ChildProcess::endBeyondTime() {
+  const std::lock_guard guard(children().mutex);
+  signalGroup(pid_, beyond_time_ ? SIGKILL : children().ids.at(pid_));
+  beyond_time_ = true;
+}
+
 std::optional<ProcessEnd> ChildProcess::waitFor(double seconds) {
   const double until = nowS() + seconds;
   for (;;) {
     if (const auto end = ended()) return end;
     const double now = nowS();
-    // Killed here, it ends on a later turn, by the signal; beyond_time_ says why.
-    if (limit_s_ > 0 && now - started_s_ > limit_s_ && !beyond_time_) {
-      beyond_time_ = true;
-      killGroup();
-    }
+    // It ends on a later turn; beyond_time_ says why.
+    if (now > endsAtS()) endBeyondTime();
     if (now >= until) return std::nullopt;
     double pause = until - now;
-    if (limit_s_ > 0 && !beyond_time_) pause = std::min(pause, started_s_ + limit_s_ - now);
+    if (endsAtS() > now) pause = std::min(pause, endsAtS() - now);
     // Rounded up, so that a limit is over when the wait for it is.
     const int ms = std::clamp(static_cast<int>(1e3 * pause) + 1, 1, 60000);
     if (descriptor_ >= 0) {
@@ -210,8 +245,7 @@ ProcessEnd runProcess(const ProcessRequest& request) {
 
 void killChildren() {
   children().mutex.lock();  // and never unlocked: see the header
-  for (const auto& [id, signal] : children().ids) kill(-id, signal);
-  for (const auto& [id, signal] : children().ids) waitpid(id, nullptr, 0);
+  endGroups(children().ids);
 }
 
 std::string toString(const ProcessEnd& end) {

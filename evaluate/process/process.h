@@ -37,28 +37,30 @@ struct ProcessEnd {
 /// "exit code 3", "killed by signal 11 (Segmentation fault)", "did not end within 60 s".
 std::string toString(const ProcessEnd& end);
 
-/// A child in a process group of its own, that ends with this process, however that ends; what it
-/// has started itself ends with it where this process kills or reaps it, or where it is this
-/// program (kRunningProgram), which then gets SIGTERM and ends in order; not where SIGKILL ends
-/// this process and it is another. Its signal mask is empty, it does not ignore SIGTERM, SIGPIPE
+/// A child in a process group of its own, that ends with this process, however that ends. What it
+/// has started itself ends with it where this process ends or reaps it, or where it is this program
+/// (kRunningProgram), which gets SIGTERM and ends in order, and SIGKILL only where it has not
+/// within 10 s; not where SIGKILL ends this process and it is another, nor what leaves its group
+/// (setsid). Its signal mask is empty, it does not ignore SIGTERM, SIGPIPE
 /// and SIGXFSZ as this process may, and it leaves no core file.
 class ChildProcess {
  public:
   /// Throws InputError where it cannot be started.
   explicit ChildProcess(const ProcessRequest& request);
-  ~ChildProcess();  ///< kills the group, if it still runs
+  ~ChildProcess();  ///< ends the group, if it still runs; waits up to 20 s
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Waits up to `seconds`; empty: it still runs. What is beyond its time is killed.
+  /// Waits up to `seconds`; empty: it still runs. What is beyond its time is ended.
   std::optional<ProcessEnd> waitFor(double seconds);
 
   /// Returns when one of them may have ended, or after `seconds`.
   static void waitForAny(const std::vector<ChildProcess*>& children, double seconds);
 
  private:
-  void killGroup() const;
   std::optional<ProcessEnd> ended();
+  double endsAtS() const;  // when it gets its last signal, and after it SIGKILL
+  void endBeyondTime();
 
   pid_t pid_ = -1;
   int descriptor_ = -1;  // of the process, to wait on
@@ -70,9 +72,9 @@ class ChildProcess {
 /// Runs it to its end.
 ProcessEnd runProcess(const ProcessRequest& request);
 
-/// Ends every child of this process with its group, and lets none be started or waited for any
-/// more: calls that would wait for ever. For the thread that ends the process on a signal, before
-/// it removes what they write (abandonWorkplaces()).
+/// Ends every child of this process with its group, within 20 s, and lets none be started or waited
+/// for any more: calls that would wait for ever. For the thread that ends the process on a signal,
+/// before it removes what they write (abandonWorkplaces()).
 void killChildren();
 
 /// This program's file, for commands that others run.

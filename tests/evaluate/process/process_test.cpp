@@ -30,6 +30,26 @@ class Process : public testing::Test {
     return {std::istreambuf_iterator<char>(file), {}};
   }
 
+  // This program, in order: it runs the script until it gets SIGTERM, and then ends it.
+  ProcessRequest thisProgramWith(const std::string& script) const {
+    ProcessRequest request;
+    request.words = {kRunningProgram, "--gtest_also_run_disabled_tests",
+                     "--gtest_filter=ThisProgram.DISABLED_RunsAScriptUntilSigterm"};
+    request.environment = {{"PLUMBLINE_TEST_SCRIPT", script}};
+    request.log = log_;
+    return request;
+  }
+  // Within 2 s; init reaps it.
+  static bool ends(pid_t pid) {
+    for (int i = 0; i < 200 && kill(pid, 0) == 0; ++i) {
+      std::ifstream state("/proc/" + std::to_string(pid) + "/stat");
+      std::string number, name, letter;
+      if (!(state >> number >> name >> letter) || letter == "Z") return true;
+      usleep(10'000);
+    }
+    return kill(pid, 0) != 0;
+  }
+
   void SetUp() override {
     std::string pattern = testing::TempDir() + "plumbline_process_XXXXXX";
     scratch_ = mkdtemp(pattern.data());
@@ -39,6 +59,25 @@ class Process : public testing::Test {
 
   std::filesystem::path scratch_, log_;
 };
+
+// No test, but what Process::thisProgramWith() runs. Without a script it ignores SIGTERM.
+TEST(ThisProgram, DISABLED_RunsAScriptUntilSigterm) {
+  sigset_t awaited;
+  sigemptyset(&awaited);
+  sigaddset(&awaited, SIGTERM);
+  sigprocmask(SIG_BLOCK, &awaited, nullptr);
+  const char* script = std::getenv("PLUMBLINE_TEST_SCRIPT");
+  ASSERT_NE(script, nullptr);
+  if (*script == '\0') pause();
+  ProcessRequest request;
+  request.words = {"sh", "-c", script};
+  request.log = "/dev/null";
+  const ChildProcess child(request);
+  int signal = 0;
+  sigwait(&awaited, &signal);
+  killChildren();
+  _exit(0);
+}
 
 TEST_F(Process, TellsExitCodeSignalAndWhatItPrinted) {
   const ProcessEnd three = run("echo out; echo err >&2; exit 3");
@@ -95,14 +134,29 @@ TEST_F(Process, BeyondItsTimeItIsKilledWithAllItStarted) {
   const ProcessEnd end = run("sleep 60 & echo $!; wait", request);
   EXPECT_TRUE(end.beyond_time);
   EXPECT_FALSE(end.ok());
-  const pid_t left = static_cast<pid_t>(std::stol(log()));
-  for (int i = 0; i < 200 && kill(left, 0) == 0; ++i) {  // init reaps it
-    std::ifstream state("/proc/" + std::to_string(left) + "/stat");
-    std::string pid, name, letter;
-    if (!(state >> pid >> name >> letter) || letter == "Z") break;
-    ASSERT_LT(i, 199) << "process " << left << " is still there";
-    usleep(10000);
-  }
+  EXPECT_TRUE(ends(static_cast<pid_t>(std::stol(log()))));
+}
+
+// It alone knows what it runs: SIGKILL at once would leave what the script has started.
+TEST_F(Process, BeyondItsTimeThisProgramEndsInOrder) {
+  const std::filesystem::path started = scratch_ / "started";
+  ProcessRequest request = thisProgramWith("sleep 60 & echo $! > " + started.string() + "; wait");
+  request.limit_s = 5;
+  const ProcessEnd end = runProcess(request);
+  EXPECT_TRUE(end.beyond_time);
+  EXPECT_EQ(end.exit_code, 0);
+  pid_t left = 0;
+  ASSERT_TRUE(std::ifstream(started) >> left);
+  EXPECT_TRUE(ends(left));
+}
+
+TEST_F(Process, WhereThisProgramDoesNotEndInOrderItIsKilled) {
+  ProcessRequest request = thisProgramWith("");
+  request.limit_s = 5;
+  const ProcessEnd end = runProcess(request);
+  EXPECT_TRUE(end.beyond_time);
+  EXPECT_EQ(end.signal, SIGKILL);
+  EXPECT_GT(end.seconds, 10);
 }
 
 // As a signal ends this process: nothing writes on while it removes what was being made.
@@ -124,6 +178,27 @@ TEST_F(Process, OnASignalChildrenEndWithAllThatTheyStarted) {
   ASSERT_TRUE(std::filesystem::exists(started));
   usleep(1'500'000);
   EXPECT_FALSE(std::filesystem::exists(late));
+}
+
+// A child that is stopped (SIGSTOP) takes no other signal: this process would wait for ever.
+TEST_F(Process, OnASignalAChildThatIsStoppedEndsInOrder) {
+  const std::filesystem::path started = scratch_ / "started";
+  const pid_t ending = fork();
+  if (ending == 0) {
+    alarm(60);
+    const ChildProcess child(
+        thisProgramWith("sleep 60 & kill -STOP $PPID; echo $! > " + started.string() + "; wait"));
+    while (!std::filesystem::exists(started)) usleep(10'000);
+    usleep(200'000);
+    killChildren();
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(ending, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
+  pid_t left = 0;
+  ASSERT_TRUE(std::ifstream(started) >> left);
+  EXPECT_TRUE(ends(left));
 }
 
 TEST_F(Process, BeyondItsMemoryAnAllocationFails) {
