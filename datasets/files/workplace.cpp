@@ -189,6 +189,13 @@ int takeLock(const fs::path& folder, const std::string& text) {
   return -1;
 }
 
+// Of link(): FAT, some FUSE, AFS between folders, more names than a file may have. Where rename()
+// fails as well, it says why.
+bool cannotLink(int error) {
+  return error == EPERM || error == EOPNOTSUPP || error == ENOSYS || error == EXDEV ||
+         error == EMLINK;
+}
+
 }  // namespace
 
 void removeDeadWorkplaces(const fs::path& final_path) {
@@ -275,12 +282,11 @@ Workplace::Moved Workplace::place() {
   const int failed =
       folder ? std::rename(from.c_str(), final_.c_str()) : ::link(from.c_str(), final_.c_str());
   if (failed == 0) return Moved::kDone;
-  if (!folder && (errno == EPERM || errno == EOPNOTSUPP)) return placeWithoutLinks();
+  if (!folder && cannotLink(errno)) return placeWithoutLinks();
   return errno == EEXIST || errno == ENOTEMPTY || errno == ENOTDIR ? Moved::kInTheWay
                                                                    : Moved::kFailed;
 }
 
-// File systems without hard links, such as FAT.
 Workplace::Moved Workplace::placeWithoutLinks() {
   if (fs::exists(fs::symlink_status(final_))) return Moved::kInTheWay;
   return std::rename(result().c_str(), final_.c_str()) == 0 ? Moved::kDone : Moved::kFailed;

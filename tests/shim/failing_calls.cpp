@@ -4,6 +4,7 @@
 //   PLUMBLINE_KILL_AT=N   SIGKILL before the N-th call that changes a file or a name
 //   PLUMBLINE_FULL_AT=N   from the N-th call that writes bytes on, there is no space (ENOSPC)
 //   PLUMBLINE_NO_EXCHANGE=1  a file system that cannot exchange names
+//   PLUMBLINE_LINK_ERROR=N  a file system without hard links: link() fails with this errno
 //   PLUMBLINE_PID=N       the process takes itself for this one, as two in containers may
 //   PLUMBLINE_COUNTS=FILE the numbers of both, written when the program ends
 #include <atomic>
@@ -86,7 +87,16 @@ extern "C" int renameat2(int a, const char* from, int b, const char* to, unsigne
   static auto* const real = next<int(int, const char*, int, const char*, unsigned)>("renameat2");
   return real(a, from, b, to, flags);
 }
-PLUMBLINE_CHANGE(link, (const char* from, const char* to), (from, to))
+extern "C" int link(const char* from, const char* to) {
+  static const long error = numberIn("PLUMBLINE_LINK_ERROR");
+  change();
+  if (error >= 0) {
+    errno = static_cast<int>(error);
+    return -1;
+  }
+  static auto* const real = next<int(const char*, const char*)>("link");
+  return real(from, to);
+}
 PLUMBLINE_CHANGE(unlink, (const char* path), (path))
 PLUMBLINE_CHANGE(unlinkat, (int folder, const char* path, int flags), (folder, path, flags))
 PLUMBLINE_CHANGE(rmdir, (const char* path), (path))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The output contract as a user meets it: killed at any call, on a full disk, by a signal, beside
 // siblings, an older or the new result is there whole, and nothing else.
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <sstream>
@@ -251,6 +252,21 @@ TEST_F(FailingCalls, SiblingsOfOneNewParentDoNotHurtEachOther) {
     }
     fs::remove_all(root_ / "parent");
   }
+}
+
+TEST_F(FailingCalls, SingleFilesNeedNoHardLinks) {
+  const fs::path file = root_ / "one.json";
+  const std::string words = command("compare") + " --force --json " + file.string();
+  const auto withError = [&](int error) {
+    fs::remove(file);
+    return run(words, "PLUMBLINE_LINK_ERROR=" + std::to_string(error));
+  };
+  for (const int error : {EPERM, EOPNOTSUPP, ENOSYS, EXDEV, EMLINK}) {
+    const Outcome outcome = withError(error);
+    EXPECT_EQ(outcome.exit_code, 0) << error << outcome.text;
+    EXPECT_TRUE(fs::exists(file)) << error;
+  }
+  EXPECT_EQ(withError(EIO).exit_code, 2);
 }
 
 TEST_F(FailingCalls, EqualProcessIdsOfContainersDoNotMeet) {
