@@ -69,6 +69,13 @@ bool isAsListed(const fs::path& file, const ManifestEntry& listed) {
   }
 }
 
+bool areSameLinks(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  const fs::path to = fs::read_symlink(a, error);
+  if (error) return false;
+  return fs::read_symlink(b, error) == to && !error;
+}
+
 // Folders that the listed files lie in.
 std::set<std::string> foldersOf(const Manifest& manifest) {
   std::set<std::string> folders;
@@ -156,14 +163,14 @@ void moveUnlisted(const fs::path& folder, const Manifest& manifest, const fs::pa
     const std::string name = path.lexically_relative(folder).generic_string();
     if (name == kManifestFile || manifest.files.count(name) > 0) continue;
     const fs::path place = to / name;
-    std::error_code unknown;
+    std::error_code unknown, stays;
+    if (areSameLinks(path, place)) fs::remove(path, stays);
     const fs::file_status there = fs::symlink_status(place, unknown);
     if (fs::is_directory(fs::symlink_status(path, unknown)) || fs::exists(there)) continue;
     // A file of the new result may have the name of a folder: then that place is taken too.
     std::error_code taken;
     fs::create_directories(place.parent_path(), taken);
     if (taken == std::errc::not_a_directory || taken == std::errc::file_exists) continue;
-    std::error_code stays;
     fs::rename(path, place, stays);
   }
 }

@@ -46,7 +46,8 @@ std::optional<ForeignEntry> firstForeign(const std::filesystem::path& folder,
                                          const Manifest& manifest);
 
 /// Moves the files and links within `folder` that the manifest does not list to the same places
-/// within `to`, but for those whose place is taken there, or that cannot be moved.
+/// within `to`, but for those whose place is taken there, or that cannot be moved. Removes a link
+/// whose place has the same link: manifests of earlier versions do not list a result's own.
 void moveUnlisted(const std::filesystem::path& folder, const Manifest& manifest,
                   const std::filesystem::path& to);
 

@@ -146,6 +146,23 @@ TEST_F(Output, WhatAManifestDoesNotListMovesToPlacesThatAreFree) {
   EXPECT_FALSE(fs::exists(folder_.path("new/a/b.txt")));
 }
 
+// Manifests of earlier versions list no links: a result's own would stay at each redo.
+TEST_F(Output, AnUnlistedLinkThatTheNewResultHasAsWellGoes) {
+  make(request("out"));
+  const auto manifest = readManifest(folder_.path("out"));
+  ASSERT_TRUE(manifest);
+  for (const char* folder : {"out/a/", "new/a/"}) {
+    fs::create_directories(folder_.path(folder));
+    fs::create_symlink("nowhere", folder_.path(std::string(folder) + "same"));
+    fs::create_symlink(folder, folder_.path(std::string(folder) + "other"));
+  }
+  moveUnlisted(folder_.path("out"), *manifest, folder_.path("new"));
+  EXPECT_FALSE(fs::is_symlink(folder_.path("out/a/same")));
+  EXPECT_EQ(fs::read_symlink(folder_.path("new/a/same")), "nowhere");
+  EXPECT_EQ(fs::read_symlink(folder_.path("out/a/other")), "out/a/");
+  EXPECT_EQ(fs::read_symlink(folder_.path("new/a/other")), "new/a/");
+}
+
 // In the workplace of a process that died between exchanging two results and removing the older.
 TEST_F(Output, WhatIsSomebodyElsesStaysHoweverOftenTheRestIsRemoved) {
   make(request("out"));
