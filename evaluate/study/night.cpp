@@ -33,6 +33,18 @@ int nightAfter(const StudyStore& store) {
   return nights.empty() ? 1 : nights.back().night + 1;
 }
 
+/// Of a job that Slurm runs once more after its night, say: it would write that night's figures
+/// over the later one's, and take the later one's jobs for its own.
+void refuseAfterLaterNight(const StudyStore& store, int number, const fs::path& folder) {
+  const int last = nightAfter(store) - 1;
+  if (last <= number) return;
+  throw badInput(folder.string(), 0,
+                 {InputFault::kOther,
+                  fmt::format("night {} is over, and night {} was merged after it; nothing is "
+                              "changed",
+                              number, last)});
+}
+
 // Another part of the done steps every night, so that all have their turn.
 void chooseRechecks(const fs::path& folder, const std::vector<Step>& steps, int count, int night) {
   std::vector<const Step*> done;
@@ -188,6 +200,7 @@ PreparedNight prepareNight(const NightRequest& request) {
   night.provenance = request.provenance;
   const StudyStore store(night.folder /
                          kHistoryFile);  // a newer one ends the night before its work
+  if (request.number > 0) refuseAfterLaterNight(store, request.number, night.folder);
   night.number = request.number > 0 ? request.number : nightAfter(store);
   InputHashes hashes(night.folder / kHashesFile);
   night.steps = planStudy(night.study, hashes, {programVersion(), runningProgramHash()});

@@ -26,7 +26,7 @@ struct NightRequest {
   /// Asked under the lock, before anything in the folder changes; throws where another night is
   /// under way that does not hold the lock. Empty: not asked.
   std::function<void(const std::filesystem::path& folder)> refuse;
-  int number = 0;  ///< of a night that another process began; 0: the next one
+  int number = 0;  ///< of a night that another process began, and that is the last; 0: the next one
 };
 
 /// A night that may begin: its folder is taken, its plan is written.
@@ -40,7 +40,8 @@ struct PreparedNight {
 };
 
 /// Reads and checks the study, takes the folder and its lock, hashes the inputs and writes the
-/// plan. Throws InputError as these do; nothing was changed then but the folder's mark.
+/// plan. Throws InputError as these do, and where a later night than the one asked for counts;
+/// nothing was changed then but the folder's mark.
 PreparedNight prepareNight(const NightRequest& request);
 
 /// What a night came to.

@@ -69,6 +69,23 @@ TEST_F(StudySlurm, ANightThatIsMergedTwiceCountsOnce) {
   EXPECT_EQ(StudyStore(night / "study.sqlite").nights().size(), 2U);
 }
 
+TEST_F(StudySlurm, AMergingJobOfANightBeforeTheLastChangesNothing) {
+  const fs::path night = doneNight();
+  EXPECT_EQ(study(root_ / "data", night).exit_code, 0);
+  fs::create_directories(night / "slurm");
+  write(night / "slurm/jobs.txt", "8\n");
+  const std::string changes =
+      "find " + night.string() + " -type f ! -name study.lock -printf '%p %T@\\n' | sort";
+  const std::string before = shell(changes).text;
+  EXPECT_THAT(before, HasSubstr("jobs.txt"));
+  const std::string words_of_job = words(root_ / "data", night) + " --engine slurm --merge-round 1";
+  const Outcome outcome = plumbline(words_of_job + " --merge-night 1");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.text, HasSubstr("night 2 was merged after it"));
+  EXPECT_EQ(shell(changes).text, before);
+  EXPECT_EQ(plumbline(words_of_job + " --merge-night 2").exit_code, 0);
+}
+
 TEST_F(StudySlurm, AStepThatWasKilledIsRecordedAsLostAndRaisesAnAlarm) {
   const fs::path night = doneNight();
   const std::string step = "sessions/p1_free/perturb";
