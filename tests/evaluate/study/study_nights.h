@@ -99,11 +99,20 @@ class StudyNights : public testing::Test {
     return all;
   }
 
-  /// When each step that is settled was done.
+  /// When each step that is settled was done. A process that is dying may remove folders that this
+  /// walks through.
   static std::map<std::string, std::int64_t> times(const fs::path& night) {
+    for (int attempt = 1;; ++attempt) {
+      try {
+        return timesNow(night);
+      } catch (const fs::filesystem_error&) {
+        if (attempt == 100) throw;
+      }
+    }
+  }
+  static std::map<std::string, std::int64_t> timesNow(const fs::path& night) {
     std::map<std::string, std::int64_t> all;
     if (!fs::exists(night)) return all;
-    // Half-made results may vanish meanwhile, with a process that is dying.
     for (fs::recursive_directory_iterator entry(night), end; entry != end; ++entry) {
       if (entry->path().string().find(".partial-") != std::string::npos) {
         entry.disable_recursion_pending();
