@@ -41,8 +41,8 @@ std::string toString(const ProcessEnd& end);
 /// has started itself ends with it where this process ends or reaps it, or where it is this program
 /// (kRunningProgram), which gets SIGTERM and ends in order, and SIGKILL only where it has not
 /// within 10 s; not where SIGKILL ends this process and it is another, nor what leaves its group
-/// (setsid). Its signal mask is empty, it does not ignore SIGTERM, SIGPIPE
-/// and SIGXFSZ as this process may, and it leaves no core file.
+/// (setsid). Its signal mask is empty, it does not ignore SIGTERM, SIGPIPE and SIGXFSZ as this
+/// process may, and it leaves no core file.
 class ChildProcess {
  public:
   /// Throws InputError where it cannot be started.
