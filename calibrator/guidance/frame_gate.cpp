@@ -42,6 +42,8 @@ bool FrameGate::isInOrder(TimeNs t, TimeNs before, Decision& d) {
   const bool confirms = far && held && t > *held && secondsBetween(*held, t) <= far_s_;
   replaces_first_ = confirms && is_only_;
   if (replaces_first_) {
+    note(d, fmt::format("time begins anew: the only frame before is {:.3f} s {} it",
+                        std::abs(pause_s_), pause_s_ > 0 ? "before" : "after"));
     pause_s_ = secondsBetween(*held, t);
     return true;
   }

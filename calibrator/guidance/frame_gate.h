@@ -61,7 +61,8 @@ constexpr const char* kWrongFirstStamp = "its stamp is far from those of the fra
 /// 5 s, after the one before holds its frame back; the next frame shows whether there was a pause
 /// or the stamp was wrong, and only a pause counts. Two frames in order that are so far before or
 /// after the only frame until then replace it, and time begins with them. What holds a frame back,
-/// a pause before it, and a target that is long out of view are said in the decision.
+/// a pause before it, time that begins anew, and a target that is long out of view are said in the
+/// decision.
 class FrameGate {
  public:
   /// `last`: stamp of the frame before the first that will arrive.

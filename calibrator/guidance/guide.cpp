@@ -197,6 +197,10 @@ bool Guide::finished() const {
 
 bool Guide::cameraStageEnded() const { return state_->camera_ended; }
 
+std::optional<TimeNs> Guide::cameraStageSince() const {
+  return state_->camera ? state_->camera->since() : std::nullopt;
+}
+
 namespace {
 
 Failure notRun(const char* stage) { return {FailureCode::kStageNotBegun, {{"stage", stage}}}; }

@@ -34,6 +34,9 @@ class Guide {
   bool finished() const;
   /// The camera stage was ended by GuideOptions::camera_stage_s, and did not say stop itself.
   bool cameraStageEnded() const;
+  /// When the camera stage's time began (FrameGate::since()); empty before its first frame, or
+  /// without that stage.
+  std::optional<TimeNs> cameraStageSince() const;
 
   /// The final batch of a stage over the frames that it kept: what the operator is given. Before
   /// the stage finishes: over those kept so far.

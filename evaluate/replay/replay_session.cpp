@@ -209,7 +209,9 @@ Played playBothStages(const ReplayRequest& request, const GuideRig& rig,
                      played.decisions.back().mode != GuideMode::kFinished;
   if (!stuck) return played;
   GuideOptions half = request.guide;
-  half.camera_stage_s = 0.5 * secondsBetween(frames.front().t, frames.back().t);
+  // From where the guide counts, which a wrong stamp of the first frame is not.
+  const TimeNs since = played.guide.cameraStageSince().value_or(frames.front().t);
+  half.camera_stage_s = 0.5 * secondsBetween(since, frames.back().t);
   if (!(half.camera_stage_s > 0)) return played;
   Played again = playedWith(request, rig, frames, half, given, progress);
   // Where half of the views determine no cameras, the second play would lose the first stage and

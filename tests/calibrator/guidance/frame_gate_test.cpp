@@ -74,7 +74,8 @@ TEST_F(FrameGateTest, TwoFramesInOrderReplaceAFirstOneFarAfterThem) {
   EXPECT_TRUE(gate.replacesFirst());
   EXPECT_FALSE(gate.isAfterPause());
   EXPECT_FALSE(gate.hasTarget(false, d));
-  EXPECT_TRUE(d.detail.empty()) << "nothing was seen for 10 s: " << d.detail;
+  EXPECT_EQ(d.detail, "time begins anew: the only frame before is 989.900 s after it")
+      << "the target has not been out of view for 10 s";
   EXPECT_TRUE(arrives(10.2));
   EXPECT_FALSE(gate.replacesFirst());
   EXPECT_FALSE(arrives(1000.1)) << "the first one confirms nothing";
@@ -89,10 +90,21 @@ TEST_F(FrameGateTest, TwoFramesInOrderReplaceAFirstOneFarBeforeThem) {
   EXPECT_TRUE(gate.replacesFirst());
   EXPECT_EQ(gate.since(), toNanoseconds(1000.1));
   EXPECT_FALSE(gate.isAfterPause());
-  EXPECT_TRUE(d.detail.empty()) << d.detail;
+  EXPECT_EQ(d.detail, "time begins anew: the only frame before is 1000.100 s before it");
   EXPECT_TRUE(arrives(1000.2));
   EXPECT_FALSE(gate.replacesFirst());
   EXPECT_EQ(gate.since(), toNanoseconds(1000.1));
+}
+
+// It cannot be told from a wrong stamp.
+TEST_F(FrameGateTest, APauseAfterTheFirstFrameIsSaidThoughItIsReplaced) {
+  EXPECT_TRUE(arrives(0));
+  EXPECT_FALSE(arrives(60));
+  EXPECT_TRUE(arrives(60.1));
+  EXPECT_TRUE(gate.replacesFirst());
+  EXPECT_EQ(d.detail, "time begins anew: the only frame before is 60.100 s before it");
+  EXPECT_TRUE(arrives(60.2));
+  EXPECT_TRUE(d.detail.empty()) << d.detail;
 }
 
 TEST_F(FrameGateTest, OneFrameDoesNotReplaceTheFirstAndTwoNotAnyLater) {

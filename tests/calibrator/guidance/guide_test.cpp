@@ -72,6 +72,17 @@ TEST(Guide, AWrongStampFarAheadDoesNotEndTheCameraStage) {
   }
 }
 
+TEST(Guide, TheCameraStagesTimeBeginsWithTheFramesThatReplaceAFirstOne) {
+  const test::LiveRig rig("euroc", 1, 0.2);
+  Guide guide(rig.guideRig(), GuideOptions());
+  EXPECT_EQ(guide.cameraStageSince(), std::nullopt);
+  const double stamps_s[] = {-1000, 0, 0.1, 0.2};
+  for (int i = 0; i < 4; ++i) {
+    guide.step(rig.frame(i, stamps_s[i], rig.wandering(stamps_s[i])));
+    EXPECT_EQ(guide.cameraStageSince(), toNanoseconds(i < 2 ? -1000 : 0.1)) << i;
+  }
+}
+
 TEST(Guide, AWrongStampOfTheFirstFrameLeavesOutThatFrameAlone) {
   for (const double stamp_s : {1000.0, -1000.0}) {
     const auto decisions = withAWrongStamp(0, 1, stamp_s);
