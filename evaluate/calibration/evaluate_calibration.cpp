@@ -126,7 +126,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
     record.held->scores.push_back(std::move(score));
   }
   record.verdict =
-      scoreVerdict(record, unusedShapeOf(asked.calibration, asked.load),
+      scoreVerdict(record, unusedShapeOf(asked.calibration, from, asked.load),
                    heldImuFindings(asked, scored.calibration, loaded.session, progress));
   return record;
 }

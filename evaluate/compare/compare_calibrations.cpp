@@ -253,7 +253,7 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, const LoadedSessi
   for (ComparedFile& file : files) {
     all.push_back(scoreOn(loaded, file, request, progress));
     append(file.remarks, worstOf(std::move(all.back().judged)));
-    const std::string shape = unusedShapeOf(file.path, *request.load);
+    const std::string shape = unusedShapeOf(file.path, file.extras, *request.load);
     if (!shape.empty()) file.remarks.push_back(unusedShape(shape));
   }
   // Once for all: what the samples themselves show is one finding, whatever number of files.

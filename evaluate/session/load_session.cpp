@@ -162,8 +162,10 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   return loaded;
 }
 
-std::string unusedShapeOf(const std::string& calibration, const LoadRequest& request) {
-  if (request.target_shape) return "";
+std::string unusedShapeOf(const std::string& calibration, const CalibrationExtras& extras,
+                          const LoadRequest& request) {
+  const bool may_be_ours = extras.tool == "plumbline" || extras.tool == "kalibr";
+  if (request.target_shape || !may_be_ours) return "";
   const auto beside = std::filesystem::path(calibration).parent_path() / kTargetShapeFile;
   return std::filesystem::is_regular_file(beside) ? beside.string() : "";
 }

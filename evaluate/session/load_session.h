@@ -145,9 +145,11 @@ std::optional<std::string> defaultCacheFolder();
 /// where the file does not say what it was estimated from.
 std::optional<bool> wasEstimatedFrom(const CalibrationExtras& from, const LoadedSession& loaded);
 
-/// File with the board's shape beside a calibration, where the request gives none; "": there is
-/// none.
-std::string unusedShapeOf(const std::string& calibration, const LoadRequest& request);
+/// File with the board's shape beside a calibration that may have been estimated with it, where the
+/// request gives none; "": there is none. In Kalibr's format we write too; a file in the format of
+/// yac, OpenVINS or Basalt is of a tool that knows no shape. `extras` are the calibration's.
+std::string unusedShapeOf(const std::string& calibration, const CalibrationExtras& extras,
+                          const LoadRequest& request);
 
 /// What estimates under these options rest on: noise of the corners and loss as `camera` has them,
 /// gravity as `camera_imu` has it; no IMU noise.

@@ -81,15 +81,16 @@ std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
                                  const std::optional<CameraImuStageResult>& camera_imu,
                                  const VerdictThresholds& thresholds = {});
 
-/// That the board is taken as stated although the calibration came with this file of its shape. A
-/// board of another shape shows as errors of the calibration: it must be said.
+/// That the board is taken as stated although this file of its shape lies beside the calibration. A
+/// board of another shape shows as errors of the calibration: it must be said. Whether the
+/// calibration was estimated with the file is not known.
 Finding unusedShape(const std::string& file);
 
 /// What the scores of a calibration that was held fixed say: its errors over the image on the
 /// recording, with the thresholds of a calibration's own verdict, and the scores that could not be
 /// had. The headline leads with its RMSE on every session, held out where it is known to be.
-/// For a record with `held`. `unused_shape` is the file of the board's shape that the calibration
-/// came with, where the board was taken as stated all the same ("": none). `held_imu` is what
+/// For a record with `held`. `unused_shape` is the file of the board's shape that lies beside
+/// the calibration, where the board was taken as stated all the same ("": none). `held_imu` is what
 /// judgeHeldImu() says, where both sides have an IMU.
 Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape = "",
                      const std::vector<Finding>& held_imu = {},

@@ -192,10 +192,11 @@ std::string scoreWords(const std::vector<CalibrationScore>& scores) {
 
 Finding unusedShape(const std::string& file) {
   Finding f{"Shape of the target", VerdictLevel::kCaution,
-            "the board is assumed to be as target.yaml states; the calibration was estimated with "
-            "the board shape of " +
-                file,
-            "if this recording shows the same board, run again with --target-shape " + file};
+            "the board is assumed to be as target.yaml states, but " + file +
+                " lies beside the calibration",
+            "if the calibration was estimated with that shape, and this recording shows the same "
+            "board, run again with --target-shape " +
+                file};
   f.subject = FindingSubject::kRecording;
   return f;
 }

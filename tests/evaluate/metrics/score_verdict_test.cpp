@@ -44,6 +44,9 @@ TEST(ScoreVerdict, TheShapeOfTheBoardThatWasNotUsedIsNamedWithItsCure) {
   const Verdict v = scoreVerdict(record({score("euroc", "all", 0.46)}), "cal/target_shape.yaml");
   EXPECT_EQ(v.level, VerdictLevel::kCaution);
   EXPECT_THAT(v.headline, HasSubstr("run again with --target-shape cal/target_shape.yaml"));
+  const Finding f = unusedShape("cal/target_shape.yaml");
+  EXPECT_THAT(f.evidence, HasSubstr("cal/target_shape.yaml lies beside the calibration"));
+  EXPECT_THAT(f.advice, HasSubstr("if the calibration was estimated with that shape"));
 }
 
 TEST(ScoreVerdict, WhatCouldNotBeScoredIsSaid) {
