@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cassert>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "calibrator/batch/camera/batch.h"

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/core.h>
-
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/failure_text.h"
 
