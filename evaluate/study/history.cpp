@@ -172,7 +172,7 @@ class Judge {
           // alarm.
           if (first_bad == 0) first_bad = night;
           was = middle;
-          series.without_jumps.push_back(middle);
+          series.without_jumps.push_back(good.back());
           continue;
         }
       }

@@ -25,9 +25,9 @@ ShownUnit shownUnit(const Finding& f) {
   // Stops of the guide are judged in seconds, recovered offsets by microseconds.
   if (f.unit == "s" && larger > 0 && larger < 1e-3) return {1e6, " \u00b5s"};
   if (f.unit == "s" && larger > 0 && larger < 1) return {1e3, " ms"};
-  // "-": a share, whatever its bound; "1": a count; "x": a factor.
-  if (f.unit == "-") return {100, " %"};
-  const bool plain = f.unit == "1" || f.unit == "x";
+  // "1": a count; "x": a factor; "-" of an earlier store: any of the three.
+  if (f.unit == "share") return {100, " %"};
+  const bool plain = f.unit == "1" || f.unit == "x" || f.unit == "-";
   return {1, plain ? "" : " " + f.unit};
 }
 

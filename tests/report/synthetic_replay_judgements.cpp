@@ -98,7 +98,7 @@ void addJudgements(ReplayRecord& record) {
   record.verdict =
       makeVerdict({{"Finish of the camera stage", VerdictLevel::kCaution, "3.5 s late",
                     "raise the threshold", 3.5, 2, "s"},
-                   {"Suggestions reached", VerdictLevel::kGood, "3 of 5", "", 0.6, 0.5, "-"}});
+                   {"Suggestions reached", VerdictLevel::kGood, "3 of 5", "", 0.6, 0.5, "share"}});
 }
 
 }  // namespace plumbline::test

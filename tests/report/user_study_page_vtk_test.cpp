@@ -158,16 +158,16 @@ TEST(VerdictOfAPage, ShowsFindingsInTheUnitOfTheirRule) {
     return Finding{"A rule", VerdictLevel::kGood, "3 us of 4 mm are 5 %", "", value, threshold,
                    unit};
   };
-  record.verdict =
-      makeVerdict({finding(0.123, 0.5, "m"), finding(110, 5, "m"), finding(3.5, 2, "s"),
-                   finding(2e-6, 1e-6, "s"), finding(0.003, 1e-6, "s"), finding(0, 0, "s"),
-                   finding(0.25, 0.1, "-"), finding(0.25, 1, "-"), finding(0.004, 0, "-"),
-                   finding(2, 0, "1"), finding(0.15, 0.2, "x")});
+  record.verdict = makeVerdict(
+      {finding(0.123, 0.5, "m"), finding(110, 5, "m"), finding(3.5, 2, "s"),
+       finding(2e-6, 1e-6, "s"), finding(0.003, 1e-6, "s"), finding(0, 0, "s"),
+       finding(0.25, 0.1, "share"), finding(0.25, 1, "share"), finding(0.004, 0, "share"),
+       finding(2, 0, "1"), finding(0.15, 0.2, "x"), finding(30, 20, "-")});
   std::string shown;
   for (const std::string& cell : between(renderStudyPage(record), "data-name=\"value\">", "<")) {
     shown += cell.substr(cell.find('>') + 1);
   }
-  EXPECT_EQ(shown, "123 mm<110 m<3.5 s<2 \u00b5s<3 ms<0 s<25 %<25 %<0.4 %<2<0.15<");
+  EXPECT_EQ(shown, "123 mm<110 m<3.5 s<2 \u00b5s<3 ms<0 s<25 %<25 %<0.4 %<2<0.15<30<");
 }
 
 TEST(UserStudyPage, ShowsCountsAsCountsAndDriftsAsShares) {

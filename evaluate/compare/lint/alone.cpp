@@ -109,7 +109,7 @@ std::vector<Finding> principalPoint(const LintedCalibration& linted,
       fmt::format("check resolution and intrinsics of {} in {}: one of them belongs to scaled or "
                   "cropped images",
                   camera.name, linted.name),
-      {shift, options.max_principal_shift, "-"})};
+      {shift, options.max_principal_shift, "share"})};
 }
 
 // ---- IMU

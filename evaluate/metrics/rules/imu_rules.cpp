@@ -118,7 +118,7 @@ Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThre
   const int without_pose = stage.frames_without_pose;
   // Of the frames with a pose; those without one are counted below.
   const auto posed = static_cast<double>(stage.frames.size()) + without_imu;
-  return {above({"Frames covered by the IMU", "-", t.frames_without_imu,
+  return {above({"Frames covered by the IMU", "share", t.frames_without_imu,
                  "Start the IMU before the cameras and stop it after them, and look for pauses in "
                  "its driver: frames without IMU samples around them are not used."},
                 share(without_imu, posed),
@@ -129,7 +129,7 @@ Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThre
                  "samples were lost (driver, bus load, disk)."},
                 stage.imu_gaps,
                 fmt::format("number of gaps: {}{}", stage.imu_gaps, pausesIn(stage.screening))),
-          above({"Frames without a pose (camera-IMU)", "-", t.rejected,
+          above({"Frames without a pose (camera-IMU)", "share", t.rejected,
                  "That many frames without a plausible pose indicate false detections or "
                  "intrinsics that do not belong to these cameras."},
                 share(without_pose, posed + without_pose),
@@ -159,14 +159,14 @@ Findings judgeLinearFit(const CameraImuStageResult& stage, double assumed_m_s2,
   const InertialCheck& check = stage.inertial_check;
   if (stage.faults || check.gravity_m_s2 <= 0) return findings;
   findings.push_back(
-      untested({"Gravity by the linear fit", "-", t.gravity, ""},
+      untested({"Gravity by the linear fit", "share", t.gravity, ""},
                std::abs(check.gravity_m_s2 / assumed_m_s2 - 1),
                fmt::format("measured {:.3f} m/s^2, assumed {:.3f}; the cause was not tested",
                            check.gravity_m_s2, assumed_m_s2)));
   // Where the fit leaves more than noise, its scale says nothing of the target.
   if (check.residual_ratio > t.inertial_fit.caution) return findings;
   findings.push_back(untested(
-      {"Scale by the linear fit", "-", t.target_scale, ""},
+      {"Scale by the linear fit", "share", t.target_scale, ""},
       // What two deviations do not explain of the difference; NaN stays NaN.
       std::max(std::abs(check.target_scale - 1) - 2 * check.target_scale_std, 0.0),
       fmt::format(
@@ -207,7 +207,7 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
   const bool differs = !(size->significance <= kSigmas);
   const double least = differs ? std::max(std::abs(off) - kSigmas * std, 0.0) : 0;
   const double moved = movedInDeviations(*size, *stage.faults);
-  Rule rule{"Size of the target by the batch", "-", t.target_scale,
+  Rule rule{"Size of the target by the batch", "share", t.target_scale,
             "Measure a tag's black square against tagSize in target.yaml. If it agrees, record "
             "again with brisker motion: this recording is not conclusive."};
   VerdictLevel level = std::min(VerdictLevel::kCaution, levelAbove(least, rule.bound));
@@ -233,7 +233,7 @@ Findings judgeStatements(const CalibrationRecord& record, const VerdictThreshold
   const double stated_hz = stage.imu.noise.rate_hz;
   if (stage.imu_rate_hz > 0 && stated_hz > 0) {
     findings.push_back(
-        above({"Rate of the IMU", "-", t.imu_rate,
+        above({"Rate of the IMU", "share", t.imu_rate,
                "Correct update_rate in imu.yaml, or look for samples that were lost."},
               std::abs(stage.imu_rate_hz / stated_hz - 1),
               fmt::format("samples come at {:.4g} Hz, imu.yaml states {:.4g} Hz", stage.imu_rate_hz,

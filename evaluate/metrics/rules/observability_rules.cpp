@@ -14,7 +14,7 @@ Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds
     const LargestStd focal = largestStd(estimates, {"fu", "fv"}, camera.name + ".", true);
     if (focal.name.empty()) continue;
     findings.push_back(
-        above({fmt::format("Focal length of {}", camera.name), "-", t.focal_std,
+        above({fmt::format("Focal length of {}", camera.name), "share", t.focal_std,
                adviceOnViews(record, "Record more tilted views and views at different distances.")},
               focal.value,
               fmt::format("{} of {} is {:.3f} %", kindOf(focal), focal.name, 100 * focal.value)));

@@ -86,7 +86,7 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
     // A single corner covers its region: the rule is of places that no view reached at all.
     const double coverage = regions.coverage();
     findings.push_back(
-        below({fmt::format("Image coverage of {}", camera.name), "-", t.coverage,
+        below({fmt::format("Image coverage of {}", camera.name), "share", t.coverage,
                adviceOnViews(
                    record,
                    "Record views in which the target reaches the corners and edges of the image.")},
@@ -166,7 +166,7 @@ Findings judgePrincipalPoints(const CameraStageResult& stage, const VerdictThres
     const double off = std::max(std::abs(u / (k.resolution.width - 1) - 0.5),
                                 std::abs(v / (k.resolution.height - 1) - 0.5));
     findings.push_back(
-        above({fmt::format("Principal point of {}", camera.name), "-", t.principal_point,
+        above({fmt::format("Principal point of {}", camera.name), "share", t.principal_point,
                "Check the resolution in sensor.yaml: only a cropped image has its optical centre "
                "that far from its middle. If it is right, record views in all parts of the image."},
               off,
@@ -186,7 +186,7 @@ Findings judgeResolutions(const CameraStageResult& stage, const VerdictThreshold
         std::max(emptyStrip(extent.low.x(), extent.high.x(), centre.x(), k.resolution.width),
                  emptyStrip(extent.low.y(), extent.high.y(), centre.y(), k.resolution.height));
     findings.push_back(
-        above({fmt::format("Resolution of {}", stage.cameras[i].name), "-", t.resolution,
+        above({fmt::format("Resolution of {}", stage.cameras[i].name), "share", t.resolution,
                "The images seem to be smaller than the resolution stated in sensor.yaml (or by "
                "option): correct it. If it is right, record views that reach the image's right and "
                "lower edges."},
@@ -219,7 +219,7 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
   }
   if (shown.spacing) {
     findings.push_back(
-        above({"Spacing of the target's tags", "-", t.tag_spacing,
+        above({"Spacing of the target's tags", "share", t.tag_spacing,
                "Measure tag and gap on the target and correct tagSpacing (gap / tagSize) in "
                "target.yaml: a wrong one biases every estimate."},
               std::abs(*shown.spacing / target.spacing - 1),

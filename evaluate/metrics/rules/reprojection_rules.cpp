@@ -55,7 +55,7 @@ Findings judgeRejected(const std::vector<CornerResidual>& residuals, const std::
   const auto rejected =
       std::count_if(residuals.begin(), residuals.end(), [](const auto& r) { return !r.used; });
   return {
-      above({fmt::format("Rejected corners ({})", stage), "-", t.rejected,
+      above({fmt::format("Rejected corners ({})", stage), "share", t.rejected,
              "That many outliers indicate false detections, motion blur or a wrong target file."},
             share(static_cast<double>(rejected), static_cast<double>(residuals.size())),
             fmt::format("{} of {} corners were rejected", rejected, residuals.size()))};
@@ -69,7 +69,7 @@ Findings judgeLeftOut(const CalibrationRecord& record, const VerdictThresholds& 
   const std::size_t listed = record.camera->residuals.size();
   if (offered < listed) return {};
   return {
-      above({"Unused frames (cameras)", "-", t.rejected,
+      above({"Unused frames (cameras)", "share", t.rejected,
              "That many frames without a plausible pose indicate false detections, too few corners "
              "in a frame, a wrong target.yaml or an unsuitable camera model."},
             share(static_cast<double>(offered - listed), static_cast<double>(offered)),

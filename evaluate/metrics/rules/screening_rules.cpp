@@ -85,7 +85,7 @@ Findings judgeScreening(const CameraImuStageResult& stage, const VerdictThreshol
   const auto offered = static_cast<double>(stage.summary.corners_offered);
   const double wrong = share(static_cast<double>(s.false_corners), offered);
   findings.push_back(
-      above({"False corners", "-", t.false_corners,
+      above({"False corners", "share", t.false_corners,
              "A robust loss leaves them out, --loss none does not; find the cause (blur, "
              "reflections, a wrong refinement window)."},
             wrong,

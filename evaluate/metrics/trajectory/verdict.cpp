@@ -40,7 +40,7 @@ Finding completion(const TrajectoryStudy& study, const RunsSummary& s) {
             "",
             s.completion,
             1,
-            "-"};
+            "share"};
   const TrajectoryRun* run = firstIncomplete(study, s);
   if (run != nullptr && !run->problem.empty()) {
     // Both are empty where the pattern of the runs has no such fields.

@@ -385,6 +385,27 @@ TEST(HistoryTest, ADriftStaysOneWhereItHasBecomeLarge) {
   }
 }
 
+// Even nights before it: their median lags behind the drift, which then counts as a jump every
+// night.
+TEST(HistoryTest, ADriftAfterEvenNightsStaysOneWhereItHasBecomeLarge) {
+  for (const double each : {0.003, 0.005, 0.01}) {
+    History history;
+    bool alarmed = false;
+    for (int night = 1; night <= 30; ++night) {
+      if (night > 1) history.nextNight();
+      for (int s = 0; s < 4; ++s) {
+        history.add("s" + std::to_string(s), "ate_m/x", 0.1 * (1 + each * std::max(0, night - 10)),
+                    std::to_string(night));
+      }
+      const auto alarms = history.judge();
+      const bool drift = std::any_of(alarms.begin(), alarms.end(), isOfStudy);
+      EXPECT_TRUE(drift || !alarmed) << each << ", night " << night;
+      alarmed = drift;
+    }
+    EXPECT_TRUE(alarmed) << each;
+  }
+}
+
 // Where nights after the shift are as many as those before, their spread is that of the shift.
 TEST(HistoryTest, AShiftThatStaysKeepsItsAlarm) {
   History history;
