@@ -120,17 +120,15 @@ void addConsistency(const BuiltinRun& run, OdometryRunRecord& r) {
 }
 
 /// What the odometry would choose for the time offset, and for T_SC0; that it gives none is said,
-/// before the additional runs where the evaluated one, of these innovations, is too short for them.
+/// before the additional runs where the evaluated one, of these innovations, has too few seconds.
 void addHint(const OdometryPlan& plan, const OdometryRequest& request,
              const std::vector<FrameInnovation>& innovations, OdometryRunRecord& r,
              std::vector<std::string>& remarks) {
   const Calibration calibration = withNoise(plan);
   r.offset_calibrated_s = calibration.imu->timeOffset();
-  if (const int blocks = hintBlocks(innovations); blocks < kFewestHintBlocks) {
-    remarks.push_back(fmt::format(
-        "--estimate gives nothing: the flight is too short: the odometry ran for {} blocks of 1 s, "
-        "and {} are needed",
-        blocks, kFewestHintBlocks));
+  const std::string too_few = tooFewBlocks(innovations, plan.sequence->duration_s());
+  if (!too_few.empty()) {
+    remarks.push_back("--estimate gives nothing: " + too_few);
     return;
   }
   const auto run = [&](const Eigen::VectorXd& change) {
@@ -143,7 +141,7 @@ void addHint(const OdometryPlan& plan, const OdometryRequest& request,
   if (!hint) {
     remarks.push_back(fmt::format(
         "--estimate gives nothing: the innovations have no minimum within 20 ms{} of the "
-        "calibration",
+        "calibration, or too few seconds are common to all runs",
         request.hint == HintKind::kExtrinsics ? ", 150 mm and 2.5 deg" : ""));
     return;
   }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include <fmt/core.h>
+
 #include "calibrator/base/transform.h"
 #include "evaluate/results/progress.h"
 
@@ -185,6 +187,14 @@ Calibration changed(Calibration calibration, const VectorXd& change) {
 
 int hintBlocks(const std::vector<FrameInnovation>& innovations) {
   return static_cast<int>(blocksOf({innovations}).size());
+}
+
+std::string tooFewBlocks(const std::vector<FrameInnovation>& innovations, double duration_s) {
+  const int blocks = hintBlocks(innovations);
+  if (blocks >= kFewestHintBlocks) return "";
+  return fmt::format("{}the odometry predicted frames in only {} of the {} seconds that are needed",
+                     duration_s < kFewestHintBlocks * kBlock_s ? "the flight is too short: " : "",
+                     blocks, kFewestHintBlocks);
 }
 
 std::optional<CalibrationHint> calibrationHint(HintKind kind, const InnovationsAt& run,

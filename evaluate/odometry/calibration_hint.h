@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
@@ -36,6 +37,10 @@ using InnovationsAt = std::function<std::vector<FrameInnovation>(const Eigen::Ve
 /// Blocks of a second in which a run predicted frames, and how many a hint needs.
 int hintBlocks(const std::vector<FrameInnovation>& innovations);
 inline constexpr int kFewestHintBlocks = 8;
+
+/// Why a run over a sequence of so many seconds gives no hint: it has too few blocks. Empty where
+/// it has enough.
+std::string tooFewBlocks(const std::vector<FrameInnovation>& innovations, double duration_s);
 
 /// The change under which the IMU predicts the tracks best: the minimum of a quadratic
 ///   J(x) = J(0) + g'x + x'Hx/2,  g_i = (J(h_i) - J(-h_i)) / 2,  H_ii = J(h_i) + J(-h_i) - 2 J(0),

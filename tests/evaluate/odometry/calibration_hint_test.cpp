@@ -85,6 +85,20 @@ TEST(CalibrationHint, BlocksAreSecondsFromTheFirstFrame) {
   EXPECT_EQ(hintBlocks(frames), kFewestHintBlocks - 1) << "6.95 s";
 }
 
+// A run that lost track early, or never initialised, is no short flight.
+TEST(CalibrationHint, AFlightIsShortOnlyWhereTheSequenceIs) {
+  std::vector<FrameInnovation> frames;
+  EXPECT_EQ(tooFewBlocks(frames, 120),
+            "the odometry predicted frames in only 0 of the 8 seconds that are needed");
+  for (int k = 0; k < 90; ++k) frames.push_back({50'000'000LL * k, 100, 100});
+  EXPECT_EQ(
+      tooFewBlocks(frames, 5.5),
+      "the flight is too short: the odometry predicted frames in only 5 of the 8 seconds that "
+      "are needed");
+  for (int k = 90; k < 150; ++k) frames.push_back({50'000'000LL * k, 100, 100});
+  EXPECT_EQ(tooFewBlocks(frames, 7.5), "");
+}
+
 // T_SC0 moves by its tangent, and with it all cameras; every camera's offset moves alike.
 TEST(CalibrationHint, ChangesTheCalibrationByItsTangent) {
   const Calibration before = simulatedRig("euroc").calibration;
