@@ -201,9 +201,6 @@ void addOfSamples(const Failure& f, Words& words) {
   }
 }
 
-/// Of the frames that a selection left of the recording's: nothing is known of the others.
-bool isOfSelection(const Failure& f) { return f.values.count("selected_frames") > 0; }
-
 /// What leaves a parameter of a camera free, by what is known of its views; nothing is said that
 /// does not hold of them.
 struct FreeText {
@@ -211,7 +208,6 @@ struct FreeText {
 };
 
 FreeText whyFree(const Failure& f) {
-  if (isOfSelection(f)) return {};  // textOf() names it
   // Where a rig is tilted less, or sees less of the image, that is named as the cause.
   constexpr double kTilted = 25;  // degrees
   constexpr double kReach = 0.6;  // half diagonals
@@ -364,11 +360,15 @@ FailureText textOf(const Failure& failure) {
     FailureText text{fmt::vformat(row.message, words), fmt::vformat(row.cure, words)};
     if (!failure.where.empty()) text.message = failure.where + ": " + text.message;
     text.cure += wideAngle(failure);
-    if (isOfSelection(failure)) {
+    if (failure.values.count("selected_frames") > 0) {
       text.message +=
           fmt::format("; --select-views left {:.0f} of {:.0f} frames",
                       failure.number("selected_frames"), failure.number("selected_from"));
-      text.cure = kChooseMoreViews;
+      // Nothing is known of the others: they may not determine it either.
+      text.cure =
+          "choose more of them, with a smaller value of --select-views, or use all, without it; if "
+          "these fail as well, " +
+          text.cure;
     }
     return text;
   } catch (const std::exception&) {

@@ -7,10 +7,6 @@
 
 namespace plumbline {
 
-/// What to do where --select-views left too few.
-inline constexpr const char* kChooseMoreViews =
-    "choose more of them, with a smaller value of --select-views, or use all, without it";
-
 /// The sentences of a code, filled with the failure's values by name, and with what
 /// failure_text.cpp derives of them.
 struct FailureRow {

@@ -52,7 +52,9 @@ void fields(V& v, Finding& f) {
   v("advice", f.advice, "what to do; empty where nothing needs doing");
   v("value", f.value, "what was compared");
   v("threshold", f.threshold, "the bound that it was compared with (`--threshold` moves bounds)");
-  v("unit", f.unit, "of `value` and `threshold`; `-`: a share, `x`: a factor, `1`: a count");
+  v("unit", f.unit,
+    "of `value` and `threshold`; `share`: a fraction, shown in percent, `x`: a factor, `1`: a "
+    "count");
   v("subject", f.subject,
     "what it is about: `cameras`, `extrinsics and time`, `IMU noise`, `recording`, or the "
     "`result`");

@@ -168,9 +168,10 @@ StageSolution solveStage(const Session& session, std::vector<PackedCorners>& cor
   return stage;
 }
 
-/// A failure of what a selection left is one of the selection first.
+/// A failure of what a selection left may be one of the selection; that a solution does not
+/// converge is not one of too few frames.
 Failure withSelection(Failure failure, std::size_t frames, std::size_t before) {
-  if (frames >= before) return failure;
+  if (frames >= before || failure.code == FailureCode::kCamerasNotConverged) return failure;
   failure.values.emplace("selected_frames", frames);
   failure.values.emplace("selected_from", before);
   return failure;

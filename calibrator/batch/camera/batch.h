@@ -66,7 +66,8 @@ struct CameraStageOptions : MeasurementModel {
 
   CornerFilter filter = CornerFilter::kNone;
   double filter_sigmas = 4;  ///< of CornerFilter::kSigma
-  /// None: all frames are used. A failure of what it left has selected_frames and selected_from.
+  /// None: all frames are used. What the frames that it left do not determine fails with
+  /// selected_frames and selected_from.
   std::optional<ViewSelectionOptions> select_views;
 
   TargetMode target = TargetMode::kGiven;

@@ -109,6 +109,8 @@ bool isSignificant(const FaultTest& test, const DiagnosisOptions& options, std::
 /// joint test differs from zero, and neither size nor effect is known.
 bool isKnown(const FaultTest& test) {
   constexpr double kKnownDeviations = 3;
+  // Steps between neighbouring parts: a slow wander is many small ones.
+  if (test.fault == UnmodelledFault::kStampsWander) return true;
   return (test.estimate.array().abs() > kKnownDeviations * test.std.array()).any();
 }
 

@@ -193,7 +193,7 @@ std::vector<std::string> offsetWarnings(const Calibration& calibration,
   if (!options.offset_known) {
     return {
         "The time offset between camera and IMU is unknown: the calibration does not state it. " +
-        instead + " Estimate it, or let the tool do so."};
+        instead + " Estimate it, or let the tool do so where it can."};
   }
   for (std::size_t i = 1; i < calibration.cameras.size(); ++i) {
     if (!hasOwnOffset(calibration.imu->time_offsets, i)) continue;

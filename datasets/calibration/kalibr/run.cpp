@@ -26,10 +26,15 @@ constexpr double kRounding = 2e-8;  // the text has eight decimals
 std::optional<Kind> yamlKind(const std::string& path) {
   const YamlMap file = YamlMap::load(path, "Kalibr's output");
   if (file.has("cam0") && file.node("cam0").IsMap()) {
-    const YamlMap camera = file.map("cam0", "a camera");
-    if (!camera.has("camera_model")) return std::nullopt;
-    return camera.has("T_cam_imu") || camera.has("T_imu_cam") ? Kind::kCamchainImu
-                                                              : Kind::kCamchain;
+    if (!file.map("cam0", "a camera").has("camera_model")) return std::nullopt;
+    // Any camera may place the IMU; the others follow by the chain.
+    for (int i = 0; file.has("cam" + std::to_string(i)); ++i) {
+      const std::string key = "cam" + std::to_string(i);
+      if (!file.node(key).IsMap()) continue;
+      const YamlMap camera = file.map(key, "a camera");
+      if (camera.has("T_cam_imu") || camera.has("T_imu_cam")) return Kind::kCamchainImu;
+    }
+    return Kind::kCamchain;
   }
   const bool wrapped = file.has("imu0") && file.node("imu0").IsMap();
   const bool imu = wrapped ? file.map("imu0", "an IMU").has("gyroscope_noise_density")

@@ -145,11 +145,18 @@ Findings judgeHeldBetween(const ImuCalibration& held, HeldOffset offset,
     if (level == VerdictLevel::kGood) continue;
     worst = std::max(worst, level);
     rule.advice += fmt::format(
-        "{}correct timeshift_cam_imu of {}: on this recording it is that of {} {:+.3f} ms",
-        rule.advice.empty() ? "" : "; ", name, estimated.cameras.front().name, 1e3 * b.s);
+        "{}{} timeshift_cam_imu of {}: on this recording it is that of {} {:+.3f} ms",
+        rule.advice.empty() ? "" : "; ", offset == HeldOffset::kAssumed ? "state" : "correct", name,
+        estimated.cameras.front().name, 1e3 * b.s);
   }
   if (list.empty()) return {};
-  if (offset == HeldOffset::kAssumed) worst = std::min(worst, VerdictLevel::kCaution);
+  // Another fault of the recording may look like a delay of a camera.
+  const bool other =
+      estimated.faults && std::any_of(estimated.faults->causes.begin(),
+                                      estimated.faults->causes.end(), [](const FaultTest& cause) {
+                                        return cause.fault != UnmodelledFault::kCameraDelay;
+                                      });
+  if (offset == HeldOffset::kAssumed || other) worst = std::min(worst, VerdictLevel::kCaution);
   Finding f = finding(rule, worst, value, list);
   f.subject = FindingSubject::kExtrinsics;
   return {f};

@@ -212,7 +212,7 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
             "again with brisker motion: this recording is not conclusive."};
   VerdictLevel level = std::min(VerdictLevel::kCaution, levelAbove(least, rule.bound));
   double value = least;
-  if (level == VerdictLevel::kGood && differs && moved > kSigmas) {
+  if (level == VerdictLevel::kGood && differs && !(moved <= kSigmas)) {
     rule.unit = "sigma";
     rule.bound.caution = kSigmas;
     level = VerdictLevel::kCaution;

@@ -9,13 +9,15 @@ namespace plumbline {
 Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds& t) {
   Findings findings;
   const auto estimates = parameterEstimates(record, Stage::kCamera);
-  for (const CameraCalibration& camera : record.camera->cameras) {
+  for (std::size_t i = 0; i < record.camera->cameras.size(); ++i) {
+    const CameraCalibration& camera = record.camera->cameras[i];
     // Relative to the focal length, so that one bound serves images of every size.
     const LargestStd focal = largestStd(estimates, {"fu", "fv"}, camera.name + ".", true);
     if (focal.name.empty()) continue;
     findings.push_back(
         above({fmt::format("Focal length of {}", camera.name), "share", t.focal_std,
-               adviceOnViews(record, "Record more tilted views and views at different distances.")},
+               adviceOnViews(record, "Record more tilted views and views at different distances.",
+                             static_cast<int>(i))},
               focal.value,
               fmt::format("{} of {} is {:.3f} %", kindOf(focal), focal.name, 100 * focal.value)));
   }

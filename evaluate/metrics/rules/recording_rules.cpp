@@ -85,30 +85,30 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
         regionalErrors(stage.residuals, index, camera.intrinsics.resolution);
     // A single corner covers its region: the rule is of places that no view reached at all.
     const double coverage = regions.coverage();
-    findings.push_back(
-        below({fmt::format("Image coverage of {}", camera.name), "share", t.coverage,
-               adviceOnViews(
-                   record,
-                   "Record views in which the target reaches the corners and edges of the image.")},
-              coverage, fmt::format("corners in {:.0f} % of the image regions", 100 * coverage)));
-    std::vector<char> seen(stage.frames.size(), 0);
-    for (const CornerResidual& r : stage.residuals) {
-      if (r.camera == index && r.used) seen[r.frame] = 1;
-    }
-    const auto views = std::count(seen.begin(), seen.end(), 1);
     findings.push_back(below(
-        {fmt::format("Views of {}", camera.name), "1", t.views,
-         adviceOnViews(record, "Record more views, differing in distance, tilt and position.")},
-        static_cast<double>(views), fmt::format("{} views used", views)));
+        {fmt::format("Image coverage of {}", camera.name), "share", t.coverage,
+         adviceOnViews(
+             record, "Record views in which the target reaches the corners and edges of the image.",
+             index)},
+        coverage, fmt::format("corners in {:.0f} % of the image regions", 100 * coverage)));
+    const int views = usedViews(stage, index);
+    findings.push_back(
+        below({fmt::format("Views of {}", camera.name), "1", t.views,
+               adviceOnViews(record, "Record more views, differing in distance, tilt and position.",
+                             index)},
+              static_cast<double>(views), fmt::format("{} views used", views)));
   }
   // The 90 % quantile: a tenth of the views has to be tilted, not a single one.
   const double tilt = kDegrees * quantile(viewTilts(stage.T_FC0), 0.9);
+  // Of more views it need not be larger.
+  std::string advice =
+      "Tilt the rig (or the target) by 30 to 45 degrees: frontal views do not separate focal "
+      "length "
+      "from distance.";
+  if (const std::string note = selectionNote(record); !note.empty()) advice += " " + note;
   findings.push_back(
-      below({"Tilt of the views", "deg", t.tilt_deg,
-             adviceOnViews(record,
-                           "Tilt the rig (or the target) by 30 to 45 degrees: frontal views do not "
-                           "separate focal length from distance.")},
-            tilt, fmt::format("90 % of the views are tilted by up to {:.0f} degrees", tilt)));
+      below({"Tilt of the views", "deg", t.tilt_deg, advice}, tilt,
+            fmt::format("90 % of the views are tilted by up to {:.0f} degrees", tilt)));
   return findings;
 }
 

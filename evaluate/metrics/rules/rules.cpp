@@ -5,8 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "calibrator/base/statistics/statistics.h"
-#include "evaluate/metrics/failure_text.h"
 
 namespace plumbline {
 namespace {
@@ -97,12 +98,33 @@ std::string kindOf(const LargestStd& largest) {
 
 double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
-std::string adviceOnViews(const CalibrationRecord& record, const char* advice) {
-  int views = 0;
-  for (const CameraCounts& counts : record.counts) views += counts.views_with_corners;
-  const int used = record.camera->summary.views_used;
-  if (!record.assumptions.views_selected || used >= views) return advice;
-  return fmt::format("--select-views left {} of {} views: {}.", used, views, kChooseMoreViews);
+int usedViews(const CameraStageResult& stage, int camera) {
+  std::vector<char> seen(stage.frames.size(), 0);
+  for (const CornerResidual& r : stage.residuals) {
+    if (r.camera == camera && r.used) seen[r.frame] = 1;
+  }
+  return static_cast<int>(std::count(seen.begin(), seen.end(), 1));
+}
+
+std::string selectionNote(const CalibrationRecord& record, std::optional<int> camera) {
+  if (!record.assumptions.views_selected) return "";
+  int views = 0, used = 0;
+  for (int c = 0; c < static_cast<int>(record.counts.size()); ++c) {
+    if (camera && *camera != c) continue;
+    views += record.counts[c].views_with_corners;
+    used += usedViews(*record.camera, c);
+  }
+  // Not all of the others need be the selection's: --min-corners and --outliers leave out as well.
+  if (used >= views) return "";
+  return fmt::format(
+      "Of {} views with corners {} are used; a smaller value of --select-views may leave more.",
+      views, used);
+}
+
+std::string adviceOnViews(const CalibrationRecord& record, const char* advice,
+                          std::optional<int> camera) {
+  const std::string note = selectionNote(record, camera);
+  return note.empty() ? advice : note + " " + advice;
 }
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,9 +56,16 @@ std::string kindOf(const LargestStd& largest);
 /// part / whole; 0 of nothing.
 double share(double part, double whole);
 
-/// `advice` to record other views; where --select-views left some of the recording's out, to choose
-/// more of them first.
-std::string adviceOnViews(const CalibrationRecord& record, const char* advice);
+/// Views of a camera with a used corner.
+int usedViews(const CameraStageResult& stage, int camera);
+
+/// Where --select-views was asked for and the recording has more views with corners, of a camera or
+/// of all: a sentence that says so; otherwise empty.
+std::string selectionNote(const CalibrationRecord& record, std::optional<int> camera = {});
+
+/// `advice` to record other views, of a camera or of all; behind selectionNote().
+std::string adviceOnViews(const CalibrationRecord& record, const char* advice,
+                          std::optional<int> camera = {});
 
 /// kCameraImuNotConverged of a stage that did not; with the fault that explains its residuals best,
 /// where one is significant.

@@ -84,6 +84,14 @@ TEST(CameraFailures, OfASelectionSayHowManyFramesItLeft) {
   EXPECT_GE(few.failure().number("selected_frames"), 1) << few.failure();
   EXPECT_LT(few.failure().number("selected_frames"), 5) << few.failure();
   EXPECT_EQ(few.failure().number("selected_from"), 40) << few.failure();
+  // A solution that does not converge lacks no frames.
+  CameraStageOptions short_run = options;
+  short_run.select_views->threshold_bits = 0.5;
+  short_run.max_iterations = 1;
+  const auto rough = calibrateCameras(session, short_run);
+  ASSERT_FALSE(rough.ok());
+  EXPECT_EQ(rough.failure().code, FailureCode::kCamerasNotConverged) << rough.failure();
+  EXPECT_EQ(rough.failure().values.count("selected_frames"), 0u) << rough.failure();
   options.select_views->threshold_bits = 0;
   const Session still = recording(MotionKind::kFrontoParallel).session;
   const auto all = calibrateCameras(still, options);

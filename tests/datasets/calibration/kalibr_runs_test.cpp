@@ -170,6 +170,12 @@ TEST(KalibrRuns, FilesAreKnownByContentNotByName) {
   EXPECT_EQ(kalibrFileKind(folder.write("5", posesText(false))), Kind::kPoses);
   EXPECT_EQ(kalibrFileKind(folder.write("6", "target_type: aprilgrid\n")), std::nullopt);
   EXPECT_EQ(kalibrFileKind(folder.write("7", "%YAML:1.0\n---\nimu: 1\n")), std::nullopt);
+  // The IMU at the second camera alone.
+  std::string chain = kCamchainImuYaml;
+  const std::size_t at = chain.find("T_cam_imu");
+  const std::string other = chain.substr(0, at) + "T_other" + chain.substr(at + 9);
+  ASSERT_NE(other.find("T_cam_imu"), std::string::npos);
+  EXPECT_EQ(kalibrFileKind(folder.write("8", other)), Kind::kCamchainImu);
   EXPECT_EQ(kalibrFileKind(folder.path("missing")), std::nullopt);
 }
 

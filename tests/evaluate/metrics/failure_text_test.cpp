@@ -118,18 +118,25 @@ TEST(FailureText, BlamesViewsOnlyForWhatTheyLack) {
       HasSubstr("the cause is not known"));
 }
 
-TEST(FailureText, BlamesTheSelectionForWhatItLeft) {
+TEST(FailureText, ASelectionComesBeforeTheCure) {
   const Failure few{FailureCode::kFocalLengthFree,
                     {{"camera", "cam0"},
                      {"direction", std::vector<std::string>{"cam0.fu"}},
                      {"tilt_deg", 4.0},
                      {"reach", 0.9},
+                     {"radtan_suspect", 2},
                      {"selected_frames", 2},
                      {"selected_from", 503}}};
-  EXPECT_EQ(problemOf(few),
-            "not observable: the focal length of cam0 is not determined (free direction along "
-            "cam0.fu); --select-views left 2 of 503 frames; choose more of them, with a smaller "
-            "value of --select-views, or use all, without it");
+  EXPECT_EQ(textOf(few).message,
+            "not observable: the focal length of cam0 is not determined: the views are nearly "
+            "parallel to the target (nine in ten tilted by less than 4 degrees) (free direction "
+            "along cam0.fu); --select-views left 2 of 503 frames");
+  EXPECT_EQ(textOf(few).cure,
+            "choose more of them, with a smaller value of --select-views, or use all, without it; "
+            "if these fail as well, add views with the target tilted by 30 degrees and more, about "
+            "both of its axes, and the camera rolled; no sensor.yaml states the model, so "
+            "pinhole-radtan was tried: a wide-angle lens (fisheye) needs --models "
+            "pinhole-equidistant");
 }
 
 TEST(FailureText, ListsWhatTheMotionLeavesLoose) {

@@ -44,7 +44,7 @@ TEST(Verdict, FewFrontalViewsAreBad) {
   EXPECT_EQ(levelOf(verdict, "Tilt"), VerdictLevel::kBad);
 }
 
-// Views that a selection left out need not be recorded anew.
+// Views that a selection left out need not be recorded anew; those of another camera do not count.
 TEST(Verdict, OfSelectedViewsTheSelectionIsNamed) {
   CalibrationRecord record = cameraRecord(0.3, 0.0, 5);
   const auto advice = [&record](const std::string& rule = "Views of cam0") {
@@ -57,12 +57,17 @@ TEST(Verdict, OfSelectedViewsTheSelectionIsNamed) {
   EXPECT_EQ(advice().find("--select-views"), std::string::npos) << "there are no others";
   record.counts.resize(1);
   record.counts[0].views_with_corners = 1416;
-  record.camera->summary.views_used = 5;
-  for (const char* rule : {"Views of cam0", "Tilt of the views"}) {
-    EXPECT_EQ(advice(rule),
-              "--select-views left 5 of 1416 views: choose more of them, with a smaller value of "
-              "--select-views, or use all, without it.");
-  }
+  const std::string note =
+      "Of 1416 views with corners 5 are used; a smaller value of --select-views may leave more.";
+  EXPECT_EQ(advice(), note + " Record more views, differing in distance, tilt and position.");
+  EXPECT_EQ(advice("Tilt of the views"),
+            "Tilt the rig (or the target) by 30 to 45 degrees: frontal views do not separate focal "
+            "length from distance. " +
+                note);
+  record.counts.push_back(record.counts[0]);
+  record.counts[0].views_with_corners = 5;
+  EXPECT_EQ(advice().find("--select-views"), std::string::npos) << advice();
+  EXPECT_NE(advice("Tilt of the views").find("Of 1421 views with corners 5"), std::string::npos);
   record.assumptions.views_selected = false;
   EXPECT_EQ(advice().find("Record more views"), 0U) << advice();
 }
@@ -171,7 +176,7 @@ TEST(Verdict, AWrongSizeBelowTheBoundOfACauseIsACaution) {
   test.shift(2) = 7e-3;
   EXPECT_EQ(level(-0.0177, 0.0039, 4.2), VerdictLevel::kCaution);
   EXPECT_EQ(level(-0.0177, 0.0039, 2.9), VerdictLevel::kGood);
-  EXPECT_EQ(findingOf(judge(record), "Size of the target by the batch").unit, "-");
+  EXPECT_EQ(findingOf(judge(record), "Size of the target by the batch").unit, "share");
   level(-0.0177, 0.0039, 4.2);
   const Finding moves = findingOf(judge(record), "Size of the target by the batch");
   EXPECT_EQ(moves.unit, "sigma");
