@@ -103,8 +103,7 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
   // Of more views it need not be larger.
   std::string advice =
       "Tilt the rig (or the target) by 30 to 45 degrees: frontal views do not separate focal "
-      "length "
-      "from distance.";
+      "length from distance.";
   if (const std::string note = selectionNote(record); !note.empty()) advice += " " + note;
   findings.push_back(
       below({"Tilt of the views", "deg", t.tilt_deg, advice}, tilt,
