@@ -171,11 +171,11 @@ TEST(KalibrRuns, FilesAreKnownByContentNotByName) {
   EXPECT_EQ(kalibrFileKind(folder.write("6", "target_type: aprilgrid\n")), std::nullopt);
   EXPECT_EQ(kalibrFileKind(folder.write("7", "%YAML:1.0\n---\nimu: 1\n")), std::nullopt);
   // The IMU at the second camera alone.
-  std::string chain = kCamchainImuYaml;
-  const std::size_t at = chain.find("T_cam_imu");
-  const std::string other = chain.substr(0, at) + "T_other" + chain.substr(at + 9);
-  ASSERT_NE(other.find("T_cam_imu"), std::string::npos);
-  EXPECT_EQ(kalibrFileKind(folder.write("8", other)), Kind::kCamchainImu);
+  std::string first = kCamchainImuYaml, second = kCamchainImuYaml;
+  first.replace(first.find("T_cam_imu"), 9, "T_other");
+  second.replace(0, 4, "cam1");
+  EXPECT_EQ(kalibrFileKind(folder.write("8", first)), Kind::kCamchain);
+  EXPECT_EQ(kalibrFileKind(folder.write("9", first + second)), Kind::kCamchainImu);
   EXPECT_EQ(kalibrFileKind(folder.path("missing")), std::nullopt);
 }
 
