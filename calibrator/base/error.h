@@ -62,7 +62,7 @@ enum class FailureCode {
   kAccelerometerUnits,     ///< as kColumnsSwapped
   kNoRotation,             ///< rms [rad/s]
   kRotationAboutOneAxis,   ///< axis, rms [rad/s] across it
-  kRatesDoNotCorrelate,    ///< correlation, needed
+  kRatesDoNotCorrelate,    ///< correlation, needed; cameras at fault, of some
   kStampsWander,           ///< from_s, to_s (time offset in parts of the recording), std_s
   kGyroscopeMirrored,      ///< mirrored, rotated (correlations)
   kGyroscopeInDegrees,     ///< ratio to the camera's rate
