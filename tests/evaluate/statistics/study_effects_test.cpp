@@ -10,44 +10,17 @@
 #include "calibrator/base/transform.h"
 #include "evaluate/statistics/study_statistics.h"
 #include "report/records/documents.h"
+#include "tests/evaluate/statistics/made_up_studies.h"
 
 namespace plumbline {
 namespace {
 
+using test::effectOn;
+using test::kEffect;
+using test::kPeriod;
+using test::study;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-constexpr double kEffect = 0.82, kPeriod = 0.9;  // factors of method and of the second session
-
-/// Counterbalanced: even participants begin with "free". Each has a level of its own.
-StudyRecord study(int participants, bool one_order = false) {
-  StudyRecord record;
-  record.methods = {"free", "guided"};
-  record.endpoints = {"held_out_rmse_px"};
-  for (int i = 0; i < participants; ++i) {
-    const bool free_first = one_order || i % 2 == 0;
-    for (const bool guided : {false, true}) {
-      StudySession s;
-      s.participant = "p" + std::to_string(i);
-      s.method = guided ? "guided" : "free";
-      s.name = s.participant + "_" + s.method;
-      s.period = guided == free_first ? 2 : 1;
-      const double noise = 1 + 0.01 * ((7 * i + (guided ? 3 : 0)) % 5 - 2);
-      s.held_out_rmse_px =
-          (0.2 + 0.05 * i) * noise * (guided ? kEffect : 1) * (s.period == 2 ? kPeriod : 1);
-      s.capture_s = (60 + 5 * i) * (guided ? 1.2 : 1);
-      record.sessions.push_back(s);
-    }
-  }
-  return record;
-}
-
-const StudyEffect& effectOn(const StudyRecord& record, const std::string& endpoint) {
-  for (const StudyEffect& e : record.statistics.effects) {
-    if (e.endpoint == endpoint) return e;
-  }
-  throw std::runtime_error("no effect on " + endpoint);
-}
 
 TEST(StudyStatistics, FindTheMethodsEffectWithThePeriodTakenOut) {
   StudyRecord record = study(12);
@@ -195,35 +168,6 @@ TEST(StudyStatistics, AnIntervalThatEndsAtNoChangeHoldsIt) {
   }
 }
 
-TEST(StudyStatistics, TheTimeToFinishIsHeldAgainstItsInterval) {
-  StudyTimeDifference t;
-  t.baseline = "free";
-  t.method = "guided";
-  t.design = StudyDesign::kCrossover;
-  t.participants = 9;
-  t.p = 0.04;
-  const auto sentence = [&](double low, double high) {
-    t.difference_s = {0.5 * (low + high), low, high};
-    return timeSentence(t, 120);
-  };
-  EXPECT_EQ(sentence(1, 21),
-            "guided takes 11 s more than free on average up to 120 s, 95 % interval of the "
-            "difference +1 to +21 s (p = 0.04; 9 participants)");
-  EXPECT_EQ(sentence(-7, 21),
-            "time to finish: guided and free were not shown to differ; guided takes 7 s more on "
-            "average up to 120 s, 95 % interval of the difference -7 to +21 s (p = 0.04; 9 "
-            "participants)");
-  EXPECT_THAT(sentence(-21, 0), HasSubstr("were not shown to differ"));
-  EXPECT_THAT(sentence(-21, -1), HasSubstr("guided takes 11 s less than free"));
-  t.difference_s = {21, {}, {}};
-  EXPECT_THAT(timeSentence(t, 120),
-              HasSubstr("were not shown to differ; guided takes 21 s more on average up to 120 s, "
-                        "no 95 % interval with so few participants"));
-  t.design = StudyDesign::kOneOrder;
-  t.p.reset();
-  EXPECT_THAT(timeSentence(t, 120), HasSubstr("guided takes 21 s more than free"));
-}
-
 TEST(StudyStatistics, CallDurationsAloneLonger) {
   StudyRecord record = study(12);
   for (StudySession& s : record.sessions) s.time_offset_std_s = s.method == "guided" ? 2e-4 : 1e-4;
@@ -269,108 +213,6 @@ TEST(StudyStatistics, AverageTheLogAteOverSequencesCompleteUnderBoth) {
   EXPECT_NEAR(effectOn(record, "ate_m").effect.estimate, 0.5, 1e-12);
 }
 
-TEST(StudyStatistics, CountWhoGaveUpAsUnfinishedAtTheLimit) {
-  StudyRecord record = study(8);
-  record.limit_s = 300;
-  for (StudySession& s : record.sessions) {
-    if (s.name == "p1_guided") s.finished = false, s.capture_s = 20;
-  }
-  addStatistics(record);
-  const StudySurvival& guided = record.statistics.survival[1];
-  EXPECT_EQ(guided.participants, 8);
-  EXPECT_EQ(guided.finished, 7);
-  double mean = 300;
-  for (const int i : {0, 2, 3, 4, 5, 6, 7}) mean += 1.2 * (60 + 5 * i);
-  EXPECT_NEAR(guided.restricted_mean_s, mean / 8, 1e-9);
-  const StudyTimeDifference& time = record.statistics.time[0];
-  EXPECT_NEAR(time.difference_s.estimate,
-              guided.restricted_mean_s - record.statistics.survival[0].restricted_mean_s, 1e-9);
-  EXPECT_DOUBLE_EQ(*time.p, 2.0 / 70) << "all were slower with the guide: 8 over 4 orders";
-}
-
-// Nobody is faster with the guide, but nine of ten had it second, where all are faster.
-TEST(StudyStatistics, TakeThePeriodOutOfTheTimeToFinish) {
-  StudyRecord record = study(10);
-  for (std::size_t i = 0; i < record.sessions.size(); ++i) {
-    StudySession& s = record.sessions[i];
-    if (s.participant != "p1") s.period = s.method == "guided" ? 2 : 1;
-    s.capture_s = (s.period == 2 ? 50.0 : 60.0) + static_cast<double>(i / 2 % 3);
-  }
-  addStatistics(record);
-  EXPECT_NEAR(record.statistics.time[0].difference_s.estimate, 0, 1e-9);
-}
-
-TEST(StudyStatistics, GivingUpIsNoBetterThanTakingLonger) {
-  StudyRecord gave_up = study(8), longer = study(8);
-  gave_up.limit_s = longer.limit_s = 300;
-  for (std::size_t i = 0; i < longer.sessions.size(); ++i) {
-    if (longer.sessions[i].name != "p1_guided") continue;
-    gave_up.sessions[i].finished = false;
-    longer.sessions[i].capture_s = 900;
-  }
-  addStatistics(gave_up);
-  addStatistics(longer);
-  EXPECT_EQ(effectOn(gave_up, "capture_s").effect.estimate,
-            effectOn(longer, "capture_s").effect.estimate);
-}
-
-// Nobody stopped the time of who gave up: it counts all the same, everywhere alike.
-TEST(StudyStatistics, CountWhoGaveUpWithoutATimeAtTheLimit) {
-  StudyRecord timed = study(8), record = study(8);
-  timed.limit_s = record.limit_s = 300;
-  for (std::size_t i = 0; i < record.sessions.size(); ++i) {
-    if (record.sessions[i].name != "p1_guided") continue;
-    timed.sessions[i].finished = record.sessions[i].finished = false;
-    record.sessions[i].capture_s.reset();
-  }
-  addStatistics(timed);
-  addStatistics(record);
-  EXPECT_EQ(record.statistics.survival[1].participants, 8);
-  EXPECT_EQ(record.statistics.survival[1].restricted_mean_s,
-            timed.statistics.survival[1].restricted_mean_s);
-  EXPECT_EQ(record.statistics.time[0].difference_s.estimate,
-            timed.statistics.time[0].difference_s.estimate);
-  EXPECT_EQ(record.statistics.methods[1].median_capture_s,
-            timed.statistics.methods[1].median_capture_s);
-  for (StudySession& s : record.sessions) s.capture_s.reset();
-  addStatistics(record);
-  EXPECT_EQ(record.statistics.survival[1].participants, 0) << "a study without times";
-}
-
-TEST(StudyStatistics, CountParticipantsAndNotTheirSessions) {
-  StudyRecord record = study(8);
-  for (StudySession& s : record.sessions) {
-    if (s.participant == "p1") s.finished = false;
-  }
-  StudySession again = record.sessions[0];
-  again.name += "_again";
-  record.sessions.push_back(again);
-  addStatistics(record);
-  EXPECT_THAT(record.statistics.sentences.back(), HasSubstr("participants who gave up: 1"));
-  EXPECT_EQ(record.statistics.survival[0].participants, 8);
-  EXPECT_EQ(record.statistics.survival[0].finished, 7);
-}
-
-// p0's second session is no other participant: the curve is over their mean times.
-TEST(StudyStatistics, HaveCurvesOverParticipantsMeanTimes) {
-  StudyRecord record = study(8);
-  record.limit_s = 300;
-  StudySession again = record.sessions[0];
-  again.name += "_again";
-  again.capture_s = *again.capture_s + 20;
-  record.sessions.push_back(again);
-  addStatistics(record);
-  const StudySurvival& free = record.statistics.survival[0];
-  ASSERT_EQ(free.curve.size(), 7u) << "p0's mean is p2's time";
-  EXPECT_EQ(free.curve[0].at_risk, 8);
-  EXPECT_NEAR(free.restricted_mean_s, (60 + 10 + 65 + 70 + 75 + 80 + 85 + 90 + 95) / 8.0, 1e-9);
-  record.sessions.back().finished = false;  // and the other one was finished
-  addStatistics(record);
-  EXPECT_EQ(record.statistics.survival[0].finished, 8);
-  EXPECT_NEAR(record.statistics.survival[0].restricted_mean_s,
-              (0.5 * (60 + 300) + 65 + 70 + 75 + 80 + 85 + 90 + 95) / 8, 1e-9);
-}
-
 // Positive in every session, and yet with a sign.
 TEST(StudyStatistics, CompareEstimatesByDifferences) {
   StudyRecord record = study(6);
@@ -410,69 +252,6 @@ TEST(StudyStatistics, UseQuadesTestForThreeMethods) {
   ASSERT_FALSE(record.statistics.quade.empty());
   EXPECT_EQ(record.statistics.quade[0].participants, 6);
   EXPECT_LT(record.statistics.quade[0].p.value(), 0.01);
-}
-
-/// Values that scatter by their deviations exactly: +-1 sigma about the mean.
-StudyRecord spreadStudy(double scatter) {
-  StudyRecord record;
-  record.methods = {"free"};
-  for (int i = 0; i < 10; ++i) {
-    StudySession s;
-    s.name = s.participant = "p" + std::to_string(i);
-    s.method = "free";
-    const double sign = i % 2 == 0 ? 1 : -1;
-    // A rotation by 120 degrees, so that Log's components are far from the tangent's.
-    const Eigen::Vector3d w =
-        logSO3(expSO3({0, 0, sign * scatter * 1e-3}) * expSO3({1.2, 1.2, 1.2}));
-    s.estimates = {{"cam0.fu", 450 + sign * scatter * 0.1, 0.1, "px", {}, {}, {}},
-                   {"T_SC0.rx", w.x(), 1e-3, "rad", {}, {}, {}},
-                   {"T_SC0.ry", w.y(), 1e-3, "rad", {}, {}, {}},
-                   {"T_SC0.rz", w.z(), 1e-3, "rad", {}, {}, {}}};
-    record.sessions.push_back(s);
-  }
-  return record;
-}
-
-TEST(Spread, IsMeasuredInStatedDeviationsAndForRotationsInTheirTangent) {
-  const auto spread = spreadOverSessions(spreadStudy(1));
-  ASSERT_EQ(spread.size(), 4U);
-  const double expected = std::sqrt(10.0 / 9);
-  EXPECT_EQ(spread[3].parameter, "cam0.fu");
-  EXPECT_NEAR(spread[3].ratio, expected, 1e-9);
-  EXPECT_NEAR(spread[3].mean, 450, 1e-9);
-  EXPECT_NEAR(spread[3].stated_std, 0.1, 1e-12);
-  EXPECT_EQ(spread[2].parameter, "T_SC0.rz");
-  EXPECT_NEAR(spread[2].ratio, expected, 1e-6);
-  EXPECT_NEAR(spread[0].ratio, 0, 1e-6) << "nothing turned about x";
-  // chi^2 of 9: 2.700 and 19.023.
-  EXPECT_NEAR(spread[3].low, std::sqrt(2.700389 / 9), 1e-6);
-  EXPECT_NEAR(spread[3].high, std::sqrt(19.022768 / 9), 1e-6);
-}
-
-// k1 is another quantity under another lens model.
-TEST(Spread, KeepsLensModelsApart) {
-  StudyRecord record = spreadStudy(1);
-  for (std::size_t i = 0; i < record.sessions.size(); ++i) {
-    const bool radtan = i < 6;
-    for (const char* name : {"cam0.k1", radtan ? "cam0.p1" : "cam0.k3"}) {
-      record.sessions[i].estimates.push_back({name, radtan ? -0.3 : 0.01, 1e-3, "-", {}, {}, {}});
-    }
-  }
-  std::map<std::string, const StudySpread*> of;
-  const auto spread = spreadOverSessions(record);
-  for (const StudySpread& s : spread) of[s.parameter] = &s;
-  ASSERT_TRUE(of.count("cam0.k1 (k1 p1)") && of.count("cam0.k1 (k1 k3)"));
-  EXPECT_EQ(of["cam0.k1 (k1 p1)"]->sessions, 6);
-  EXPECT_NEAR(of["cam0.k1 (k1 p1)"]->ratio, 0, 1e-9);
-  EXPECT_EQ(of["cam0.fu (k1 k3)"]->sessions, 4);
-  EXPECT_EQ(of["cam0.k3"]->sessions, 4) << "of one model alone";
-  EXPECT_EQ(of["T_SC0.rx"]->sessions, 10) << "of no lens";
-}
-
-TEST(Spread, ThatIsLargerThanStatedIsSaid) {
-  StudyRecord record = spreadStudy(3);
-  addStatistics(record);
-  EXPECT_THAT(record.statistics.sentences.front(), HasSubstr("2 more, 2 less"));
 }
 
 TEST(StudyStatistics, AreTheSameForTheSameRecord) {
