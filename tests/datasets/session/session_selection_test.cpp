@@ -36,6 +36,11 @@ class Selection : public testing::Test {
     folder_.write("imu0/data.csv", samples);
   }
   Session read() const { return readSession(folder_.path(), options_); }
+  void expectSizes(std::size_t views, std::size_t samples) const {
+    const Session session = read();
+    EXPECT_EQ(session.cameras[0].views.size(), views);
+    EXPECT_EQ(session.imu->samples.size(), samples);
+  }
 
   TemporaryFolder folder_;
   SessionReadOptions options_;
@@ -61,17 +66,13 @@ TEST_F(Selection, TheImuReachesBeyondTheFramesByItsMargin) {
 TEST_F(Selection, AStrideAloneKeepsEverySample) {
   options_.stride = 4;
   options_.imu_margin_s = 0;
-  const Session session = read();
-  EXPECT_EQ(session.cameras[0].views.size(), 6U);
-  EXPECT_EQ(session.imu->samples.size(), 131U);
+  expectSizes(6, 131);
 }
 
 TEST_F(Selection, AnOpenEndReachesToTheLast) {
   options_.from_s = 9;
   options_.imu_margin_s = 0;
-  const Session session = read();
-  EXPECT_EQ(session.cameras[0].views.size(), 3U);
-  EXPECT_EQ(session.imu->samples.size(), 11U);
+  expectSizes(3, 11);
 }
 
 TEST_F(Selection, WithoutTheImuNoneIsRead) {

@@ -199,7 +199,16 @@ TEST(ScoreVerdict, TheOffsetOfEachCameraIsHeldAgainstTheRecording) {
   EXPECT_THAT(late.advice, HasSubstr("timeshift_cam_imu of cam1"));
   EXPECT_THAT(late.advice, testing::Not(HasSubstr("cam2")));
   EXPECT_EQ(judged(6e-3).level, VerdictLevel::kBad);
-  EXPECT_EQ(judged(6e-3, HeldOffset::kAssumed).level, VerdictLevel::kCaution);
+  EXPECT_THAT(judged(6e-3).advice, HasSubstr("correct timeshift_cam_imu of cam1"));
+  const Finding assumed = judged(6e-3, HeldOffset::kAssumed);
+  EXPECT_EQ(assumed.level, VerdictLevel::kCaution);
+  EXPECT_THAT(assumed.advice, HasSubstr("state timeshift_cam_imu of cam1"));
+  // Another fault of the recording may look like a camera that is late.
+  faults.causes.push_back(faults.tests[0]);
+  EXPECT_EQ(judged(6e-3).level, VerdictLevel::kBad) << "the delay itself";
+  faults.causes[0].fault = UnmodelledFault::kClockDrift;
+  EXPECT_EQ(judged(6e-3).level, VerdictLevel::kCaution);
+  faults.causes.clear();
   // What the recording says is the measure: a camera that is late there may be so in the file.
   faults.tests[0].estimate(0) = 4e-3;
   EXPECT_EQ(judged(4e-3).level, VerdictLevel::kGood);
