@@ -98,5 +98,9 @@ inline BadInput badInput(const std::string& path, int line, const Complaint& com
   if (!complaint.cure.empty()) text += "; " + complaint.cure;
   return {complaint.code, path, line, text};
 }
+/// Of the whole file: "FILE: what; expected ...; cure".
+inline BadInput badInput(const std::string& path, const Complaint& complaint) {
+  return badInput(path, 0, complaint);
+}
 
 }  // namespace plumbline

@@ -30,14 +30,13 @@ struct Descriptor {
 
 BadInput unreadable(const std::string& path) {
   return badInput(
-      path, 0,
-      {InputFault::kMissingFile, "cannot be read (" + std::string(std::strerror(errno)) + ")",
-       "a readable file", "check the name and its permissions"});
+      path, {InputFault::kMissingFile, "cannot be read (" + std::string(std::strerror(errno)) + ")",
+             "a readable file", "check the name and its permissions"});
 }
 
 BadInput unwritable(const std::string& path, int error) {
   return badInput(
-      path, 0,
+      path,
       {InputFault::kUnwritable, "cannot be written (" + std::string(std::strerror(error)) + ")",
        "a writable folder with free space", "check the folder, its permissions and the disk"});
 }
@@ -60,9 +59,8 @@ int writeAll(int file, std::string_view content) {
 }
 
 BadInput irregular(const std::string& path) {
-  return badInput(
-      path, 0,
-      {InputFault::kMissingFile, "is not a regular file", "a file", "give the path of a file"});
+  return badInput(path, {InputFault::kMissingFile, "is not a regular file", "a file",
+                         "give the path of a file"});
 }
 
 constexpr std::size_t kSmall = 1U << 16U;  // mapping and unmapping takes longer than copying
@@ -124,9 +122,8 @@ std::string readStandardInput() {
     text.resize(size);
     if (read == 0) return text;
     if (size > kMostBytes) {
-      throw badInput(
-          name, 0,
-          {InputFault::kOutOfRange, "delivers more than 1 GB", "less", "write it into a file"});
+      throw badInput(name, {InputFault::kOutOfRange, "delivers more than 1 GB", "less",
+                            "write it into a file"});
     }
   }
 }

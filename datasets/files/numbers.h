@@ -19,6 +19,12 @@ std::string shownLine(std::string_view text);
 
 bool isUtf8(std::string_view text);
 
+/// With small letters for the capitals of ASCII.
+std::string lowered(std::string_view text);
+
+/// Whether a character is a letter or a digit of ASCII, or one of `also`.
+bool isPlain(char c, std::string_view also);
+
 /// 0 to 9, whatever the locale.
 inline bool isDigit(char c) { return c >= '0' && c <= '9'; }
 

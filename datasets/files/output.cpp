@@ -44,11 +44,9 @@ bool isWithinExisting(const fs::path& path, const struct stat& folder) {
 }
 
 BadInput refusal(InputFault code, const std::string& path, const std::string& what,
-                 const std::string& cure) {
-  return badInput(path, 0, {code, what, "", cure});
+                 const std::string& cure = "choose another output") {
+  return badInput(path, {code, what, "", cure});
 }
-
-constexpr const char* kElsewhere = "choose another output";
 
 void refuseHolding(const OutputRequest& request, const fs::path& final_path,
                    const std::string& input) {
@@ -58,8 +56,7 @@ void refuseHolding(const OutputRequest& request, const fs::path& final_path,
                             : isWithin(fs::weakly_canonical(fs::absolute(input)), final_path);
   if (!holds) return;
   throw refusal(InputFault::kInputInTheWay, request.path,
-                fmt::format("contains {}, an input or a cache, which is never removed", input),
-                kElsewhere);
+                fmt::format("contains {}, an input or a cache, which is never removed", input));
 }
 
 void refuseInputs(const OutputRequest& request, const fs::path& final_path) {
@@ -70,8 +67,7 @@ void refuseInputs(const OutputRequest& request, const fs::path& final_path) {
       const auto output = statusOf(final_path);
       const char* where = output && isSame(*output, *status) ? "is" : "is inside";
       throw refusal(InputFault::kInputInTheWay, request.path,
-                    fmt::format("{} {}, an input, which is never written to", where, input),
-                    kElsewhere);
+                    fmt::format("{} {}, an input, which is never written to", where, input));
     }
     refuseHolding(request, final_path, input);
     std::error_code error;  // a recording may be a folder of links
@@ -89,12 +85,12 @@ fs::path finalPath(const OutputRequest& request) {
   const fs::path path = namedPath(request.path);
   std::error_code error;
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
-    throw refusal(InputFault::kUnwritable, request.path, "is a broken link", kElsewhere);
+    throw refusal(InputFault::kUnwritable, request.path, "is a broken link");
   }
   const fs::path resolved = fs::weakly_canonical(path, error);
   if (error) {
     throw refusal(InputFault::kUnwritable, request.path,
-                  fmt::format("cannot be reached ({})", error.message()), kElsewhere);
+                  fmt::format("cannot be reached ({})", error.message()));
   }
   return resolved;
 }
@@ -137,8 +133,7 @@ void refuseFolder(const OutputRequest& request, const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return;
   if (!fs::is_directory(path, error)) {
-    throw refusal(InputFault::kUnwritable, request.path, "is not a folder; expected a folder",
-                  kElsewhere);
+    throw refusal(InputFault::kUnwritable, request.path, "is not a folder; expected a folder");
   }
   refuseFixedFolder(request, path);
   if (fs::is_empty(path, error)) return;
@@ -148,17 +143,17 @@ void refuseFolder(const OutputRequest& request, const fs::path& path) {
   refuseForeign(path, manifest.value_or(Manifest{}));
   if (!manifest) {
     throw refusal(InputFault::kForeignFiles, path.string(),
-                  "contains a manifest that plumbline did not write", kElsewhere);
+                  "contains a manifest that plumbline did not write");
   }
   if (request.replace) return;
   throw refusal(InputFault::kResultExists, request.path,
-                fmt::format("contains an earlier result ({})", manifest->kind), kElsewhere);
+                fmt::format("contains an earlier result ({})", manifest->kind));
 }
 
 void refuseFile(const OutputRequest& request, const std::string& mark, const fs::path& path) {
   if (readManifest(path.parent_path())) {
     throw refusal(InputFault::kUnwritable, request.path,
-                  "is inside a results folder, whose files belong together", kElsewhere);
+                  "is inside a results folder, whose files belong together");
   }
   const auto status = statusOf(path);
   if (!status) return;

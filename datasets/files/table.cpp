@@ -18,8 +18,8 @@ bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 // The beginning of a cell for a message, without bytes that a terminal would act upon.
 std::string quotable(std::string_view text) {
   std::string out(text.substr(0, 40));
-  std::replace_if(
-      out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  std::ranges::replace_if(
+      out, [](char c) { return c < ' ' || c > '~'; }, '?');
   return out;
 }
 
@@ -95,9 +95,8 @@ const std::vector<std::string_view>& TextTable::readHeader(NoRows no_rows) {
   }
   if (no_rows == NoRows::kAccept && !header_.empty()) return header_;
   throw badInput(
-      path_, 0,
-      {InputFault::kEmpty, text_.empty() ? "is empty" : "has no rows", "rows of " + layout_,
-       "was the recording or the copy interrupted? Export the file again"});
+      path_, {InputFault::kEmpty, text_.empty() ? "is empty" : "has no rows", "rows of " + layout_,
+              "was the recording or the copy interrupted? Export the file again"});
 }
 
 bool TextTable::nextLine() {
@@ -166,8 +165,7 @@ TimeNs TextTable::stamp() {
                  "an integer number of nanoseconds",
                  "stamps in seconds must be multiplied by 1e9 and written as integers"});
   }
-  at_ = cell;
-  failCell("timestamp [ns]", "an integer number of nanoseconds, not negative");
+  failCell(cell, "timestamp [ns]", "an integer number of nanoseconds, not negative");
 }
 
 int TextTable::integer(const char* name) {
@@ -175,7 +173,7 @@ int TextTable::integer(const char* name) {
   int value = 0;
   const auto [stop, error] = std::from_chars(at_, end_, value);
   if (error != std::errc() || (stop != end_ && *stop != ',' && !isBlank(*stop))) {
-    failCell(name, "an integer");
+    failCell(at_, name, "an integer");
   }
   takeSeparator(stop);
   return value;
@@ -185,11 +183,8 @@ double TextTable::number(const char* name) {
   if (!moreCells()) failMissing(name);
   const char* const cell = at_;
   const std::optional<double> value = takeNumber();
-  if (!value) failCell(name, "a number");
-  if (!std::isfinite(*value)) {
-    at_ = cell;
-    failCell(name, "a finite number", InputFault::kNotFinite);
-  }
+  if (!value) failCell(cell, name, "a number");
+  if (!std::isfinite(*value)) failCell(cell, name, "a finite number", InputFault::kNotFinite);
   if (!moreCells()) checkDecimals();
   return *value;
 }
@@ -270,10 +265,11 @@ const char* TextTable::rowCure() const {
                          : "repair or delete this line";
 }
 
-void TextTable::failCell(const char* name, const char* expected, InputFault code) const {
-  const std::string_view cell(at_, static_cast<std::size_t>(std::find(at_, end_, ',') - at_));
+void TextTable::failCell(const char* cell, const char* name, const char* expected,
+                         InputFault code) const {
+  const std::string_view text(cell, static_cast<std::size_t>(std::find(cell, end_, ',') - cell));
   throw fault(
-      {code, columnName(name) + " is '" + quotable(trimmedText(cell)) + "'", expected, rowCure()});
+      {code, columnName(name) + " is '" + quotable(trimmedText(text)) + "'", expected, rowCure()});
 }
 
 void TextTable::failMissing(const char* name) const {

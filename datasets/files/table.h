@@ -101,7 +101,7 @@ class TextTable {
  private:
   void takeSeparator(const char* stop);
   std::optional<double> takeNumber();  ///< the current cell; nothing where it is no number
-  [[noreturn]] void failCell(const char* name, const char* expected,
+  [[noreturn]] void failCell(const char* cell, const char* name, const char* expected,
                              InputFault code = InputFault::kBadNumber) const;
   [[noreturn]] void failMissing(const char* name) const;
   void checkDecimals() const;

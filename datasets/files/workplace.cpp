@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/files/workplace.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -57,10 +58,9 @@ std::string lockText(const fs::path& final_path) {
 
 BadInput unmakeable(const std::string& path, int error) {
   return badInput(
-      path, 0,
-      {InputFault::kUnwritable, fmt::format("cannot be written ({})", std::strerror(error)),
-       "a path in a writable folder with free space",
-       "check the folder, its permissions and the disk, or choose another output"});
+      path, {InputFault::kUnwritable, fmt::format("cannot be written ({})", std::strerror(error)),
+             "a path in a writable folder with free space",
+             "check the folder, its permissions and the disk, or choose another output"});
 }
 
 // Removes a result, whole or half made, that has not got its name. A whole one is removed as its
@@ -198,6 +198,23 @@ bool cannotLink(int error) {
 
 }  // namespace
 
+std::string hostName() {
+  char name[256] = "";
+  return ::gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
+}
+
+std::string utcText(std::time_t seconds) {
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+bool isWithin(const fs::path& path, const fs::path& folder) {
+  return std::ranges::mismatch(folder, path).in1 == folder.end();
+}
+
 void removeDeadWorkplaces(const fs::path& final_path) {
   const std::string prefix = prefixOf(final_path);
   std::vector<fs::path> found;
@@ -282,14 +299,12 @@ Workplace::Moved Workplace::place() {
   const int failed =
       folder ? std::rename(from.c_str(), final_.c_str()) : ::link(from.c_str(), final_.c_str());
   if (failed == 0) return Moved::kDone;
-  if (!folder && cannotLink(errno)) return placeWithoutLinks();
+  if (!folder && cannotLink(errno)) {
+    if (fs::exists(fs::symlink_status(final_))) return Moved::kInTheWay;
+    return std::rename(from.c_str(), final_.c_str()) == 0 ? Moved::kDone : Moved::kFailed;
+  }
   return errno == EEXIST || errno == ENOTEMPTY || errno == ENOTDIR ? Moved::kInTheWay
                                                                    : Moved::kFailed;
-}
-
-Workplace::Moved Workplace::placeWithoutLinks() {
-  if (fs::exists(fs::symlink_status(final_))) return Moved::kInTheWay;
-  return std::rename(result().c_str(), final_.c_str()) == 0 ? Moved::kDone : Moved::kFailed;
 }
 
 bool Workplace::replaceFile() {

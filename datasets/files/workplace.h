@@ -54,7 +54,6 @@ class Workplace {
  private:
   void makeFolders();
   void makeLocked(const std::string& shown);
-  Moved placeWithoutLinks();
 
   std::filesystem::path final_;
   std::filesystem::path folder_;

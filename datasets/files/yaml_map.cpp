@@ -18,38 +18,13 @@
 namespace plumbline {
 namespace {
 
-BadInput wrongKind(const std::string& path, const YAML::Node& node, const std::string& key,
-                   const std::string& expected) {
-  return badInput(path, node.Mark().line + 1,
-                  {InputFault::kBadNumber, "the value of '" + key + "' is not usable", expected,
-                   "correct the value"});
-}
-
-/// .nan and .inf are numbers of YAML and of no calibration.
-double finiteNumber(const std::string& path, const YAML::Node& node, const std::string& key,
-                    const std::string& expected) {
-  double value = 0;
-  if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !std::isfinite(value)) {
-    throw wrongKind(path, node, key, expected);
-  }
-  return value;
-}
-
-std::vector<double> numberList(const std::string& path, const YAML::Node& node,
-                               const std::string& key, const std::string& expected) {
-  if (!node.IsSequence()) throw wrongKind(path, node, key, expected);
-  std::vector<double> values;
-  for (const YAML::Node& item : node) values.push_back(finiteNumber(path, item, key, expected));
-  return values;
-}
-
 // What is written by hand or by a calibration is far smaller; a parser takes seconds for more. How
 // deep it may be nested is yaml-cpp's own limit; what it names once and repeats, it holds once.
 constexpr std::size_t kMostBytes = 4 << 20;
 
 void refuseText(const std::string& path, std::string_view text, const std::string& what) {
   const auto refuse = [&](const std::string& fault) {
-    throw badInput(path, 0, {InputFault::kSyntax, fault, what, "correct the file"});
+    throw badInput(path, {InputFault::kSyntax, fault, what, "correct the file"});
   };
   if (text.size() > kMostBytes) {
     refuse(fmt::format("has {} bytes, more than {}", text.size(), kMostBytes));
@@ -150,9 +125,9 @@ YamlMap YamlMap::parse(std::string_view text, const std::string& path, const std
         {InputFault::kSyntax, "YAML syntax error (" + error.msg + ")", what, "correct the file"});
   }
   if (!top.IsMap()) {
-    throw badInput(path, 0,
-                   {InputFault::kUnknownFile, text.empty() ? "is empty" : "is not a YAML mapping",
-                    what, "correct the file"});
+    throw badInput(
+        path, {InputFault::kUnknownFile, text.empty() ? "is empty" : "is not a YAML mapping", what,
+               "correct the file"});
   }
   return {path, top};
 }
@@ -167,6 +142,8 @@ bool YamlMap::has(const std::string& key) const {
   // null stands for what is not known: as if the key were not there.
   return found.IsDefined() && !found.IsNull();
 }
+
+bool YamlMap::hasMap(const std::string& key) const { return has(key) && node(key).IsMap(); }
 
 int YamlMap::line() const { return node_.Mark().line + 1; }
 
@@ -209,65 +186,93 @@ YAML::Node YamlMap::require(const std::string& key, const std::string& expected)
   return node(key);
 }
 
+BadInput YamlMap::wrongKind(const YAML::Node& value, const std::string& key,
+                            const std::string& expected) const {
+  return badInput(path_, value.Mark().line + 1,
+                  {InputFault::kBadNumber, "the value of '" + key + "' is not usable", expected,
+                   "correct the value"});
+}
+
+/// .nan and .inf are numbers of YAML and of no calibration.
+double YamlMap::finite(const YAML::Node& value, const std::string& key,
+                       const std::string& expected) const {
+  double number = 0;
+  if (value.IsScalar() && YAML::convert<double>::decode(value, number) && std::isfinite(number)) {
+    return number;
+  }
+  throw wrongKind(value, key, expected);
+}
+
+template <class Read>
+auto YamlMap::items(const YAML::Node& list, const std::string& key, const std::string& expected,
+                    Read read) const {
+  if (!list.IsSequence()) throw wrongKind(list, key, expected);
+  std::vector<decltype(read(list))> all;
+  for (const YAML::Node& item : list) all.push_back(read(item));
+  return all;
+}
+
 double YamlMap::number(const std::string& key, const std::string& expected) const {
-  return finiteNumber(path_, require(key, expected), key, expected);
+  return finite(require(key, expected), key, expected);
 }
 
 int YamlMap::integer(const std::string& key, const std::string& expected) const {
   const YAML::Node found = require(key, expected);
   int value = 0;
-  if (!found.IsScalar() || !YAML::convert<int>::decode(found, value)) {
-    throw wrongKind(path_, found, key, expected);
-  }
-  return value;
+  if (found.IsScalar() && YAML::convert<int>::decode(found, value)) return value;
+  throw wrongKind(found, key, expected);
 }
 
 std::string YamlMap::text(const std::string& key, const std::string& expected) const {
   const YAML::Node found = require(key, expected);
-  if (!found.IsScalar()) throw wrongKind(path_, found, key, expected);
+  if (!found.IsScalar()) throw wrongKind(found, key, expected);
   return found.Scalar();
 }
 
 std::vector<double> YamlMap::numbers(const std::string& key, const std::string& expected) const {
-  return numberList(path_, require(key, expected), key, expected);
+  return items(require(key, expected), key, expected,
+               [&](const YAML::Node& item) { return finite(item, key, expected); });
 }
 
 std::vector<std::optional<double>> YamlMap::numbersOrNull(const std::string& key,
                                                           const std::string& expected) const {
-  const YAML::Node found = require(key, expected);
-  if (!found.IsSequence()) throw wrongKind(path_, found, key, expected);
-  std::vector<std::optional<double>> values;
-  for (const YAML::Node& item : found) {
-    auto& value = values.emplace_back();
-    if (!item.IsNull()) value = finiteNumber(path_, item, key, expected);
-  }
-  return values;
+  return items(require(key, expected), key, expected, [&](const YAML::Node& item) {
+    return item.IsNull() ? std::nullopt : std::optional(finite(item, key, expected));
+  });
 }
 
 std::vector<std::vector<double>> YamlMap::rows(const std::string& key,
                                                const std::string& expected) const {
-  const YAML::Node found = require(key, expected);
-  if (!found.IsSequence()) throw wrongKind(path_, found, key, expected);
-  std::vector<std::vector<double>> all;
-  for (const YAML::Node& row : found) all.push_back(numberList(path_, row, key, expected));
-  return all;
+  return items(require(key, expected), key, expected, [&](const YAML::Node& row) {
+    return items(row, key, expected,
+                 [&](const YAML::Node& item) { return finite(item, key, expected); });
+  });
+}
+
+std::optional<Eigen::MatrixXd> YamlMap::matrix(const std::string& key, const std::string& expected,
+                                               Eigen::Index rows, Eigen::Index columns) const {
+  const std::vector<std::vector<double>> stated = this->rows(key, expected);
+  if (std::ssize(stated) != rows) return std::nullopt;
+  Eigen::MatrixXd M(rows, columns);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const std::vector<double>& row = stated[static_cast<std::size_t>(i)];
+    if (std::ssize(row) != columns) return std::nullopt;
+    M.row(i) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), columns);
+  }
+  return M;
 }
 
 YamlMap YamlMap::map(const std::string& key, const std::string& expected) const {
   const YAML::Node found = require(key, expected);
-  if (!found.IsMap()) throw wrongKind(path_, found, key, expected);
+  if (!found.IsMap()) throw wrongKind(found, key, expected);
   return {path_, found};
 }
 
 std::vector<YamlMap> YamlMap::maps(const std::string& key, const std::string& expected) const {
-  const YAML::Node found = require(key, expected);
-  if (!found.IsSequence()) throw wrongKind(path_, found, key, expected);
-  std::vector<YamlMap> maps;
-  for (const YAML::Node& entry : found) {
-    if (!entry.IsMap()) throw wrongKind(path_, entry, key, expected);
-    maps.push_back(YamlMap(path_, entry));
-  }
-  return maps;
+  return items(require(key, expected), key, expected, [&](const YAML::Node& entry) {
+    if (!entry.IsMap()) throw wrongKind(entry, key, expected);
+    return YamlMap(path_, entry);
+  });
 }
 
 double YamlMap::numberOr(const std::string& key, double otherwise) const {
@@ -278,7 +283,7 @@ bool YamlMap::isTrue(const std::string& key) const {
   if (!has(key)) return false;
   bool value = false;
   if (YAML::convert<bool>::decode(node(key), value)) return value;
-  throw wrongKind(path_, node(key), key, "true or false");
+  throw wrongKind(node(key), key, "true or false");
 }
 
 std::string YamlMap::textOr(const std::string& key, const std::string& otherwise) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,6 +25,7 @@ class YamlMap {
   static YamlMap parse(std::string_view text, const std::string& path, const std::string& what);
 
   bool has(const std::string& key) const;
+  bool hasMap(const std::string& key) const;  ///< whether the key is there and holds a mapping
   const std::string& path() const { return path_; }
   int line() const;                          ///< where this mapping starts, from 1
   int lineOf(const std::string& key) const;  ///< of the key's value; of the mapping if missing
@@ -43,6 +45,9 @@ class YamlMap {
                                                    const std::string& expected) const;
   /// A list of rows of numbers.
   std::vector<std::vector<double>> rows(const std::string& key, const std::string& expected) const;
+  /// The same as a matrix; empty where it has another number of rows, or a row of columns.
+  std::optional<Eigen::MatrixXd> matrix(const std::string& key, const std::string& expected,
+                                        Eigen::Index rows, Eigen::Index columns) const;
   YamlMap map(const std::string& key, const std::string& expected) const;
   /// A list of mappings.
   std::vector<YamlMap> maps(const std::string& key, const std::string& expected) const;
@@ -63,6 +68,12 @@ class YamlMap {
  private:
   YamlMap(std::string path, const YAML::Node& node);
   YAML::Node require(const std::string& key, const std::string& expected) const;
+  BadInput wrongKind(const YAML::Node& value, const std::string& key,
+                     const std::string& expected) const;
+  double finite(const YAML::Node& value, const std::string& key, const std::string& expected) const;
+  template <class Read>
+  auto items(const YAML::Node& list, const std::string& key, const std::string& expected,
+             Read read) const;
 
   std::string path_;
   YAML::Node node_;
