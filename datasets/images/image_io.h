@@ -14,8 +14,8 @@ namespace plumbline {
 
 /// Reads a PNG (grey or colour, 8 or 16 bits, alpha ignored) or JPEG as grey levels of 0 to 255;
 /// colours become luma, 0.299 R + 0.587 G + 0.114 B; of 16 bits the upper 8 of those in use remain,
-/// rounded (DeepImage). The kind is told by the content, not by the name. Throws InputError naming
-/// the file where it is missing, of another kind, damaged or cut short.
+/// rounded (bitsOfDeepImage()). The kind is told by the content, not by the name. Throws InputError
+/// naming the file where it is missing, of another kind, damaged or cut short.
 ///
 /// `stated`: the size that it must have, unless empty. It is compared with the header before
 /// anything is decoded (InputError), as is a bound of 128 million pixels that no camera here has.
@@ -24,8 +24,10 @@ namespace plumbline {
 /// 70 ms and 45 MB (measured), as much as a whole calibration.
 GrayImage readGrayImage(const std::string& path, std::optional<Resolution> stated = {});
 
-/// The bits in use of a PNG of 16 bits (DeepImage); empty for any other file. Throws as
-/// readGrayImage() does.
+/// The bits in use of a PNG of 16 bits, 8 to 16; empty for any other file. A camera's 10 or 12 bits
+/// often stand at the lower end, as they were read out: they are those that the PNG states (sBIT)
+/// unless samples are greater (then 16, as the format wants it); without a statement the fewest
+/// that hold the brightest. Throws as readGrayImage() does.
 std::optional<int> bitsOfDeepImage(const std::string& path);
 
 /// Mean over blocks of `factor` squared pixels; what is left at the right and below is cut off. The
@@ -52,25 +54,6 @@ using SizeCheck = std::function<void(std::uint32_t width, std::uint32_t height)>
 /// Decode a whole file in memory as grey levels; throw DecodeError where it is damaged or cut, or
 /// repeats its scans without end.
 GrayImage decodeJpeg(std::string_view bytes, const SizeCheck& check);
-
-/// A PNG of 16 bits whose samples use `bits` of them, 8 to 16; their greatest value is white. A
-/// camera's 10 or 12 bits often stand at the lower end, as they were read out: `bits` are those
-/// that the PNG states (sBIT) unless samples are greater (then 16, as the
-/// format wants it); without a statement the fewest that hold the brightest.
-struct DeepImage {
-  GrayImage image;
-  int bits = 16;
-};
-
-/// Decodes a whole file in memory, as decodeJpeg() does.
-DeepImage decodeDeepPng(std::string_view bytes, const SizeCheck& check);
-
-/// ITU-R BT.601's luma, as libjpeg has it.
-inline std::uint8_t luma(const std::uint8_t* rgb) {
-  // 0.299, 0.587, 0.114 in 1/65536, rounded.
-  return static_cast<std::uint8_t>((19595U * rgb[0] + 38470U * rgb[1] + 7471U * rgb[2] + 32768U) >>
-                                   16U);
-}
 
 /// A grey image as the bytes of a JPEG file. `quality` 1 to 100. The image is not empty. Throws
 /// InputError where libjpeg refuses it.

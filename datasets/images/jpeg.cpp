@@ -33,6 +33,8 @@ void warn(j_common_ptr info, int level) {
 }
 
 struct Decoder {
+  ~Decoder() { jpeg_destroy_decompress(&info); }
+
   jpeg_decompress_struct info;
   jpeg_progress_mgr progress;
   ErrorTrap trap;
@@ -81,27 +83,23 @@ bool readRows(Decoder& decoder, unsigned char* pixels) {
   return true;
 }
 
-// libjpeg leaves by longjmp, which runs no destructors: compress() holds only plain values.
+// See ErrorTrap: compress() holds only plain values.
 struct Encoder {
+  ~Encoder() {
+    jpeg_destroy_compress(&info);
+    std::free(bytes);
+  }
+
   jpeg_compress_struct info;
-  jpeg_error_mgr manager;
-  std::jmp_buf exit;
-  char message[JMSG_LENGTH_MAX];
+  ErrorTrap trap;
   unsigned char* bytes;
   unsigned long size;
 };
 
-void leaveEncoder(j_common_ptr info) {
-  auto* encoder = static_cast<Encoder*>(info->client_data);
-  (*info->err->format_message)(info, encoder->message);
-  std::longjmp(encoder->exit, 1);
-}
-
 bool compress(Encoder& e, const unsigned char* pixels, int width, int height, int quality) {
-  e.info.err = jpeg_std_error(&e.manager);
-  e.manager.error_exit = leaveEncoder;
-  e.info.client_data = &e;  // which jpeg_create_compress() leaves alone
-  if (setjmp(e.exit) != 0) return false;
+  e.info.err = jpeg_std_error(&e.trap.manager);
+  e.trap.manager.error_exit = leave;
+  if (setjmp(e.trap.exit) != 0) return false;
   jpeg_create_compress(&e.info);
   jpeg_mem_dest(&e.info, &e.bytes, &e.size);
   e.info.image_width = static_cast<JDIMENSION>(width);
@@ -124,16 +122,11 @@ bool compress(Encoder& e, const unsigned char* pixels, int width, int height, in
 }  // namespace
 
 GrayImage decodeJpeg(std::string_view bytes, const SizeCheck& check) {
+  // What readHeader() makes is destroyed even where it fails; of zeros, as they are before,
+  // nothing.
   Decoder decoder{};
-  struct Cleanup {
-    jpeg_decompress_struct* info;
-    ~Cleanup() { jpeg_destroy_decompress(info); }
-  };
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
-  const bool known = readHeader(decoder, data, bytes.size());
-  // What readHeader() made, even where it failed; of zeros, as they are before, nothing.
-  const Cleanup cleanup{&decoder.info};
-  if (!known) throw DecodeError{decoder.trap.message};
+  if (!readHeader(decoder, data, bytes.size())) throw DecodeError{decoder.trap.message};
   check(decoder.info.image_width, decoder.info.image_height);
   // libjpeg makes no grey of inks.
   const J_COLOR_SPACE colours = decoder.info.jpeg_color_space;
@@ -148,15 +141,11 @@ GrayImage decodeJpeg(std::string_view bytes, const SizeCheck& check) {
 std::string encodeJpeg(const GrayImage& image, int quality) {
   assert(!image.empty() && quality >= 1 && quality <= 100);
   Encoder encoder{};
-  const bool done = compress(encoder, image.data(), image.width(), image.height(), quality);
-  std::string jpeg;
-  if (done) jpeg.assign(reinterpret_cast<const char*>(encoder.bytes), encoder.size);
-  jpeg_destroy_compress(&encoder.info);
-  std::free(encoder.bytes);
-  if (!done)
+  if (!compress(encoder, image.data(), image.width(), image.height(), quality)) {
     throw BadInput(InputFault::kUnwritable,
-                   std::string("an image cannot be written as JPEG: ") + encoder.message);
-  return jpeg;
+                   std::string("an image cannot be written as JPEG: ") + encoder.trap.message);
+  }
+  return {reinterpret_cast<const char*>(encoder.bytes), encoder.size};
 }
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <cairo-pdf.h>
 #include <cairo.h>
@@ -22,17 +23,13 @@ constexpr double kStrip = 16;       // [mm], of ruler and text below the target
 constexpr double kRuler = 100;      // [mm]
 constexpr double kRulerLine = 0.3;  // [mm]
 
-struct Paper {
-  const char* word;
-  PaperSize size;
-};
-constexpr std::array<Paper, 7> kPapers{{{"A4", {210, 297}},
-                                        {"A3", {297, 420}},
-                                        {"A2", {420, 594}},
-                                        {"A1", {594, 841}},
-                                        {"A0", {841, 1189}},
-                                        {"letter", {215.9, 279.4}},
-                                        {"tabloid", {279.4, 431.8}}}};
+constexpr std::array<std::pair<const char*, PaperSize>, 7> kPapers{{{"A4", {210, 297}},
+                                                                    {"A3", {297, 420}},
+                                                                    {"A2", {420, 594}},
+                                                                    {"A1", {594, 841}},
+                                                                    {"A0", {841, 1189}},
+                                                                    {"letter", {215.9, 279.4}},
+                                                                    {"tabloid", {279.4, 431.8}}}};
 
 std::optional<double> numberFrom(std::string_view word) {
   double value = 0;
@@ -168,8 +165,8 @@ void requireDrawn(cairo_status_t status) {
 }  // namespace
 
 std::optional<PaperSize> paperSizeFrom(const std::string& word) {
-  for (const Paper& paper : kPapers) {
-    if (word == paper.word) return paper.size;
+  for (const auto& [name, size] : kPapers) {
+    if (word == name) return size;
   }
   const auto x = word.find('x');
   if (x == std::string::npos) return std::nullopt;
