@@ -24,14 +24,6 @@ struct TrajectorySource {
   }
 };
 
-/// In place of the index of a column that a table lacks.
-inline constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
-
-/// The cell, empty where the row is shorter.
-inline std::string_view cellAt(const Cells& cells, std::size_t i) {
-  return i < cells.size() ? cells[i] : std::string_view();
-}
-
 /// The median of the intervals between poses, of which there must be two.
 TimeNs medianInterval(const std::vector<StampedPose>& poses);
 
@@ -75,18 +67,13 @@ struct StampUnit {
   bool has_header = true;  ///< whether a header could state it
 };
 
-/// What is known of the unit before a row is read.
-struct StampEvidence {
-  int line = 0;               ///< of the first row
-  double first = 0;           ///< its stamp, in the unknown unit
-  std::optional<int> stated;  ///< power that the header states
-  int usual = 9;              ///< power of the format
-};
-
 /// The stated unit, else the format's, else seconds or nanoseconds where only they put the stamp
 /// between 1990 and 2100. Throws InputError where the header is contradicted by that, or the
 /// stamps are milliseconds or microseconds that no header states.
-StampUnit decideStampUnit(const TrajectorySource& source, const StampEvidence& evidence);
+///
+/// `first` is the stamp of the first row, in line `line`; the units are powers as StampUnit's.
+StampUnit decideStampUnit(const TrajectorySource& source, int line, double first,
+                          std::optional<int> stated, int usual);
 
 /// Throws InputError where the median interval is no rate of poses (0.2 ms to 20 s, or to an hour
 /// where the unit is certain), naming the unit in which it would be.
@@ -139,9 +126,5 @@ TrajectoryFile readMotive(const TrajectorySource& source, const TrajectoryReadOp
 /// is longer than a full turn, which is refused. Frames with empty cells, or all zeros, are skipped
 /// and counted.
 TrajectoryFile readVicon(const TrajectorySource& source, const TrajectoryReadOptions& options);
-
-/// The body that `wanted` names among `names`, or the only one. Throws InputError with the names.
-std::size_t chooseBody(const TrajectorySource& source, const std::vector<std::string>& names,
-                       const std::string& wanted);
 
 }  // namespace plumbline

@@ -48,33 +48,16 @@ StampedPose poseOf(const TextTable& table, const NumberRow& row) {
   return {0, T.col(3), Eigen::Quaterniond(R).normalized()};
 }
 
-struct Row {
-  StampedPose pose;
-  int line = 0;
-};
-
-std::vector<Row> readRows(const TrajectorySource& source) {
-  std::vector<Row> rows;
-  TextTable table(source.path, source.text);
-  while (table.nextRow()) {
-    rows.push_back({poseOf(table, table.numbers()), table.line()});
-  }
-  return rows;
-}
-
 /// KITTI's poses have no stamps: those of times.txt [s], or a second a frame, which is said.
 std::vector<TimeNs> stampsFor(const TrajectorySource& source, std::size_t poses,
                               const std::string& times_path) {
   constexpr TimeNs kSecond = 1'000'000'000;
   std::vector<TimeNs> times;
-  if (times_path.empty()) {
-    for (std::size_t i = 0; i < poses; ++i) times.push_back(static_cast<TimeNs>(i) * kSecond);
-    return times;
-  }
-  times = readTimes(times_path);
+  if (!times_path.empty()) times = readTimes(times_path);
+  while (times_path.empty() && times.size() < poses) times.push_back(std::ssize(times) * kSecond);
   if (times.size() == poses) return times;
   throw badInput(
-      times_path, 0,
+      times_path,
       {InputFault::kContradiction,
        fmt::format("has {} stamps for the {} poses of {}", times.size(), poses, source.path),
        "one stamp for each pose", "give the times.txt of the same sequence"});
@@ -83,11 +66,14 @@ std::vector<TimeNs> stampsFor(const TrajectorySource& source, std::size_t poses,
 }  // namespace
 
 TrajectoryFile readKitti(const TrajectorySource& source, const TrajectoryReadOptions& options) {
-  const std::vector<Row> rows = readRows(source);
+  std::vector<std::pair<StampedPose, int>> rows;  // with their lines
+  TextTable table(source.path, source.text);
+  while (table.nextRow()) rows.emplace_back(poseOf(table, table.numbers()), table.line());
   const std::vector<TimeNs> times = stampsFor(source, rows.size(), options.times.string());
   TrajectoryBuilder builder(source, TrajectoryFormat::kKitti, true);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    builder.add({times[i], rows[i].pose.p, rows[i].pose.q}, rows[i].line);
+    const auto& [pose, line] = rows[i];
+    builder.add({times[i], pose.p, pose.q}, line);
   }
   if (options.times.empty()) {
     builder.remark("the poses have no stamps: frame i is taken at i seconds");

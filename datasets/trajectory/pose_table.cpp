@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -11,6 +13,80 @@
 
 namespace plumbline {
 namespace {
+
+struct ColumnName {
+  std::string text;  // lower case, without its unit
+  std::string unit;  // within brackets
+};
+
+bool opens(char c) { return c == '[' || c == '('; }
+bool closes(char c) { return c == ']' || c == ')'; }
+
+// Names between separators; what stands in brackets is the unit of the name before it.
+std::vector<ColumnName> namesOf(std::string_view line, bool by_comma) {
+  std::vector<ColumnName> names;
+  bool inside = false;
+  bool begin = true;
+  for (const char c : lowered(line)) {
+    const bool blank = c == ' ' || c == '\t';
+    if (!inside && (c == ',' || (blank && !by_comma))) {
+      begin = true;
+    } else if (opens(c) || closes(c)) {
+      inside = opens(c);
+    } else if (!blank && inside && !names.empty()) {
+      names.back().unit += c;
+    } else if (!blank && !inside) {
+      if (begin) names.emplace_back();
+      begin = false;
+      names.back().text += c;
+    }
+  }
+  return names;
+}
+
+/// "t", "timestamp", "time [s]" and the like; whatever begins with "time".
+bool namesTime(const std::string& name) {
+  return name == "t" || name == "ts" || name == "stamp" || name.starts_with("time");
+}
+
+std::optional<int> powerOf(const std::string& unit) {
+  if (unit == "ns" || unit == "nsec") return 0;
+  if (unit == "us" || unit == "usec") return 3;
+  if (unit == "ms" || unit == "msec") return 6;
+  if (unit == "s" || unit == "sec" || unit == "seconds") return 9;
+  return std::nullopt;
+}
+
+// The column of the first name that begins and ends so; -1: none.
+int columnOf(const std::vector<ColumnName>& names, char first, char last) {
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    const std::string& text = names[i].text;
+    if (text.size() > 1 && text.front() == first && text.back() == last) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+/// Three names in a row that end in x, y, z and begin with p or t: "tx", "px", "p_RS_R_x"; or the
+/// axes alone.
+/// From column 1 on, here and in columnOf(): column 0 is the stamp's.
+std::optional<int> positionColumn(const std::vector<ColumnName>& names) {
+  for (std::size_t i = 1; i + 2 < names.size(); ++i) {
+    const auto ends = [&](std::size_t j, char axis) {
+      const std::string& text = names[j].text;
+      const char kind = text.size() == 1 ? 'p' : text.front();
+      return text.back() == axis && (kind == 'p' || kind == 't');
+    };
+    if (ends(i, 'x') && ends(i + 1, 'y') && ends(i + 2, 'z')) return static_cast<int>(i);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::array<int, 4>> quaternionColumns(const std::vector<ColumnName>& names) {
+  const std::array<int, 4> columns = {columnOf(names, 'q', 'x'), columnOf(names, 'q', 'y'),
+                                      columnOf(names, 'q', 'z'), columnOf(names, 'q', 'w')};
+  const bool found = std::ranges::all_of(columns, [](int c) { return c > 0; });
+  return found ? std::optional(columns) : std::nullopt;
+}
 
 constexpr double kEpochNanoseconds = 6.3e17;  // 1990; smaller stamps are no nanoseconds since 1970
 constexpr int kOpenVinsColumns = 20;
@@ -174,84 +250,81 @@ void checkQuaternionOrder(const TrajectorySource& source, TrajectoryBuilder& bui
   }
 }
 
-class TableReader {
- public:
-  TableReader(const TrajectorySource& source, const TrajectoryReadOptions& options)
-      : source_(source), options_(options), table_(source.path, source.text, "poses") {}
+Matrix6d covarianceOf(const TextTable& table, const NumberRow& row, const StampedPose& pose) {
+  const Matrix6d covariance = openVinsCovariance(row, pose);
+  if (covariance.allFinite()) return covariance;
+  throw table.fault({InputFault::kNotFinite, "the covariance is not finite (nan or inf)",
+                     "twelve finite numbers behind the quaternion",
+                     "the estimator diverged here: delete these rows"});
+}
 
-  TrajectoryFile read() {
-    for (const std::string_view line : table_.readHeader()) {
-      if (std::optional<TableHeader> header = parseTableHeader(line); header) header_ = header;
-    }
-    table_.nextRow();
-    const NumberRow first = table_.numbers();
-    const Layout layout = layoutOf(first, header_, options_.format);
-    checkLayout(source_, table_.line(), first, layout);
-    const StampUnit unit =
-        decideStampUnit(source_, {table_.line(), first.values[0], layout.stated_power,
-                                  layout.format == TrajectoryFormat::kEuroc ? 0 : 9});
-    TrajectoryBuilder builder(source_, layout.format, layout.has_orientation);
-    // As many as rows of the first one's length fit.
-    builder.reserve(source_.text.size() / std::max<std::size_t>(table_.row().size(), 1) + 1);
-    add(builder, layout, first, unit.power);
-    while (table_.nextRow()) add(builder, layout, table_.numbers(), unit.power);
-    return checked(std::move(builder), layout, unit);
+void addRow(const TextTable& table, const NumberRow& row, const Layout& layout, int power,
+            TrajectoryBuilder& builder) {
+  table.expectColumns(row, layout.columns);
+  const std::optional<TimeNs> t = parseStamp(row.stamp, power);
+  if (!t) {
+    throw table.fault({InputFault::kBadNumber,
+                       fmt::format("the stamp '{}' is not a time", row.stamp),
+                       "a decimal number within 146 years of 0", "repair or delete this line"});
   }
+  const StampedPose pose = poseOf(row, layout, *t);
+  builder.add(pose, table.line());
+  if (layout.has_covariance) builder.addCovariance(covarianceOf(table, row, pose));
+}
 
- private:
-  void add(TrajectoryBuilder& builder, const Layout& layout, const NumberRow& row,
-           int power) const {
-    table_.expectColumns(row, layout.columns);
-    const std::optional<TimeNs> t = parseStamp(row.stamp, power);
-    if (!t) {
-      throw table_.fault({InputFault::kBadNumber,
-                          fmt::format("the stamp '{}' is not a time", row.stamp),
-                          "a decimal number within 146 years of 0", "repair or delete this line"});
-    }
-    const StampedPose pose = poseOf(row, layout, *t);
-    builder.add(pose, table_.line());
-    if (layout.has_covariance) builder.addCovariance(covarianceOf(row, pose));
+void remarkOnLayout(const Layout& layout, TrajectoryBuilder& builder) {
+  const bool tum = layout.format == TrajectoryFormat::kTum;
+  if (tum && layout.columns == kOpenVinsColumns && !layout.has_covariance) {
+    builder.remark(
+        "no covariances are read: not all variances of the first row are above 0 where OpenVINS "
+        "has them");
   }
-
-  Matrix6d covarianceOf(const NumberRow& row, const StampedPose& pose) const {
-    const Matrix6d covariance = openVinsCovariance(row, pose);
-    if (covariance.allFinite()) return covariance;
-    throw table_.fault({InputFault::kNotFinite, "the covariance is not finite (nan or inf)",
-                        "twelve finite numbers behind the quaternion",
-                        "the estimator diverged here: delete these rows"});
+  if (layout.columns >= 8 && !layout.has_orientation) {
+    builder.remark(
+        "no orientations are read: the header names no quaternion (qx qy qz qw), and the first "
+        "row has none where it usually stands");
   }
-
-  TrajectoryFile checked(TrajectoryBuilder builder, const Layout& layout,
-                         const StampUnit& unit) const {
-    checkPoseIntervals(source_, builder.poses(), unit, builder.firstLine());
-    if (!unit.remark.empty()) builder.remark(unit.remark);
-    const bool tum = layout.format == TrajectoryFormat::kTum;
-    if (tum && layout.columns == kOpenVinsColumns && !layout.has_covariance) {
-      builder.remark(
-          "no covariances are read: not all variances of the first row are above 0 where OpenVINS "
-          "has them");
-    }
-    if (layout.columns >= 8 && !layout.has_orientation) {
-      builder.remark(
-          "no orientations are read: the header names no quaternion (qx qy qz qw), and the first "
-          "row has none where it usually stands");
-    }
-    if (layout.has_orientation && !layout.order_is_stated && !options_.order_is_stated) {
-      checkQuaternionOrder(source_, builder, layout, options_.format.has_value());
-    }
-    return std::move(builder).finish();
-  }
-
-  const TrajectorySource& source_;
-  const TrajectoryReadOptions& options_;
-  TextTable table_;
-  std::optional<TableHeader> header_;
-};
+}
 
 }  // namespace
 
+std::optional<TableHeader> parseTableHeader(std::string_view line) {
+  while (!line.empty() && (line.front() == '#' || line.front() == ' ')) line.remove_prefix(1);
+  const std::vector<ColumnName> names = namesOf(line, line.find(',') != std::string_view::npos);
+  // A stamp and a position at the least; any other comment is no header.
+  if (names.size() < 4 || !namesTime(names.front().text)) return std::nullopt;
+  TableHeader header;
+  header.stamp_power = powerOf(names.front().unit);
+  header.position = positionColumn(names);
+  header.quaternion = quaternionColumns(names);
+  if (!header.position) return std::nullopt;
+  return header;
+}
+
 TrajectoryFile readPoseTable(const TrajectorySource& source, const TrajectoryReadOptions& options) {
-  return TableReader(source, options).read();
+  TextTable table(source.path, source.text, "poses");
+  std::optional<TableHeader> header;
+  for (const std::string_view line : table.readHeader()) {
+    if (auto stated = parseTableHeader(line)) header = stated;
+  }
+  table.nextRow();
+  const NumberRow first = table.numbers();
+  const Layout layout = layoutOf(first, header, options.format);
+  checkLayout(source, table.line(), first, layout);
+  const StampUnit unit = decideStampUnit(source, table.line(), first.values[0], layout.stated_power,
+                                         layout.format == TrajectoryFormat::kEuroc ? 0 : 9);
+  TrajectoryBuilder builder(source, layout.format, layout.has_orientation);
+  // As many as rows of the first one's length fit.
+  builder.reserve(source.text.size() / std::max<std::size_t>(table.row().size(), 1) + 1);
+  addRow(table, first, layout, unit.power, builder);
+  while (table.nextRow()) addRow(table, table.numbers(), layout, unit.power, builder);
+  checkPoseIntervals(source, builder.poses(), unit, builder.firstLine());
+  if (!unit.remark.empty()) builder.remark(unit.remark);
+  remarkOnLayout(layout, builder);
+  if (layout.has_orientation && !layout.order_is_stated && !options.order_is_stated) {
+    checkQuaternionOrder(source, builder, layout, options.format.has_value());
+  }
+  return std::move(builder).finish();
 }
 
 }  // namespace plumbline
