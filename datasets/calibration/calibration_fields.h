@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
-#include "datasets/calibration/plausible.h"
 #include "datasets/files/yaml_map.h"
 
 namespace plumbline {
@@ -39,13 +38,6 @@ struct IntrinsicsKeys {
   const char* distortion = "distortion_coeffs";
 };
 
-/// Where a file states the parts of what was read from it.
-using KeysOfParts = std::vector<std::pair<Implausible::Part, std::string>>;
-
-/// InputError at the part's key where there is an implausible value.
-void refuseImplausible(const YamlMap& map, const std::optional<Implausible>& found,
-                       const KeysOfParts& keys);
-
 /// Densities and rate of an IMU by Kalibr's keys, each positive, the rate under `rate_key`.
 /// InputError where one is not, or where they are implausible.
 ImuNoise noiseFields(const YamlMap& map, const std::string& rate_key);
@@ -56,5 +48,50 @@ Intrinsics intrinsicsField(const YamlMap& map, const IntrinsicsKeys& keys);
 /// InputError where one of our cameras has not as many parameters, and deviations if any, as its
 /// models say.
 void checkParameterCounts(const YamlMap& map, const Intrinsics& intrinsics);
+
+/// A value that no rig has: which one, what it is and what it should be.
+struct Implausible {
+  enum class Part {
+    kProjection,
+    kDistortion,
+    kResolution,
+    kName,
+    kPlace,
+    kOffset,
+    kGravity,
+    kNoise,
+    kDeviation
+  };
+  Part part = Part::kProjection;
+  std::string what;
+  std::string expected;
+
+  Complaint complaint(const std::string& cure) const {
+    return {InputFault::kOutOfRange, what, expected, cure};
+  }
+};
+
+/// The first value out of its range; empty where there is none. Ranges: focal lengths above 0 and
+/// up to 1e6 px, other parameters up to 1e6; sides of an image 1 to 65535 px (as JPEG's); distances
+/// up to 1000 m; names of 1 to 64 letters, digits, `_`, `-`, `.` that do not begin with a dot,
+/// since they become names of files; time offsets up to a day, either way; noise, rates and
+/// standard deviations 0 or more.
+std::optional<Implausible> implausible(const Intrinsics& intrinsics);
+std::optional<Implausible> implausible(const CameraCalibration& camera);
+std::optional<Implausible> implausible(const ImuNoise& noise);
+std::optional<Implausible> implausible(const ImuCalibration& imu);
+
+/// Gravity anywhere on Earth is 9.76 to 9.84 m/s^2; outside 9 to 10.5 a file means something else.
+std::optional<Implausible> implausibleGravity(double gravity_m_s2);
+
+/// InputError, naming the file, for the first implausible value of a calibration.
+void checkPlausible(const Calibration& calibration, const std::string& path);
+
+/// Where a file states the parts of what was read from it.
+using KeysOfParts = std::vector<std::pair<Implausible::Part, std::string>>;
+
+/// InputError at the part's key where there is an implausible value.
+void refuseImplausible(const YamlMap& map, const std::optional<Implausible>& found,
+                       const KeysOfParts& keys);
 
 }  // namespace plumbline

@@ -18,8 +18,9 @@
 #include "datasets/files/yaml_map.h"
 
 namespace plumbline {
-
 namespace {
+
+using Part = Implausible::Part;
 
 /// Reads a field list (calibrator/fields/fields.h) from a mapping, so that each fault names its
 /// line.
@@ -28,24 +29,17 @@ class YamlReader {
   static constexpr bool kReads = true;
   explicit YamlReader(const YamlMap& map) : map_(map) {}
 
+  /// `expected` is the field's unit, or its text where it has none.
   template <class T>
-  void operator()(const char* name, T& value, const char* text) {
-    read(name, value, text);
+  void operator()(const char* name, T& value, const char* expected, const char* /*text*/ = "") {
+    read(name, value, expected);
   }
   template <class T>
-  void operator()(const char* name, T& value, const char* unit, const char* /*text*/) {
-    read(name, value, unit);
-  }
-  template <class T>
-  void operator()(const char* name, std::optional<T>& value, const char* text) {
+  void operator()(const char* name, std::optional<T>& value, const char* expected,
+                  const char* /*text*/ = "") {
     value.reset();
     // null means not known, and counts as missing.
-    if (map_.has(name)) read(name, value.emplace(), text);
-  }
-  template <class T>
-  void operator()(const char* name, std::optional<T>& value, const char* unit,
-                  const char* /*text*/) {
-    (*this)(name, value, unit);
+    if (map_.has(name)) read(name, value.emplace(), expected);
   }
   template <class T>
   void ifSet(const char* name, T& value, const char* text) {
@@ -68,8 +62,7 @@ class YamlReader {
   }
   void read(const char* name, Eigen::VectorXd& value, const char* text) {
     const std::vector<double> numbers = map_.numbers(name, text);
-    value = Eigen::Map<const Eigen::VectorXd>(numbers.data(),
-                                              static_cast<Eigen::Index>(numbers.size()));
+    value = Eigen::VectorXd::Map(numbers.data(), std::ssize(numbers));
   }
   void read(const char* name, Resolution& value, const char* /*text*/) {
     value = resolutionField(map_, name);
@@ -99,8 +92,7 @@ void refuseUnlike(const YamlMap& map, const std::vector<CameraCalibration>& befo
                     {InputFault::kContradiction, "T_C0Ci of the first camera is not the identity",
                      "the place of each camera in the first one, camera 0", "correct the file"});
   }
-  for (const CameraCalibration& other : before) {
-    if (other.name != camera.name) continue;
+  if (std::ranges::find(before, camera.name, &CameraCalibration::name) != before.end()) {
     throw map.fault("name", {InputFault::kDuplicate, "two cameras are named '" + camera.name + "'",
                              "a name for each camera", "rename one of them"});
   }
@@ -112,10 +104,10 @@ CameraCalibration ourCamera(const YamlMap& map) {
   fields(reader, camera);
   checkParameterCounts(map, camera.intrinsics);
   refuseImplausible(map, implausible(camera),
-                    {{Implausible::Part::kName, "name"},
-                     {Implausible::Part::kPlace, "T_C0Ci"},
-                     {Implausible::Part::kProjection, "intrinsics"},
-                     {Implausible::Part::kDistortion, "distortion_coeffs"}});
+                    {{Part::kName, "name"},
+                     {Part::kPlace, "T_C0Ci"},
+                     {Part::kProjection, "intrinsics"},
+                     {Part::kDistortion, "distortion_coeffs"}});
   return camera;
 }
 
@@ -135,10 +127,10 @@ Calibration readOurs(const YamlMap& file) {
     YamlReader reader(map);
     fields(reader, calibration.imu.emplace());
     refuseImplausible(map, implausible(*calibration.imu),
-                      {{Implausible::Part::kPlace, "T_SC0"},
-                       {Implausible::Part::kOffset, "time_offset_s"},
-                       {Implausible::Part::kGravity, "gravity_m_s2"},
-                       {Implausible::Part::kNoise, "noise"}});
+                      {{Part::kPlace, "T_SC0"},
+                       {Part::kOffset, "time_offset_s"},
+                       {Part::kGravity, "gravity_m_s2"},
+                       {Part::kNoise, "noise"}});
   }
   return calibration;
 }
@@ -174,35 +166,15 @@ YamlMap loadCalibration(const std::string& path) {
   }
 }
 
-}  // namespace
+/// Who wrote a file, by keys that the tool's files alone have.
+enum class Tool { kPlumbline, kKalibr, kYac, kBasalt };
 
-Calibration readCalibration(const std::string& path) {
-  const std::string what = kKnownCalibrations;
-  const YamlMap file = loadCalibration(path);
+Tool toolOf(const YamlMap& file) {
   // Before Kalibr: a result of yac has a cam0 as well.
-  if (isYacResult(file)) return readYacResult(file);
-  if (isBasaltCalibration(file)) return readBasaltCalibration(file);
-  if (file.has("cam0")) return calibrationOf(readKalibrCamchain(path));
-  if (file.has("schema") && file.has("cameras")) return readOurs(file);
-  refuseOtherKeys(file);
-  throw badInput(path, 1,
-                 {InputFault::kUnknownFile, "this is not a known calibration format", what});
+  if (isYacResult(file)) return Tool::kYac;
+  if (isBasaltCalibration(file)) return Tool::kBasalt;
+  return file.has("cam0") ? Tool::kKalibr : Tool::kPlumbline;
 }
-
-bool statesImuNoise(const std::string& path) {
-  const YamlMap file = YamlMap::load(path, kKnownCalibrations);
-  // Kalibr's camchain has none: they are in a file of their own.
-  return isYacResult(file) || isBasaltCalibration(file) || file.has("schema");
-}
-
-// Of the formats Kalibr's alone may leave the offset out, which is then read as zero.
-bool statesTimeOffset(const std::string& path) {
-  const YamlMap file = YamlMap::load(path, kKnownCalibrations);
-  const bool chain = file.has("cam0") && !isYacResult(file);
-  return !chain || readKalibrCamchain(path).statesTimeOffset();
-}
-
-namespace {
 
 /// Names and units with a square matrix of as many rows, in one order.
 ParameterCovariance covarianceOf(const YamlMap& map) {
@@ -211,24 +183,20 @@ ParameterCovariance covarianceOf(const YamlMap& map) {
     out.names.push_back(parameter.text("name", "a parameter's name"));
     out.units.push_back(parameter.text("unit", "its unit"));
   }
-  const auto rows = map.rows("matrix", "rows of numbers");
-  const std::size_t n = out.names.size();
-  const bool square = rows.size() == n && std::all_of(rows.begin(), rows.end(),
-                                                      [n](const auto& r) { return r.size() == n; });
-  if (!square) {
+  const auto n = static_cast<Eigen::Index>(out.names.size());
+  const auto matrix = map.matrix("matrix", "rows of numbers", n, n);
+  if (!matrix) {
     throw map.fault("matrix",
                     {InputFault::kContradiction, "the covariance does not fit its parameters",
                      fmt::format("{} rows of {} numbers", n, n), "copy the file again"});
   }
-  out.matrix.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) {
-      out.matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = rows[i][j];
-    }
-    if (rows[i][i] >= 0) continue;
+  out.matrix = *matrix;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (out.matrix(i, i) >= 0) continue;
     throw map.fault("matrix",
                     {InputFault::kOutOfRange,
-                     fmt::format("the variance of '{}' is {:g}", out.names[i], rows[i][i]),
+                     fmt::format("the variance of '{}' is {:g}",
+                                 out.names[static_cast<std::size_t>(i)], out.matrix(i, i)),
                      "0 or more", "copy the file again"});
   }
   return out;
@@ -247,33 +215,6 @@ std::optional<ParameterCovariance> camerasCovariance(const YamlMap& file) {
   }
   return std::nullopt;
 }
-
-}  // namespace
-
-CalibrationExtras readCalibrationExtras(const std::string& path) {
-  const YamlMap file = YamlMap::load(path, "a calibration");
-  CalibrationExtras extras;
-  if (isYacResult(file)) {
-    extras.tool = "yac";
-  } else if (file.has("cam0")) {
-    const YamlMap camera = file.map("cam0", "a camera");
-    extras.tool = camera.has("T_imu_cam") ? "openvins" : "kalibr";
-  } else if (isBasaltCalibration(file)) {
-    extras.tool = "basalt";
-    extras.remarks = basaltRemarks(file);
-  } else {
-    extras.tool = "plumbline";
-    extras.cameras = camerasCovariance(file);
-    if (file.has("provenance")) {
-      const YamlMap provenance = file.map("provenance", "where the result comes from");
-      extras.input = provenance.textOr("input", "");
-      extras.input_hash = provenance.textOr("input_hash", "");
-    }
-  }
-  return extras;
-}
-
-namespace {
 
 /// Of one stage: formal ones from its covariance, and robust ones over them.
 void addDeviations(const YamlMap& file, const char* stage, std::map<std::string, double>& out) {
@@ -302,10 +243,52 @@ void addDeviations(const YamlMap& file, const char* stage, std::map<std::string,
 
 }  // namespace
 
+Calibration readCalibration(const std::string& path) {
+  const YamlMap file = loadCalibration(path);
+  const Tool tool = toolOf(file);
+  if (tool == Tool::kYac) return readYacResult(file);
+  if (tool == Tool::kBasalt) return readBasaltCalibration(file);
+  if (tool == Tool::kKalibr) return calibrationOf(readKalibrCamchain(path));
+  if (file.has("schema") && file.has("cameras")) return readOurs(file);
+  refuseOtherKeys(file);
+  throw badInput(
+      path, 1,
+      {InputFault::kUnknownFile, "this is not a known calibration format", kKnownCalibrations});
+}
+
+bool statesImuNoise(const std::string& path) {
+  const YamlMap file = YamlMap::load(path, kKnownCalibrations);
+  // Kalibr's camchain has none: they are in a file of their own.
+  return isYacResult(file) || isBasaltCalibration(file) || file.has("schema");
+}
+
+// Of the formats Kalibr's alone may leave the offset out, which is then read as zero.
+bool statesTimeOffset(const std::string& path) {
+  const YamlMap file = YamlMap::load(path, kKnownCalibrations);
+  return toolOf(file) != Tool::kKalibr || readKalibrCamchain(path).statesTimeOffset();
+}
+
+CalibrationExtras readCalibrationExtras(const std::string& path) {
+  const YamlMap file = YamlMap::load(path, "a calibration");
+  const Tool tool = toolOf(file);
+  if (tool == Tool::kYac) return {"yac"};
+  if (tool == Tool::kBasalt) return {.tool = "basalt", .remarks = basaltRemarks(file)};
+  if (tool == Tool::kKalibr) {
+    return {file.map("cam0", "a camera").has("T_imu_cam") ? "openvins" : "kalibr"};
+  }
+  CalibrationExtras extras{"plumbline", camerasCovariance(file)};
+  if (file.has("provenance")) {
+    const YamlMap provenance = file.map("provenance", "where the result comes from");
+    extras.input = provenance.textOr("input", "");
+    extras.input_hash = provenance.textOr("input_hash", "");
+  }
+  return extras;
+}
+
 std::map<std::string, double> readDeviations(const std::string& path) {
   std::map<std::string, double> out;
   const YamlMap file = YamlMap::load(path, "a calibration");
-  const bool ours = !isYacResult(file) && !file.has("cam0") && !isBasaltCalibration(file);
+  const bool ours = toolOf(file) == Tool::kPlumbline;
   if (!ours || !file.has("covariance") || !file.has("stages")) return out;
   // In this order: what both stages estimate the second one has said last.
   addDeviations(file, "camera", out);

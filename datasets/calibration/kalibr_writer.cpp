@@ -41,7 +41,9 @@ std::string cameraText(const Calibration& calibration, std::size_t i, bool offse
   return text;
 }
 
-std::string densitiesText(const ImuNoise& noise, const char* indent) {
+}  // namespace
+
+std::string kalibrDensities(const ImuNoise& noise, const std::string& indent) {
   std::string text;
   const auto add = [&](const char* key, double value) {
     text += fmt::format("{}{}: {}\n", indent, key, yamlNumber(value));
@@ -52,8 +54,6 @@ std::string densitiesText(const ImuNoise& noise, const char* indent) {
   add("gyroscope_random_walk", noise.gyro_random_walk);
   return text;
 }
-
-}  // namespace
 
 // All others, as a calibration does not say which cameras see the same.
 std::string kalibrOverlaps(std::size_t camera, std::size_t count) {
@@ -76,12 +76,12 @@ std::string kalibrCamchainText(const Calibration& calibration, bool offset_known
 std::string kalibrImuText(const ImuNoise& noise, const std::string& rostopic) {
   return fmt::format(
       "imu0:\n{}{}  model: calibrated\n  rostopic: {}\n  time_offset: {}\n  update_rate: {}\n",
-      matrixText("T_i_b", Transform()), densitiesText(noise, "  "),
+      matrixText("T_i_b", Transform()), kalibrDensities(noise, "  "),
       yamlText(rostopic.empty() ? "/imu0" : rostopic), yamlNumber(0), yamlNumber(noise.rate_hz));
 }
 
 std::string kalibrImuInputText(const ImuNoise& noise, const std::string& rostopic) {
-  return fmt::format("{}rostopic: {}\nupdate_rate: {}\n", densitiesText(noise, ""),
+  return fmt::format("{}rostopic: {}\nupdate_rate: {}\n", kalibrDensities(noise, ""),
                      yamlText(rostopic.empty() ? "/imu0" : rostopic), yamlNumber(noise.rate_hz));
 }
 

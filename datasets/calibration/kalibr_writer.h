@@ -24,6 +24,9 @@ std::string kalibrImuText(const ImuNoise& noise, const std::string& rostopic);
 /// The same as Kalibr reads it (--imu): flat.
 std::string kalibrImuInputText(const ImuNoise& noise, const std::string& rostopic);
 
+/// The four densities by Kalibr's keys, a line each behind `indent`.
+std::string kalibrDensities(const ImuNoise& noise, const std::string& indent);
+
 /// cam_overlaps of a camera: "[0, 2]", the indices of all others.
 std::string kalibrOverlaps(std::size_t camera, std::size_t count);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <utility>
@@ -11,6 +12,8 @@
 
 namespace plumbline {
 namespace {
+
+using Part = Implausible::Part;
 
 constexpr const char* kPose = "px, py, pz, qx, qy, qz, qw";
 
@@ -39,10 +42,8 @@ Eigen::VectorXd numbersOf(const YamlMap& map, std::initializer_list<const char*>
 /// Basalt has one type for both, OpenCV's rational model; without these it is radtan, which every
 /// tool has.
 bool isRational(const YamlMap& map) {
-  for (const char* key : {"k3", "k4", "k5", "k6"}) {
-    if (map.numberOr(key, 0) != 0) return true;
-  }
-  return false;
+  return std::ranges::any_of(std::array{"k3", "k4", "k5", "k6"},
+                             [&](const char* key) { return map.numberOr(key, 0) != 0; });
 }
 
 void setModel(Intrinsics& k, ProjectionModel projection, DistortionModel distortion) {
@@ -128,8 +129,7 @@ CameraCalibration cameraOf(const YamlMap& file, int i) {
                                       {"proj_model", "dist_model", "proj_params", "dist_params"});
   // yac states camera 0 in the IMU, the others in camera 0.
   if (i > 0) camera.T_C0Ci = transformField(file, fmt::format("T_cam0_cam{}", i));
-  refuseImplausible(file, implausible(camera),
-                    {{Implausible::Part::kPlace, fmt::format("T_cam0_cam{}", i)}});
+  refuseImplausible(file, implausible(camera), {{Part::kPlace, fmt::format("T_cam0_cam{}", i)}});
   return camera;
 }
 
@@ -146,8 +146,7 @@ ImuCalibration imuOf(const YamlMap& file) {
   imu.noise.accel_density = section.number("sigma_a_c", "m/s^2/sqrt(Hz)");
   imu.noise.accel_random_walk = section.number("sigma_aw_c", "m/s^3/sqrt(Hz)");
   imu.noise.rate_hz = section.number("rate", "Hz");
-  refuseImplausible(section, implausibleGravity(imu.gravity_m_s2),
-                    {{Implausible::Part::kGravity, "g"}});
+  refuseImplausible(section, implausibleGravity(imu.gravity_m_s2), {{Part::kGravity, "g"}});
   // Without keys: place and offset stand outside of the section, so that its line is all that holds
   // for every part.
   refuseImplausible(section, implausible(imu), {});
@@ -157,8 +156,7 @@ ImuCalibration imuOf(const YamlMap& file) {
 }  // namespace
 
 bool isBasaltCalibration(const YamlMap& file) {
-  return file.has("value0") && file.node("value0").IsMap() &&
-         file.map("value0", "a calibration").has("T_imu_cam");
+  return file.hasMap("value0") && file.map("value0", "a calibration").has("T_imu_cam");
 }
 
 std::vector<std::string> basaltRemarks(const YamlMap& file) {
@@ -195,21 +193,20 @@ Calibration readBasaltCalibration(const YamlMap& file) {
     if (i > 0) camera.T_C0Ci = T_SC0.inverse() * poseOf(poses[i]);
     refuseImplausible(cameras[i], implausible(camera.intrinsics), {});
     // Of two poses that are too far apart either may be the wrong one.
-    refuseImplausible(value, implausible(camera), {{Implausible::Part::kPlace, "T_imu_cam"}});
+    refuseImplausible(value, implausible(camera), {{Part::kPlace, "T_imu_cam"}});
     calibration.cameras.push_back(std::move(camera));
   }
   calibration.imu = imuOf(value, T_SC0);
   refuseImplausible(value, implausible(*calibration.imu),
-                    {{Implausible::Part::kOffset, "cam_time_offset_ns"},
-                     {Implausible::Part::kNoise, "accel_noise_std"},
-                     {Implausible::Part::kPlace, "T_imu_cam"}});
+                    {{Part::kOffset, "cam_time_offset_ns"},
+                     {Part::kNoise, "accel_noise_std"},
+                     {Part::kPlace, "T_imu_cam"}});
   return calibration;
 }
 
 // Kalibr's cameras have camera_model where yac's have proj_model.
 bool isYacResult(const YamlMap& file) {
-  return file.has("cam0") && file.node("cam0").IsMap() &&
-         file.map("cam0", "a camera").has("proj_model");
+  return file.hasMap("cam0") && file.map("cam0", "a camera").has("proj_model");
 }
 
 Calibration readYacResult(const YamlMap& file) {

@@ -109,7 +109,7 @@ ImuDescription readImuDescription(const std::string& path) {
   refuseModel(map);
   // The word of EuRoC's sensor.yaml.
   const bool euroc = map.has("rate_hz") && !map.has("update_rate");
-  KalibrImu imu = kalibrImu(map, "imu0", euroc ? "rate_hz" : "update_rate");
+  KalibrImu imu = kalibrImu(map, euroc ? "rate_hz" : "update_rate");
   refuseDistorted(map, imu);
   return {imu.noise, std::move(imu.rostopic)};
 }

@@ -60,7 +60,7 @@ void declareExport(CLI::App& app, ExportFilesOptions& o) {
 
 ExportRequest exportRequest(const ExportFilesOptions& o) {
   ExportRequest request = o.request;
-  const auto tool = exportToolFrom(o.to);
+  const auto tool = enumFrom<ExportTool>(o.to);
   if (!tool) throw InputError(fmt::format("--to {}: expected one of {}", o.to, knownTools()));
   request.tool = *tool;
   if (o.model) request.model = modelFrom("--model", *o.model);

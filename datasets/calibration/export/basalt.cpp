@@ -26,42 +26,38 @@ Json cameraJson(const char* type, const Json& intrinsics) {
   return {{"camera_type", type}, {"intrinsics", intrinsics}};
 }
 
-/// The rational model with its denominator at 1.
-Json radtanJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d) {
+/// Radtan, of four coefficients, is the rational model with its denominator at 1.
+Json rationalJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d, double squared_radius) {
   Json k = pinholeOf(p);
-  k.update({{"k1", d[0]}, {"k2", d[1]}, {"p1", d[2]}, {"p2", d[3]}});
-  for (const char* name : {"k3", "k4", "k5", "k6"}) k[name] = 0.0;
-  k["rpmax"] = uniqueRadius(Radtan::squaredRadiusLimit(d.data()));
-  return cameraJson("pinhole-radtan8", k);
-}
-
-Json rationalJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d) {
-  Json k = pinholeOf(p);
-  const auto names = {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
   Eigen::Index i = 0;
-  for (const char* name : names) k[name] = d[i++];
-  k["rpmax"] = uniqueRadius(Rational::squaredRadiusLimit(d.data()));
+  for (const char* name : {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}) {
+    k[name] = i < d.size() ? d[i] : 0.0;
+    ++i;
+  }
+  k["rpmax"] = uniqueRadius(squared_radius);
   return cameraJson("pinhole-radtan8", k);
 }
 
-Json pinholeFamily(const CameraCalibration& camera, const ExportChecks& checks, const char* known) {
+Json pinholeFamily(const CameraCalibration& camera, const ExportSource& source, const char* known) {
   const Intrinsics& k = camera.intrinsics;
   switch (k.distortion_model) {
     case DistortionModel::kNone:
       return cameraJson("pinhole", pinholeOf(k.projection));
     case DistortionModel::kRadtan:
-      return radtanJson(k.projection, k.distortion);
+      return rationalJson(k.projection, k.distortion,
+                          Radtan::squaredRadiusLimit(k.distortion.data()));
     case DistortionModel::kEquidistant: {
       Json kb4 = pinholeOf(k.projection);
       for (int i = 0; i < 4; ++i) kb4[fmt::format("k{}", i + 1)] = k.distortion[i];
       return cameraJson("kb4", kb4);
     }
     case DistortionModel::kRational:
-      return rationalJson(k.projection, k.distortion);
+      return rationalJson(k.projection, k.distortion,
+                          Rational::squaredRadiusLimit(k.distortion.data()));
     case DistortionModel::kFov:
       break;
   }
-  checks.refuseModel(camera, known);
+  source.refuseModel(camera, known);
 }
 
 // Kalibr's omni divides by z + xi d, Basalt's ucm by alpha d + (1 - alpha) z: the same projection
@@ -73,13 +69,13 @@ Json unifiedOf(const Eigen::VectorXd& p) {
   return cameraJson("ucm", k);
 }
 
-Json intrinsicsJson(const CameraCalibration& camera, const ExportChecks& checks) {
+Json intrinsicsJson(const CameraCalibration& camera, const ExportSource& source) {
   const char* known =
       "pinhole with radtan, equidistant, rational or no distortion; ds, eucm and omni without "
       "distortion";
   const Intrinsics& k = camera.intrinsics;
-  if (k.projection_model == ProjectionModel::kPinhole) return pinholeFamily(camera, checks, known);
-  if (k.distortion_model != DistortionModel::kNone) checks.refuseModel(camera, known);
+  if (k.projection_model == ProjectionModel::kPinhole) return pinholeFamily(camera, source, known);
+  if (k.distortion_model != DistortionModel::kNone) source.refuseModel(camera, known);
   if (k.projection_model == ProjectionModel::kOmni) return unifiedOf(k.projection);
   const bool ds = k.projection_model == ProjectionModel::kDs;
   Json json = pinholeOf(k.projection.tail(4));
@@ -98,13 +94,13 @@ Json poseJson(const Transform& T) {
 
 std::vector<double> thrice(double value) { return {value, value, value}; }
 
-Json calibrationJson(const Calibration& calibration, const ImuCalibration& imu,
-                     const ExportChecks& checks) {
+Json calibrationJson(const ExportSource& source) {
+  const ImuCalibration& imu = source.neededImu();
   Json json;
-  for (const CameraCalibration& camera : calibration.cameras) {
+  for (const CameraCalibration& camera : source.calibration.cameras) {
     const Resolution& size = camera.intrinsics.resolution;
     json["T_imu_cam"].push_back(poseJson(imu.T_SC0 * camera.T_C0Ci));
-    json["intrinsics"].push_back(intrinsicsJson(camera, checks));
+    json["intrinsics"].push_back(intrinsicsJson(camera, source));
     json["resolution"].push_back({size.width, size.height});
   }
   // Basalt's lengths: three biases with six numbers of scale and misalignment, and with nine for
@@ -122,10 +118,9 @@ Json calibrationJson(const Calibration& calibration, const ImuCalibration& imu,
   return {{"value0", json}};
 }
 
-std::vector<std::string> basaltWarnings(const Calibration& calibration,
-                                        const ExportOptions& options) {
-  std::vector<std::string> warnings =
-      offsetWarnings(calibration, options, "cam_time_offset_ns is written as 0.");
+std::vector<std::string> basaltWarnings(const ExportSource& source) {
+  const auto& [calibration, options, tool] = source;
+  std::vector<std::string> warnings = offsetWarnings(source, "cam_time_offset_ns is written as 0.");
   if (options.offset_known) {
     warnings.push_back(
         "In the Basalt sources looked at, the line that would add cam_time_offset_ns is commented "
@@ -158,13 +153,12 @@ std::string notesText(const ExportOptions& options, const std::vector<std::strin
 
 }  // namespace
 
-ExportedFiles exportBasalt(const Calibration& calibration, const ExportOptions& options) {
-  const ExportChecks checks(calibration, options, "Basalt");
-  const ImuCalibration& imu = checks.neededImu();
+ExportedFiles exportBasalt(const ExportSource& source) {
+  const std::string json = calibrationJson(source).dump(2) + "\n";
   ExportedFiles out;
-  out.warnings = basaltWarnings(calibration, options);
-  out.files = {{"basalt_calib.json", calibrationJson(calibration, imu, checks).dump(2) + "\n"},
-               {"basalt_notes.txt", notesText(options, out.warnings)}};
+  out.warnings = basaltWarnings(source);
+  out.files = {{"basalt_calib.json", json},
+               {"basalt_notes.txt", notesText(source.options, out.warnings)}};
   return out;
 }
 

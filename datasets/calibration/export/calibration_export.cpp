@@ -7,34 +7,30 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "datasets/calibration/calibration_fields.h"
 #include "datasets/calibration/export/tools.h"
 #include "datasets/calibration/kalibr_writer.h"
-#include "datasets/calibration/plausible.h"
 #include "datasets/files/bad_input.h"
 
 namespace plumbline {
 namespace {
 
-using Writer = ExportedFiles (*)(const Calibration&, const ExportOptions&);
-
-struct Entry {
-  ExportTool tool;
-  const char* word;
-  Writer write;
+struct Tool {
+  const char* name;
+  ExportedFiles (*write)(const ExportSource&);
 };
 
-constexpr std::array<Entry, 7> kTools{{{ExportTool::kKalibr, "kalibr", exportKalibr},
-                                       {ExportTool::kOrbSlam3, "orbslam3", exportOrbSlam3},
-                                       {ExportTool::kOpenVins, "openvins", exportOpenVins},
-                                       {ExportTool::kVinsFusion, "vins-fusion", exportVinsFusion},
-                                       {ExportTool::kOkvis2, "okvis2", exportOkvis2},
-                                       {ExportTool::kBasalt, "basalt", exportBasalt},
-                                       {ExportTool::kCameraInfo, "camera_info", exportCameraInfo}}};
+// In the order of the enumeration.
+constexpr std::array<Tool, enumWords(ExportTool()).size()> kTools{
+    {{"Kalibr", exportKalibr},
+     {"ORB-SLAM3", exportOrbSlam3},
+     {"OpenVINS", exportOpenVins},
+     {"VINS-Fusion", exportVinsFusion},
+     {"OKVIS2", exportOkvis2},
+     {"Basalt", exportBasalt},
+     {"camera_info", exportCameraInfo}}};
 
 constexpr double kHighestFrameRate_hz = 1e6;  // of images: beyond any camera
-
-// The table has the order of the enumeration.
-const Entry& entryOf(ExportTool tool) { return kTools[static_cast<std::size_t>(tool)]; }
 
 constexpr const char* kDirections =
     "T_cam_imu maps IMU to camera, T_cn_cnm1 the previous camera to this one; t_imu = t_cam + "
@@ -46,11 +42,11 @@ std::string namesOf(const Calibration& calibration) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-const CameraCalibration& named(const Calibration& calibration, const std::string& name,
-                               const std::string& path) {
-  for (const CameraCalibration& camera : calibration.cameras) {
-    if (camera.name == name) return camera;
-  }
+std::size_t placeOf(const Calibration& calibration, const std::string& name,
+                    const std::string& path) {
+  const auto& cameras = calibration.cameras;
+  const auto camera = std::ranges::find(cameras, name, &CameraCalibration::name);
+  if (camera != cameras.end()) return static_cast<std::size_t>(camera - cameras.begin());
   throw BadInput(
       InputFault::kUnknownCamera, path, 0,
       fmt::format("has no camera '{}'; expected some of {}", name, namesOf(calibration)));
@@ -58,18 +54,9 @@ const CameraCalibration& named(const Calibration& calibration, const std::string
 
 }  // namespace
 
-std::string toString(ExportTool tool) { return entryOf(tool).word; }
-
-std::optional<ExportTool> exportToolFrom(const std::string& word) {
-  for (const Entry& entry : kTools) {
-    if (word == entry.word) return entry.tool;
-  }
-  return std::nullopt;
-}
-
 std::vector<ExportTool> exportTools() {
   std::vector<ExportTool> tools;
-  for (const Entry& entry : kTools) tools.push_back(entry.tool);
+  for (std::size_t i = 0; i < kTools.size(); ++i) tools.push_back(static_cast<ExportTool>(i));
   return tools;
 }
 
@@ -89,22 +76,23 @@ ExportedFiles exportCalibration(const Calibration& calibration, ExportTool tool,
                    "has no camera; expected a calibration of one or more");
   }
   checkPlausible(calibration, options.source);
-  return entryOf(tool).write(calibration, options);
+  const auto& [name, write] = kTools[static_cast<std::size_t>(tool)];
+  return write({calibration, options, name});
 }
 
-ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& options) {
-  const ExportChecks checks(calibration, options, "Kalibr");
+ExportedFiles exportKalibr(const ExportSource& source) {
+  const auto& [calibration, options, tool] = source;
   for (const CameraCalibration& camera : calibration.cameras) {
     if (camera.intrinsics.distortion_model != DistortionModel::kRational) continue;
     // Kalibr has no such distortion.
-    checks.refuseModel(camera, "radtan, equidistant, fov and no distortion");
+    source.refuseModel(camera, "radtan, equidistant, fov and no distortion");
   }
   ExportedFiles out;
   const bool with_imu = calibration.imu.has_value();
   std::vector<std::string> notes{kDirections};
   if (with_imu && !options.offset_known) {
     // The others' shifts are no matter here: this format has one for each camera.
-    out.warnings = offsetWarnings(calibration, options, "timeshift_cam_imu is left out.");
+    out.warnings = offsetWarnings(source, "timeshift_cam_imu is left out.");
     notes.push_back(out.warnings.front());
   }
   out.files.push_back(
@@ -116,7 +104,7 @@ ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& 
         "imu.yaml is not written: this file does not state the IMU's noise densities.");
     return out;
   }
-  checks.knownNoise();
+  source.knownNoise();
   out.files.push_back(
       {"imu.yaml", commentHeader(options, {"Continuous-time noise densities."}) +
                        kalibrImuInputText(calibration.imu->noise, topicOf(*calibration.imu))});
@@ -132,8 +120,7 @@ Calibration selectCameras(const Calibration& calibration, const std::vector<std:
       throw BadInput(InputFault::kUnknownCamera, path, 0,
                      fmt::format("camera '{}' is requested twice", name));
     }
-    const CameraCalibration& camera = named(calibration, name, path);
-    places.push_back(static_cast<std::size_t>(&camera - calibration.cameras.data()));
+    places.push_back(placeOf(calibration, name, path));
   }
   return selectCameras(calibration, places);
 }

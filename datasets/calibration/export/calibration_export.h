@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/enum_words.h"
 
 namespace plumbline {
 
 /// Tools in whose own format a calibration can be written.
 enum class ExportTool { kKalibr, kOrbSlam3, kOpenVins, kVinsFusion, kOkvis2, kBasalt, kCameraInfo };
-
-/// "kalibr", "orbslam3", "openvins", "vins-fusion", "okvis2", "basalt", "camera_info".
-std::string toString(ExportTool tool);
-/// The inverse; empty for an unknown word.
-std::optional<ExportTool> exportToolFrom(const std::string& word);
+constexpr std::array<const char*, 7> enumWords(ExportTool /*of*/) {
+  return {"kalibr", "orbslam3", "openvins", "vins-fusion", "okvis2", "basalt", "camera_info"};
+}
 /// All of them, in the order of the enumeration.
 std::vector<ExportTool> exportTools();
 

@@ -16,25 +16,20 @@ std::string matrixText(const char* key, const RowMajor& M) {
                      yamlList(values));
 }
 
-struct Distortion {
-  const char* word;
-  Eigen::VectorXd coefficients;
-};
+constexpr PinholeWords kRosWords{"plumb_bob", "equidistant", "rational_polynomial"};
 
-Distortion distortionOf(const CameraCalibration& camera, const ExportChecks& checks) {
-  const Intrinsics& k = camera.intrinsics;
-  if (isPinhole(k, DistortionModel::kEquidistant)) return {"equidistant", k.distortion};
-  if (isPinhole(k, DistortionModel::kRational)) return {"rational_polynomial", k.distortion};
-  // ROS has the word plumb_bob with five coefficients, the fifth for r^6.
-  if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
-    Eigen::VectorXd five = Eigen::VectorXd::Zero(5);  // k1 k2 p1 p2 k3
-    five.head(4) = fourCoefficients(k);
-    return {"plumb_bob", five};
+// ROS has the word plumb_bob with five coefficients, the fifth for r^6.
+Eigen::VectorXd rosCoefficients(const Intrinsics& k) {
+  if (k.distortion_model == DistortionModel::kEquidistant ||
+      k.distortion_model == DistortionModel::kRational) {
+    return k.distortion;
   }
-  checks.refuseModel(camera, "pinhole with radtan, equidistant, rational or no distortion");
+  Eigen::VectorXd five = Eigen::VectorXd::Zero(5);  // k1 k2 p1 p2 k3
+  five.head(4) = fourCoefficients(k);
+  return five;
 }
 
-std::string cameraText(const CameraCalibration& camera, const Distortion& distortion) {
+std::string cameraText(const CameraCalibration& camera, const char* distortion) {
   const Intrinsics& k = camera.intrinsics;
   RowMajor K = RowMajor::Identity(3, 3);
   K(0, 0) = k.projection[0];
@@ -45,8 +40,8 @@ std::string cameraText(const CameraCalibration& camera, const Distortion& distor
   P.leftCols(3) = K;
   return fmt::format("image_width: {}\nimage_height: {}\ncamera_name: {}\n", k.resolution.width,
                      k.resolution.height, plainName(camera.name)) +
-         matrixText("camera_matrix", K) + fmt::format("distortion_model: {}\n", distortion.word) +
-         matrixText("distortion_coefficients", distortion.coefficients.transpose()) +
+         matrixText("camera_matrix", K) + fmt::format("distortion_model: {}\n", distortion) +
+         matrixText("distortion_coefficients", rosCoefficients(k).transpose()) +
          matrixText("rectification_matrix", RowMajor::Identity(3, 3)) +
          matrixText("projection_matrix", P);
 }
@@ -68,21 +63,21 @@ std::vector<std::string> cameraInfoWarnings(const Calibration& calibration) {
 
 }  // namespace
 
-ExportedFiles exportCameraInfo(const Calibration& calibration, const ExportOptions& options) {
-  const ExportChecks checks(calibration, options, "camera_info");
+ExportedFiles exportCameraInfo(const ExportSource& source) {
+  const auto& [calibration, options, tool] = source;
   ExportedFiles out;
   out.warnings = cameraInfoWarnings(calibration);
   for (const CameraCalibration& camera : calibration.cameras) {
     const std::string name = plainName(camera.name) + ".yaml";
     for (std::size_t i = 0; i < out.files.size(); ++i) {
       if (out.files[i].name != name) continue;
-      checks.refuse(InputFault::kDuplicate,
+      source.refuse(InputFault::kDuplicate,
                     fmt::format("the files of the cameras {} and {} would both be {}",
                                 calibration.cameras[i].name, camera.name, name),
                     "rename one");
     }
     out.files.push_back({name, commentHeader(options, out.warnings) +
-                                   cameraText(camera, distortionOf(camera, checks))});
+                                   cameraText(camera, source.distortionWord(camera, kRosWords))});
   }
   return out;
 }

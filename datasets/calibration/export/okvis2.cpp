@@ -41,15 +41,7 @@ output_parameters:
     display_overhead: false
 )";
 
-const char* okvis2Distortion(const CameraCalibration& camera, const ExportChecks& checks) {
-  const Intrinsics& k = camera.intrinsics;
-  if (isPinhole(k, DistortionModel::kEquidistant)) return "equidistant";
-  if (isPinhole(k, DistortionModel::kRational)) return "radialtangential8";
-  if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
-    return "radialtangential";
-  }
-  checks.refuseModel(camera, "pinhole with radtan, equidistant, rational or no distortion");
-}
+constexpr PinholeWords kOkvis2Words{"radialtangential", "equidistant", "radialtangential8"};
 
 // radialtangential wants four numbers, zeros where there is no distortion; radialtangential8 wants
 // eight, in OpenCV's order, which is ours.
@@ -59,10 +51,11 @@ Eigen::VectorXd coefficients(const Intrinsics& k) {
 }
 
 std::string cameraText(const CameraCalibration& camera, const Transform& T_SC,
-                       const ExportChecks& checks) {
+                       const ExportSource& source) {
   const Intrinsics& k = camera.intrinsics;
   const std::string indent = "        ";
-  const auto distortion = okvis2Distortion(camera, checks);  // first: it refuses what follows
+  // First: it refuses what follows.
+  const char* distortion = source.distortionWord(camera, kOkvis2Words);
   return fmt::format("     - {{T_SC:\n{0}{1},\n{0}image_dimension: [{2}, {3}],\n", indent,
                      sixteenNumbers(T_SC, indent), k.resolution.width, k.resolution.height) +
          fmt::format("{}distortion_coefficients: {},\n{}distortion_type: {},\n", indent,
@@ -103,20 +96,20 @@ std::string imuParameters(const ImuCalibration& imu) {
 
 }  // namespace
 
-ExportedFiles exportOkvis2(const Calibration& calibration, const ExportOptions& options) {
-  const ExportChecks checks(calibration, options, "OKVIS2");
-  const ImuCalibration& imu = checks.neededImu();
+ExportedFiles exportOkvis2(const ExportSource& source) {
+  const auto& [calibration, options, tool] = source;
+  const ImuCalibration& imu = source.neededImu();
   ExportedFiles out;
   const std::vector<std::string> notes{
       "OKVIS2 uses the time offset with the opposite sign: image_delay is minus our time offset.",
       "a_max and g_max are those of the tool's EuRoC example: set them to your IMU's range, or "
       "samples beyond them count as saturated."};
-  out.warnings = offsetWarnings(calibration, options, "image_delay is written as 0.");
+  out.warnings = offsetWarnings(source, "image_delay is written as 0.");
   out.warnings.insert(out.warnings.end(), notes.begin(), notes.end());
   std::string text =
       opencvHeader(options, out.warnings) + "\n# T_SC maps camera to IMU.\ncameras:\n";
   for (const CameraCalibration& camera : calibration.cameras) {
-    text += cameraText(camera, imu.T_SC0 * camera.T_C0Ci, checks);
+    text += cameraText(camera, imu.T_SC0 * camera.T_C0Ci, source);
   }
   text += cameraParameters(calibration) + imuParameters(imu);
   out.files.push_back({"okvis2.yaml", text + kOkvis2Settings});

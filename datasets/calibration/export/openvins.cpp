@@ -9,19 +9,10 @@
 namespace plumbline {
 namespace {
 
-const char* openVinsDistortion(const CameraCalibration& camera, const ExportChecks& checks) {
-  const Intrinsics& k = camera.intrinsics;
-  if (isPinhole(k, DistortionModel::kEquidistant)) return "equidistant";
-  if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
-    return "radtan";
-  }
-  checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
-}
-
-std::vector<std::string> openVinsWarnings(const Calibration& calibration,
-                                          const ExportOptions& options) {
-  std::vector<std::string> warnings = offsetWarnings(
-      calibration, options, "timeshift_cam_imu is left out, and OpenVINS starts from 0.");
+std::vector<std::string> openVinsWarnings(const ExportSource& source) {
+  const Calibration& calibration = source.calibration;
+  std::vector<std::string> warnings =
+      offsetWarnings(source, "timeshift_cam_imu is left out, and OpenVINS starts from 0.");
   warnings.push_back(
       fmt::format("To set in estimator_config.yaml, which is not written here: max_cameras: {}, "
                   "gravity_mag: {}, relative_config_imu: \"kalibr_imu_chain.yaml\", "
@@ -34,12 +25,12 @@ std::vector<std::string> openVinsWarnings(const Calibration& calibration,
   return warnings;
 }
 
-std::string cameraText(const Calibration& calibration, std::size_t i, const ExportChecks& checks,
-                       const ExportOptions& options) {
+std::string cameraText(const ExportSource& source, std::size_t i) {
+  const Calibration& calibration = source.calibration;
   const CameraCalibration& camera = calibration.cameras[i];
   const Intrinsics& k = camera.intrinsics;
   const Transform T_SCi = calibration.imu->T_SC0 * camera.T_C0Ci;
-  const char* distortion = openVinsDistortion(camera, checks);
+  const char* distortion = source.distortionWord(camera, {"radtan", "equidistant"});
   std::string text = fmt::format("cam{}:\n  T_imu_cam:\n", i) + yamlRows(T_SCi.matrix(), "    ");
   text += fmt::format("  cam_overlaps: {}\n  camera_model: pinhole\n",
                       kalibrOverlaps(i, calibration.cameras.size()));
@@ -48,7 +39,7 @@ std::string cameraText(const Calibration& calibration, std::size_t i, const Expo
   text +=
       fmt::format("  intrinsics: {}\n  resolution: [{}, {}]\n  rostopic: {}\n",
                   yamlList(k.projection), k.resolution.width, k.resolution.height, topicOf(camera));
-  if (!options.offset_known) return text;
+  if (!source.options.offset_known) return text;
   // Camera 0's under every camera: OpenVINS has one, and offsetWarnings() says what to do.
   return text + numberLine("  timeshift_cam_imu", calibration.imu->timeOffset());
 }
@@ -60,31 +51,25 @@ std::string openVinsImu(const ImuCalibration& imu) {
   };
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
   return "imu0:\n" + matrix("T_i_b", Eigen::Matrix4d::Identity()) +
-         numberLine("  accelerometer_noise_density", imu.noise.accel_density) +
-         numberLine("  accelerometer_random_walk", imu.noise.accel_random_walk) +
-         numberLine("  gyroscope_noise_density", imu.noise.gyro_density) +
-         numberLine("  gyroscope_random_walk", imu.noise.gyro_random_walk) +
-         "  rostopic: " + topicOf(imu) + "\n" + numberLine("  time_offset", 0) +
-         numberLine("  update_rate", imu.noise.rate_hz) + "  model: \"calibrated\"\n" +
-         matrix("Tw", I) + matrix("R_IMUtoGYRO", I) + matrix("Ta", I) + matrix("R_IMUtoACC", I) +
-         matrix("Tg", Eigen::Matrix3d::Zero());
+         kalibrDensities(imu.noise, "  ") + "  rostopic: " + topicOf(imu) + "\n" +
+         numberLine("  time_offset", 0) + numberLine("  update_rate", imu.noise.rate_hz) +
+         "  model: \"calibrated\"\n" + matrix("Tw", I) + matrix("R_IMUtoGYRO", I) +
+         matrix("Ta", I) + matrix("R_IMUtoACC", I) + matrix("Tg", Eigen::Matrix3d::Zero());
 }
 
 }  // namespace
 
-ExportedFiles exportOpenVins(const Calibration& calibration, const ExportOptions& options) {
-  const ExportChecks checks(calibration, options, "OpenVINS");
-  const ImuCalibration& imu = checks.neededImu();
+ExportedFiles exportOpenVins(const ExportSource& source) {
+  const auto& [calibration, options, tool] = source;
+  const ImuCalibration& imu = source.neededImu();
   ExportedFiles out;
-  out.warnings = openVinsWarnings(calibration, options);
+  out.warnings = openVinsWarnings(source);
   std::vector<std::string> notes = out.warnings;
   notes.insert(notes.begin(),
                "T_imu_cam maps camera to IMU; t_imu = t_cam + timeshift_cam_imu, of which OpenVINS "
                "reads only cam0's.");
   std::string cameras = opencvHeader(options, notes) + "\n";
-  for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
-    cameras += cameraText(calibration, i, checks, options);
-  }
+  for (std::size_t i = 0; i < calibration.cameras.size(); ++i) cameras += cameraText(source, i);
   const std::string densities =
       "Continuous-time noise densities; scale, misalignment and gravity sensitivity are those of "
       "an ideal IMU. model \"kalibr\" instead of \"calibrated\" lets OpenVINS refine them.";

@@ -36,24 +36,25 @@ bool isFisheye(const CameraCalibration& camera) {
   return camera.intrinsics.distortion_model == DistortionModel::kEquidistant;
 }
 
-void check(const Calibration& calibration, const ExportChecks& checks) {
-  checks.atMostCameras(2);
-  for (const CameraCalibration& camera : calibration.cameras) {
-    const Intrinsics& k = camera.intrinsics;
-    if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) continue;
-    if (isPinhole(k, DistortionModel::kEquidistant)) continue;
-    checks.refuseModel(camera, "pinhole with radtan, equidistant or no distortion");
+constexpr PinholeWords kCameraTypes{"PinHole", "KannalaBrandt8"};
+
+/// The type of all cameras.
+std::string checkedType(const ExportSource& source) {
+  source.atMostCameras(2);
+  std::string type;
+  for (const CameraCalibration& camera : source.calibration.cameras) {
+    type = source.distortionWord(camera, kCameraTypes);
   }
   // One Camera.type and one image size stand for both cameras.
-  checks.oneModel();
-  checks.oneResolution();
-  checks.knownNoise();
+  source.oneModel();
+  source.oneResolution();
+  source.knownNoise();
+  return type;
 }
 
-std::vector<std::string> orbSlam3Warnings(const Calibration& calibration,
-                                          const ExportOptions& options) {
-  std::vector<std::string> warnings =
-      offsetWarnings(calibration, options, "ORB-SLAM3 takes it for 0.");
+std::vector<std::string> orbSlam3Warnings(const ExportSource& source) {
+  const auto& [calibration, options, tool] = source;
+  std::vector<std::string> warnings = offsetWarnings(source, "ORB-SLAM3 takes it for 0.");
   if (calibration.imu && options.offset_known) {
     const double td = calibration.imu->timeOffset();
     warnings.push_back(fmt::format(
@@ -135,20 +136,19 @@ std::string orbSlam3Imu(const ImuCalibration& imu) {
 
 }  // namespace
 
-ExportedFiles exportOrbSlam3(const Calibration& calibration, const ExportOptions& options) {
-  const ExportChecks checks(calibration, options, "ORB-SLAM3");
-  check(calibration, checks);
+ExportedFiles exportOrbSlam3(const ExportSource& source) {
+  const auto& [calibration, options, tool] = source;
+  const std::string type = checkedType(source);
   const double rate = options.camera_rate_hz.value_or(kAssumedRate);
   if (rate < 1 || rate != std::round(rate)) {
-    checks.refuse(InputFault::kBadCameraRate,
+    source.refuse(InputFault::kBadCameraRate,
                   fmt::format("Camera.fps must be a whole number, 1 or more, not {:g}", rate),
                   "round the rate of the images as you see fit");
   }
   ExportedFiles out;
-  out.warnings = orbSlam3Warnings(calibration, options);
-  std::string text = opencvHeader(options, out.warnings) + "\nFile.version: \"1.0\"\n";
-  text += fmt::format("Camera.type: \"{}\"\n\n",
-                      isFisheye(calibration.cameras[0]) ? "KannalaBrandt8" : "PinHole");
+  out.warnings = orbSlam3Warnings(source);
+  std::string text = opencvHeader(options, out.warnings) +
+                     fmt::format("\nFile.version: \"1.0\"\nCamera.type: \"{}\"\n\n", type);
   for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
     text += cameraText(calibration.cameras[i], static_cast<int>(i) + 1);
   }

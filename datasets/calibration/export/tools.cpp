@@ -20,14 +20,9 @@ namespace {
 // Of a line of notes, its prefix included.
 constexpr std::size_t kColumns = 96;
 
-// Letters and digits, and what else is named: every YAML reader takes them without quotes.
-bool plain(char c, std::string_view also) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || also.find(c) != also.npos;
-}
-
-/// A topic with characters that would need quotes gives way to the usual one.
+/// A topic with characters that would need quotes from any YAML reader gives way to the usual one.
 std::string topicOr(const std::string& topic, const std::string& otherwise) {
-  const bool good = std::all_of(topic.begin(), topic.end(), [](char c) { return plain(c, "_/"); });
+  const bool good = std::ranges::all_of(topic, [](char c) { return isPlain(c, "_/"); });
   return good && !topic.empty() ? topic : otherwise;
 }
 
@@ -48,61 +43,62 @@ std::string wrappedParagraph(const std::string& paragraph, const std::string& pr
 
 }  // namespace
 
-void ExportChecks::refuse(InputFault code, const std::string& what, const std::string& cure) const {
-  throw BadInput(code, options_.source, 0, fmt::format("{}: {}; {}", tool_, what, cure));
+void ExportSource::refuse(InputFault code, const std::string& what, const std::string& cure) const {
+  throw BadInput(code, options.source, 0, fmt::format("{}: {}; {}", tool, what, cure));
 }
 
-void ExportChecks::atMostCameras(std::size_t count) const {
-  if (calibration_.cameras.size() <= count) return;
+void ExportSource::atMostCameras(std::size_t count) const {
+  if (calibration.cameras.size() <= count) return;
   refuse(InputFault::kTooManyCameras,
          fmt::format("it supports at most {} cameras, this calibration has {}", count,
-                     calibration_.cameras.size()),
+                     calibration.cameras.size()),
          "choose the cameras, e.g. cam0 and cam1");
 }
 
-void ExportChecks::oneResolution() const {
-  const Resolution& first = calibration_.cameras.front().intrinsics.resolution;
-  for (const CameraCalibration& camera : calibration_.cameras) {
-    const Resolution& size = camera.intrinsics.resolution;
-    if (size == first) continue;
+void ExportSource::alike(const std::string& what, const char* verb, TextOf textOf,
+                         const std::string& cure) const {
+  const CameraCalibration& first = calibration.cameras.front();
+  for (const CameraCalibration& camera : calibration.cameras) {
+    const std::string one = textOf(first.intrinsics), other = textOf(camera.intrinsics);
+    if (one == other) continue;
     refuse(InputFault::kTooManyCameras,
-           fmt::format("it supports one image size, {} has {}x{} and {} has {}x{}",
-                       calibration_.cameras.front().name, first.width, first.height, camera.name,
-                       size.width, size.height),
-           "export one camera");
+           fmt::format("it supports one {}, {} {} {} and {} {} {}", what, first.name, verb, one,
+                       camera.name, verb, other),
+           cure);
   }
 }
 
-void ExportChecks::oneModel() const {
-  const CameraCalibration& first = calibration_.cameras.front();
-  for (const CameraCalibration& camera : calibration_.cameras) {
-    if (modelName(camera.intrinsics) == modelName(first.intrinsics)) continue;
-    refuse(InputFault::kTooManyCameras,
-           fmt::format("it supports one camera model, {} is {} and {} is {}", first.name,
-                       modelName(first.intrinsics), camera.name, modelName(camera.intrinsics)),
-           "calibrate both cameras with the same model, or export one camera");
-  }
+void ExportSource::oneResolution() const {
+  const auto sizeText = [](const Intrinsics& k) {
+    return fmt::format("{}x{}", k.resolution.width, k.resolution.height);
+  };
+  alike("image size", "has", sizeText, "export one camera");
 }
 
-const ImuCalibration& ExportChecks::neededImu() const {
-  if (!calibration_.imu) {
+void ExportSource::oneModel() const {
+  alike("camera model", "is", modelName,
+        "calibrate both cameras with the same model, or export one camera");
+}
+
+const ImuCalibration& ExportSource::neededImu() const {
+  if (!calibration.imu) {
     refuse(InputFault::kMissingKey, "it needs an IMU, and this calibration has none",
            "calibrate with the recording's IMU, or export to kalibr, orbslam3 or camera_info");
   }
   knownNoise();
-  return *calibration_.imu;
+  return *calibration.imu;
 }
 
 // What stands in a calibration whose file states no noise is nobody's measurement, and a tool would
 // take it for one. A density of zero, which a file may hold, is a weight without bound.
-void ExportChecks::knownNoise() const {
-  if (!calibration_.imu) return;
-  if (!options_.noise_known) {
+void ExportSource::knownNoise() const {
+  if (!calibration.imu) return;
+  if (!options.noise_known) {
     refuse(InputFault::kNoImuNoise,
            "it needs the IMU's noise densities, and this file does not state them",
            "give Kalibr's imu.yaml in addition");
   }
-  const ImuNoise& n = calibration_.imu->noise;
+  const ImuNoise& n = calibration.imu->noise;
   const bool positive = n.gyro_density > 0 && n.gyro_random_walk > 0 && n.accel_density > 0 &&
                         n.accel_random_walk > 0 && n.rate_hz > 0;
   if (!positive) {
@@ -111,12 +107,25 @@ void ExportChecks::knownNoise() const {
   }
 }
 
-void ExportChecks::refuseModel(const CameraCalibration& camera, const std::string& known) const {
+void ExportSource::refuseModel(const CameraCalibration& camera, const std::string& known) const {
   refuse(InputFault::kUnsupported,
          fmt::format("it cannot represent {}, which is {}; it has {}", camera.name,
                      modelName(camera.intrinsics), known),
          "calibrate this camera with a model that the tool has, or export to another tool "
          "(docs/export.md)");
+}
+
+const char* ExportSource::distortionWord(const CameraCalibration& camera,
+                                         const PinholeWords& words) const {
+  const Intrinsics& k = camera.intrinsics;
+  const bool rational = words.rational != nullptr;
+  if (isPinhole(k, DistortionModel::kEquidistant)) return words.equidistant;
+  if (isPinhole(k, DistortionModel::kRational) && rational) return words.rational;
+  if (isPinhole(k, DistortionModel::kRadtan) || isPinhole(k, DistortionModel::kNone)) {
+    return words.radtan;
+  }
+  refuseModel(camera, rational ? "pinhole with radtan, equidistant, rational or no distortion"
+                               : "pinhole with radtan, equidistant or no distortion");
 }
 
 std::string modelName(const Intrinsics& intrinsics) {
@@ -137,9 +146,8 @@ Eigen::Vector4d fourCoefficients(const Intrinsics& intrinsics) {
 std::string provenanceLine(const ExportOptions& options) {
   // A line end in a name would end the comment that it stands in.
   std::string file = std::filesystem::path(options.source).filename().string();
-  std::replace_if(
-      file.begin(), file.end(), [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); },
-      '?');
+  std::ranges::replace_if(
+      file, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; }, '?');
   return fmt::format("{} {} from {}.", kExportMark, options.version, file);
 }
 
@@ -186,11 +194,11 @@ std::string secondsText(double seconds) {
   return fmt::format("{} s ({} ns)", yamlNumber(seconds), nanosecondsOf(seconds));
 }
 
-std::vector<std::string> offsetWarnings(const Calibration& calibration,
-                                        const ExportOptions& options, const std::string& instead) {
+std::vector<std::string> offsetWarnings(const ExportSource& source, const std::string& instead) {
+  const Calibration& calibration = source.calibration;
   std::vector<std::string> warnings;
   if (!calibration.imu) return warnings;
-  if (!options.offset_known) {
+  if (!source.options.offset_known) {
     return {
         "The time offset between camera and IMU is unknown: the calibration does not state it. " +
         instead + " Estimate it, or let the tool do so where it can."};
@@ -215,8 +223,8 @@ std::string topicOf(const ImuCalibration& imu) { return topicOr(imu.rostopic, "/
 
 std::string plainName(const std::string& name) {
   std::string text = name;
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return !plain(c, "_-"); }, '_');
+  std::ranges::replace_if(
+      text, [](char c) { return !isPlain(c, "_-"); }, '_');
   return text;
 }
 

@@ -12,29 +12,19 @@
 
 namespace plumbline {
 
-// One writer a tool, each in its own file; contract as exportCalibration().
+/// A tool's words for the distortions of a pinhole.
+struct PinholeWords {
+  const char* radtan;  ///< also without distortion, whose coefficients are then zeros
+  const char* equidistant;
+  const char* rational = nullptr;  ///< the tool does not have it
+};
 
-/// camchain-imucam.yaml (camchain.yaml without IMU), imu.yaml.
-ExportedFiles exportKalibr(const Calibration& calibration, const ExportOptions& options);
-/// orbslam3.yaml: settings of File.version 1.0.
-ExportedFiles exportOrbSlam3(const Calibration& calibration, const ExportOptions& options);
-/// kalibr_imucam_chain.yaml, kalibr_imu_chain.yaml.
-ExportedFiles exportOpenVins(const Calibration& calibration, const ExportOptions& options);
-/// vins_fusion.yaml, cam0.yaml and cam1.yaml.
-ExportedFiles exportVinsFusion(const Calibration& calibration, const ExportOptions& options);
-/// okvis2.yaml.
-ExportedFiles exportOkvis2(const Calibration& calibration, const ExportOptions& options);
-/// basalt_calib.json, basalt_notes.txt.
-ExportedFiles exportBasalt(const Calibration& calibration, const ExportOptions& options);
-/// NAME.yaml for each camera.
-ExportedFiles exportCameraInfo(const Calibration& calibration, const ExportOptions& options);
-
-/// Refusals that tools share. Each throws InputError with the tool's name and what to do.
-class ExportChecks {
- public:
-  /// `tool` as its authors write it; both references must outlive the checks.
-  ExportChecks(const Calibration& calibration, const ExportOptions& options, std::string tool)
-      : calibration_(calibration), options_(options), tool_(std::move(tool)) {}
+/// What is exported to a tool, with the refusals that tools share. Each throws InputError with the
+/// tool's name and what to do.
+struct ExportSource {
+  const Calibration& calibration;
+  const ExportOptions& options;
+  const char* tool;  ///< as its authors write it
 
   void atMostCameras(std::size_t count) const;
   void oneResolution() const;
@@ -46,13 +36,32 @@ class ExportChecks {
   void knownNoise() const;
   /// A camera whose model the tool does not have; `known` lists those that it has.
   [[noreturn]] void refuseModel(const CameraCalibration& camera, const std::string& known) const;
+  /// The tool's word for the distortion of a camera that must be a pinhole.
+  const char* distortionWord(const CameraCalibration& camera, const PinholeWords& words) const;
   [[noreturn]] void refuse(InputFault code, const std::string& what, const std::string& cure) const;
 
  private:
-  const Calibration& calibration_;
-  const ExportOptions& options_;
-  std::string tool_;
+  using TextOf = std::string (*)(const Intrinsics&);
+  void alike(const std::string& what, const char* verb, TextOf textOf,
+             const std::string& cure) const;
 };
+
+// One writer a tool, each in its own file; contract as exportCalibration().
+
+/// camchain-imucam.yaml (camchain.yaml without IMU), imu.yaml.
+ExportedFiles exportKalibr(const ExportSource& source);
+/// orbslam3.yaml: settings of File.version 1.0.
+ExportedFiles exportOrbSlam3(const ExportSource& source);
+/// kalibr_imucam_chain.yaml, kalibr_imu_chain.yaml.
+ExportedFiles exportOpenVins(const ExportSource& source);
+/// vins_fusion.yaml, cam0.yaml and cam1.yaml.
+ExportedFiles exportVinsFusion(const ExportSource& source);
+/// okvis2.yaml.
+ExportedFiles exportOkvis2(const ExportSource& source);
+/// basalt_calib.json, basalt_notes.txt.
+ExportedFiles exportBasalt(const ExportSource& source);
+/// NAME.yaml for each camera.
+ExportedFiles exportCameraInfo(const ExportSource& source);
 
 /// "pinhole-radtan".
 std::string modelName(const Intrinsics& intrinsics);
@@ -95,8 +104,7 @@ std::string secondsText(double seconds);
 /// the source states none: that, and what the file has in its place (`instead`, a sentence). Where
 /// cameras have time offsets of their own and the tool takes one for all, camera 0's: by how much
 /// the other cameras' stamps must be moved first, t_d,i - t_d,0.
-std::vector<std::string> offsetWarnings(const Calibration& calibration,
-                                        const ExportOptions& options, const std::string& instead);
+std::vector<std::string> offsetWarnings(const ExportSource& source, const std::string& instead);
 
 /// The camera's topic, or /NAME/image_raw where it has none that is a plain ROS name.
 std::string topicOf(const CameraCalibration& camera);

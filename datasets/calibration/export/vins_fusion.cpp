@@ -2,6 +2,8 @@
 // Keys as VINS-Fusion's readParameters() and its camera_models (camodocal) read them. A key that is
 // missing is read as 0 without a word, so every key is written.
 #include <cmath>
+#include <initializer_list>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -30,76 +32,68 @@ pose_graph_save_path: "output/pose_graph/"
 save_image: 0
 )";
 
-struct Section {
-  const char* name;
-  std::vector<std::pair<const char*, double>> values;
-};
-
-struct CameraDescription {
-  const char* model_type;
-  std::vector<Section> sections;
-};
-
-// camodocal's r(theta) = theta + k2 theta^3 + k3 theta^5 + k4 theta^7 + k5 theta^9: the names run
-// one ahead of Kalibr's k1..k4.
-CameraDescription fisheye(const Eigen::VectorXd& p, const Eigen::Vector4d& d) {
-  return {"KANNALA_BRANDT",
-          {{"projection_parameters",
-            {{"k2", d[0]},
-             {"k3", d[1]},
-             {"k4", d[2]},
-             {"k5", d[3]},
-             {"mu", p[0]},
-             {"mv", p[1]},
-             {"u0", p[2]},
-             {"v0", p[3]}}}}};
-}
-
-Section radtanSection(const Eigen::Vector4d& d) {
-  return {"distortion_parameters", {{"k1", d[0]}, {"k2", d[1]}, {"p1", d[2]}, {"p2", d[3]}}};
-}
-
-CameraDescription describe(const CameraCalibration& camera, const ExportChecks& checks) {
-  const Intrinsics& k = camera.intrinsics;
-  const Eigen::VectorXd& p = k.projection;
-  const bool radtan_or_none = k.distortion_model == DistortionModel::kRadtan ||
-                              k.distortion_model == DistortionModel::kNone;
-  if (isPinhole(k, DistortionModel::kEquidistant)) return fisheye(p, fourCoefficients(k));
-  if (k.projection_model == ProjectionModel::kPinhole && radtan_or_none) {
-    return {"PINHOLE",
-            {radtanSection(fourCoefficients(k)),
-             {"projection_parameters", {{"fx", p[0]}, {"fy", p[1]}, {"cx", p[2]}, {"cy", p[3]}}}}};
-  }
-  if (k.projection_model == ProjectionModel::kOmni && radtan_or_none) {
-    return {"MEI",
-            {{"mirror_parameters", {{"xi", p[0]}}},
-             radtanSection(fourCoefficients(k)),
-             {"projection_parameters",
-              {{"gamma1", p[1]}, {"gamma2", p[2]}, {"u0", p[3]}, {"v0", p[4]}}}}};
-  }
-  checks.refuseModel(camera,
-                     "pinhole and omni with radtan or no distortion, pinhole with equidistant");
-}
-
-std::string cameraText(const CameraCalibration& camera, const CameraDescription& description,
-                       const ExportOptions& options) {
-  const Resolution& size = camera.intrinsics.resolution;
-  std::string text = opencvHeader(options, {});
-  text += fmt::format("model_type: {}\ncamera_name: {}\nimage_width: {}\nimage_height: {}\n",
-                      description.model_type, plainName(camera.name), size.width, size.height);
-  for (const Section& section : description.sections) {
-    text += fmt::format("{}:\n", section.name);
-    for (const auto& [key, value] : section.values) {
-      text += numberLine(fmt::format("   {}", key), value);
-    }
-  }
+/// A section of camodocal's file.
+std::string section(const char* name,
+                    std::initializer_list<std::pair<const char*, double>> values) {
+  std::string text = fmt::format("{}:\n", name);
+  for (const auto& [key, value] : values) text += numberLine(fmt::format("   {}", key), value);
   return text;
 }
 
-std::vector<std::string> vinsFusionWarnings(const Calibration& calibration,
-                                            const ExportOptions& options) {
-  if (!calibration.imu) return {};
-  std::vector<std::string> warnings = offsetWarnings(calibration, options, "td is written as 0.");
+std::string radtanSection(const Intrinsics& k) {
+  const Eigen::Vector4d d = fourCoefficients(k);
+  return section("distortion_parameters", {{"k1", d[0]}, {"k2", d[1]}, {"p1", d[2]}, {"p2", d[3]}});
+}
+
+struct CameraDescription {
+  const char* model_type;
+  std::string sections;
+};
+
+CameraDescription describe(const CameraCalibration& camera, const ExportSource& source) {
+  const Intrinsics& k = camera.intrinsics;
+  const Eigen::VectorXd& p = k.projection;
+  const Eigen::VectorXd& d = k.distortion;
+  const bool radtan_or_none = k.distortion_model == DistortionModel::kRadtan ||
+                              k.distortion_model == DistortionModel::kNone;
+  // camodocal's r(theta) = theta + k2 theta^3 + k3 theta^5 + k4 theta^7 + k5 theta^9: the names run
+  // one ahead of Kalibr's k1..k4.
+  if (isPinhole(k, DistortionModel::kEquidistant)) {
+    return {"KANNALA_BRANDT", section("projection_parameters", {{"k2", d[0]},
+                                                                {"k3", d[1]},
+                                                                {"k4", d[2]},
+                                                                {"k5", d[3]},
+                                                                {"mu", p[0]},
+                                                                {"mv", p[1]},
+                                                                {"u0", p[2]},
+                                                                {"v0", p[3]}})};
+  }
+  if (k.projection_model == ProjectionModel::kPinhole && radtan_or_none) {
+    return {"PINHOLE",
+            radtanSection(k) + section("projection_parameters",
+                                       {{"fx", p[0]}, {"fy", p[1]}, {"cx", p[2]}, {"cy", p[3]}})};
+  }
+  if (k.projection_model == ProjectionModel::kOmni && radtan_or_none) {
+    return {"MEI", section("mirror_parameters", {{"xi", p[0]}}) + radtanSection(k) +
+                       section("projection_parameters",
+                               {{"gamma1", p[1]}, {"gamma2", p[2]}, {"u0", p[3]}, {"v0", p[4]}})};
+  }
+  source.refuseModel(camera,
+                     "pinhole and omni with radtan or no distortion, pinhole with equidistant");
+}
+
+std::string cameraText(const CameraCalibration& camera, const ExportSource& source) {
+  const auto [model_type, sections] = describe(camera, source);
+  const Resolution& size = camera.intrinsics.resolution;
+  return opencvHeader(source.options, {}) +
+         fmt::format("model_type: {}\ncamera_name: {}\nimage_width: {}\nimage_height: {}\n",
+                     model_type, plainName(camera.name), size.width, size.height) +
+         sections;
+}
+
+std::vector<std::string> vinsFusionWarnings(const ExportSource& source) {
+  if (!source.calibration.imu) return {};
+  std::vector<std::string> warnings = offsetWarnings(source, "td is written as 0.");
   warnings.emplace_back(
       "VINS-Fusion squares acc_n, gyr_n, acc_w and gyr_w and multiplies by dt^2, with no factor of "
       "the rate, so continuous-time densities must not be copied. The values here are the density "
@@ -113,9 +107,8 @@ std::vector<std::string> vinsFusionWarnings(const Calibration& calibration,
 std::string headText(const Calibration& calibration) {
   const std::size_t count = calibration.cameras.size();
   std::string text =
-      fmt::format("imu: {}\nnum_of_cam: {}\n", calibration.imu ? 1 : 0, calibration.cameras.size());
-  text += fmt::format("imu_topic: \"{}\"\n",
-                      calibration.imu ? topicOf(*calibration.imu) : std::string("/imu0"));
+      fmt::format("imu: {}\nnum_of_cam: {}\nimu_topic: \"{}\"\n", calibration.imu ? 1 : 0, count,
+                  calibration.imu ? topicOf(*calibration.imu) : "/imu0");
   for (std::size_t i = 0; i < count; ++i) {
     text += fmt::format("image{0}_topic: \"{1}\"\ncam{0}_calib: \"cam{0}.yaml\"\n", i,
                         topicOf(calibration.cameras[i]));
@@ -151,23 +144,21 @@ std::string vinsFusionImu(const ImuCalibration& imu) {
 
 }  // namespace
 
-ExportedFiles exportVinsFusion(const Calibration& calibration, const ExportOptions& options) {
-  const ExportChecks checks(calibration, options, "VINS-Fusion");
-  checks.atMostCameras(2);
-  checks.oneResolution();
-  checks.knownNoise();
+ExportedFiles exportVinsFusion(const ExportSource& source) {
+  const auto& [calibration, options, tool] = source;
+  source.atMostCameras(2);
+  source.oneResolution();
+  source.knownNoise();
   // Two cameras do without an IMU, one does not.
-  if (!calibration.imu && calibration.cameras.size() < 2) checks.neededImu();
+  if (!calibration.imu && calibration.cameras.size() < 2) source.neededImu();
   ExportedFiles out;
-  out.warnings = vinsFusionWarnings(calibration, options);
+  out.warnings = vinsFusionWarnings(source);
   std::string text = opencvHeader(options, out.warnings) + "\n" + headText(calibration) +
                      transformsText(calibration);
   text += calibration.imu ? vinsFusionImu(*calibration.imu) : "estimate_td: 0\ntd: 0.0\n";
   out.files.push_back({"vins_fusion.yaml", text + kVinsFusionSettings});
   for (std::size_t i = 0; i < calibration.cameras.size(); ++i) {
-    const CameraCalibration& camera = calibration.cameras[i];
-    out.files.push_back(
-        {fmt::format("cam{}.yaml", i), cameraText(camera, describe(camera, checks), options)});
+    out.files.push_back({fmt::format("cam{}.yaml", i), cameraText(calibration.cameras[i], source)});
   }
   return out;
 }

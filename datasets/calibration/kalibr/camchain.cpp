@@ -13,17 +13,15 @@
 namespace plumbline {
 namespace {
 
+using Part = Implausible::Part;
+
 // Kalibr writes every digit of both transforms, and they agree to rounding; the room is for files
 // whose numbers were shortened on the way.
 constexpr double kTranslation = 1e-3;  // [m] up to which transforms agree
 constexpr double kRotation = 0.1 * kDegree;
 
-/// T_CiS as Kalibr writes it, or the inverse of OpenVINS' T_imu_cam, whichever key is there.
-std::optional<Transform> imuPlace(const YamlMap& map) {
-  if (map.has("T_cam_imu")) return transformField(map, "T_cam_imu");
-  if (map.has("T_imu_cam")) return transformField(map, "T_imu_cam").inverse();
-  return std::nullopt;
-}
+/// T_CiS as Kalibr writes it, or its inverse as OpenVINS does: the key that is there.
+const char* imuKey(const YamlMap& map) { return map.has("T_cam_imu") ? "T_cam_imu" : "T_imu_cam"; }
 
 // Said by a word; line_delay, a number, is judged by who uses the chain.
 void refuseRollingShutter(const YamlMap& map) {
@@ -35,10 +33,13 @@ void refuseRollingShutter(const YamlMap& map) {
 
 KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
   KalibrCamera camera;
+  camera.stated = map;
   camera.name = name;
   camera.rostopic = map.textOr("rostopic", "");
   camera.intrinsics = intrinsicsField(map, {"camera_model", "distortion_model"});
-  camera.T_cam_imu = imuPlace(map);
+  const char* const imu_key = imuKey(map);
+  if (map.has(imu_key)) camera.T_cam_imu = transformField(map, imu_key);
+  if (map.has("T_imu_cam") && !map.has("T_cam_imu")) camera.T_cam_imu = camera.T_cam_imu->inverse();
   if (map.has("T_cn_cnm1")) camera.T_cn_cnm1 = transformField(map, "T_cn_cnm1");
   if (map.has("timeshift_cam_imu")) {
     camera.timeshift_cam_imu = map.number("timeshift_cam_imu", "seconds");
@@ -49,15 +50,9 @@ KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
   ImuCalibration imu;
   imu.time_offsets = {{shift}};
   if (camera.T_cam_imu) imu.T_SC0 = camera.T_cam_imu->inverse();
-  refuseImplausible(
-      map, implausible(imu),
-      {{Implausible::Part::kOffset, "timeshift_cam_imu"},
-       {Implausible::Part::kPlace, map.has("T_cam_imu") ? "T_cam_imu" : "T_imu_cam"}});
+  refuseImplausible(map, implausible(imu),
+                    {{Part::kOffset, "timeshift_cam_imu"}, {Part::kPlace, imu_key}});
   refuseRollingShutter(map);
-  camera.line = map.line();
-  camera.T_cam_imu_line = map.lineOf(map.has("T_cam_imu") ? "T_cam_imu" : "T_imu_cam");
-  camera.T_cn_cnm1_line = map.lineOf("T_cn_cnm1");
-  camera.line_delay_line = map.lineOf("line_delay");
   return camera;
 }
 
@@ -92,8 +87,8 @@ BadInput contradictionFault(const KalibrCamchain& chain, std::size_t i,
                             const ChainContradiction& found) {
   const bool by_chain = found.suspect == ChainContradiction::Suspect::kChain;
   const KalibrCamera& camera = chain.cameras[i];
-  return badInput(
-      chain.path, by_chain ? camera.T_cn_cnm1_line : camera.T_cam_imu_line,
+  return camera.stated->fault(
+      by_chain ? "T_cn_cnm1" : imuKey(*camera.stated),
       {InputFault::kContradiction,
        fmt::format("T_cam_imu and T_cn_cnm1 contradict each other by {:.1f} mm and {:.2f} degrees",
                    1e3 * found.translation_m, found.rotation_rad / kDegree),
@@ -109,28 +104,27 @@ Transform placeInRig(const KalibrCamchain& chain, std::size_t i, const Calibrati
   if (camera.T_cn_cnm1) return so_far.cameras.back().T_C0Ci * camera.T_cn_cnm1->inverse();
   const auto& T_C0S = chain.cameras.front().T_cam_imu;
   if (T_C0S && camera.T_cam_imu) return *T_C0S * camera.T_cam_imu->inverse();
-  throw badInput(chain.path, camera.line,
+  throw badInput(chain.path, camera.stated->line(),
                  {InputFault::kMissingKey, "neither T_cn_cnm1 nor T_cam_imu is given", kMatrixRows,
                   "without one of them this camera's place is unknown"});
 }
 
 // Kalibr's file states links between neighbours; a place that is too far shows when they are
 // joined.
-void refuseFarPlace(const KalibrCamchain& chain, std::size_t i, const CameraCalibration& camera) {
+void refuseFarPlace(const YamlMap& stated, const CameraCalibration& camera) {
   const auto found = implausible(camera);
   if (!found) return;
-  const KalibrCamera& stated = chain.cameras[i];
-  throw badInput(chain.path, stated.T_cn_cnm1 ? stated.T_cn_cnm1_line : stated.T_cam_imu_line,
-                 {InputFault::kOutOfRange, found->what, found->expected,
-                  "correct the transforms of the cameras up to this one"});
+  throw stated.fault(stated.has("T_cn_cnm1") ? "T_cn_cnm1" : imuKey(stated),
+                     found->complaint("correct the transforms of the cameras up to this one"));
 }
+
+bool hasImuPlace(const KalibrCamera& camera) { return camera.T_cam_imu.has_value(); }
+bool hasTimeShift(const KalibrCamera& camera) { return camera.timeshift_cam_imu.has_value(); }
 
 // A camera without a shift of its own takes that of the first camera that has one. The file does
 // not say which shifts were estimated: those that differ were.
 TimeOffsets offsetsOf(const KalibrCamchain& chain) {
-  const auto first =
-      std::find_if(chain.cameras.begin(), chain.cameras.end(),
-                   [](const KalibrCamera& c) { return c.timeshift_cam_imu.has_value(); });
+  const auto first = std::ranges::find_if(chain.cameras, hasTimeShift);
   const double otherwise = first == chain.cameras.end() ? 0 : *first->timeshift_cam_imu;
   TimeOffsets offsets;
   for (const KalibrCamera& c : chain.cameras) {
@@ -140,11 +134,9 @@ TimeOffsets offsetsOf(const KalibrCamchain& chain) {
   return offsets;
 }
 
-bool hasImuPlace(const KalibrCamera& camera) { return camera.T_cam_imu.has_value(); }
-
 ImuCalibration imuOf(const KalibrCamchain& chain, const Calibration& cameras) {
   ImuCalibration imu;
-  const auto first = std::find_if(chain.cameras.begin(), chain.cameras.end(), hasImuPlace);
+  const auto first = std::ranges::find_if(chain.cameras, hasImuPlace);
   imu.T_SC0 = first->T_cam_imu->inverse();
   // T_SC0 = T_SCi T_C0Ci^-1.
   const auto i = static_cast<std::size_t>(first - chain.cameras.begin());
@@ -156,9 +148,9 @@ ImuCalibration imuOf(const KalibrCamchain& chain, const Calibration& cameras) {
 void refuseRollingShutter(const KalibrCamchain& chain) {
   for (const KalibrCamera& camera : chain.cameras) {
     if (camera.line_delay_s == 0) continue;
-    throw badInput(chain.path, camera.line_delay_line,
-                   {InputFault::kUnsupported, "a rolling shutter (line_delay is not 0)",
-                    "a global shutter", "rolling shutters are not supported yet"});
+    throw camera.stated->fault("line_delay",
+                               {InputFault::kUnsupported, "a rolling shutter (line_delay is not 0)",
+                                "a global shutter", "rolling shutters are not supported yet"});
   }
 }
 
@@ -169,29 +161,22 @@ std::optional<Eigen::Matrix3d> matrixOf(const YamlMap& imu, const std::string& s
   if (!imu.has(sensor)) return std::nullopt;
   const YamlMap map = imu.map(sensor, "a mapping");
   if (!map.has(key)) return std::nullopt;
-  const auto rows = map.rows(key, "a 3x3 matrix, as rows");
-  Eigen::Matrix3d M;
-  if (rows.size() != 3)
-    throw map.fault(key, {InputFault::kBadNumber, key + " is not 3x3", "three rows of three"});
-  for (int r = 0; r < 3; ++r) {
-    if (rows[r].size() != 3)
-      throw map.fault(key, {InputFault::kBadNumber, key + " is not 3x3", "three rows of three"});
-    for (int c = 0; c < 3; ++c) M(r, c) = rows[r][c];
-  }
-  return M;
+  const auto M = map.matrix(key, "a 3x3 matrix, as rows", 3, 3);
+  if (M) return *M;
+  throw map.fault(key, {InputFault::kBadNumber, key + " is not 3x3", "three rows of three"});
 }
 
 }  // namespace
 
 // The matrices are there only under models with scale and misalignment; a calibrated IMU has none.
-KalibrImu kalibrImu(const YamlMap& map, const std::string& name, const std::string& rate_key) {
+KalibrImu kalibrImu(const YamlMap& map, const std::string& rate_key) {
   KalibrImu imu;
-  imu.name = name;
   imu.rostopic = map.textOr("rostopic", "");
   imu.model = map.textOr("model", "calibrated");
   imu.noise = noiseFields(map, rate_key);
-  if (map.has("T_i_b")) imu.T_i_b = transformField(map, "T_i_b");
-  imu.time_offset_s = map.numberOr("time_offset", 0);
+  // Of the rig's first IMU, which alone is used, these are the identity and 0.
+  if (map.has("T_i_b")) (void)transformField(map, "T_i_b");
+  (void)map.numberOr("time_offset", 0);
   imu.accel_M = matrixOf(map, "accelerometers", "M");
   imu.gyro_M = matrixOf(map, "gyroscopes", "M");
   imu.gyro_A = matrixOf(map, "gyroscopes", "A");
@@ -235,14 +220,9 @@ std::optional<ChainContradiction> chainContradiction(const KalibrCamchain& chain
   return found;
 }
 
-bool KalibrCamchain::statesTimeOffset() const {
-  return std::any_of(cameras.begin(), cameras.end(),
-                     [](const KalibrCamera& c) { return c.timeshift_cam_imu.has_value(); });
-}
+bool KalibrCamchain::statesTimeOffset() const { return std::ranges::any_of(cameras, hasTimeShift); }
 
-bool KalibrCamchain::hasImu() const {
-  return std::any_of(cameras.begin(), cameras.end(), hasImuPlace);
-}
+bool KalibrCamchain::hasImu() const { return std::ranges::any_of(cameras, hasImuPlace); }
 
 bool KalibrCamchain::statesImuPlacesTwice() const {
   // cam0 has no T_cn_cnm1.
@@ -264,7 +244,7 @@ Calibration calibrationOf(const KalibrCamchain& chain) {
     camera.rostopic = chain.cameras[i].rostopic;
     camera.intrinsics = chain.cameras[i].intrinsics;
     camera.T_C0Ci = placeInRig(chain, i, calibration);
-    refuseFarPlace(chain, i, camera);
+    refuseFarPlace(*chain.cameras[i].stated, camera);
     calibration.cameras.push_back(std::move(camera));
   }
   if (chain.hasImu()) calibration.imu = imuOf(chain, calibration);
@@ -286,13 +266,12 @@ KalibrImuFile readKalibrImus(const std::string& path) {
   read.path = path;
   read.wrapped = file.has("imu0");
   if (!read.wrapped) {
-    read.imus.push_back(kalibrImu(file, "imu0"));
+    read.imus.push_back(kalibrImu(file));
     return read;
   }
   const int count = file.countOf("imu");
   for (int i = 0; i < count; ++i) {
-    const std::string name = fmt::format("imu{}", i);
-    read.imus.push_back(kalibrImu(file.map(name, "an IMU"), name));
+    read.imus.push_back(kalibrImu(file.map(fmt::format("imu{}", i), "an IMU")));
   }
   return read;
 }

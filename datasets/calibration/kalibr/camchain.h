@@ -22,10 +22,7 @@ struct KalibrCamera {
   std::optional<Transform> T_cn_cnm1;       ///< the previous camera into this one
   std::optional<double> timeshift_cam_imu;  ///< t_imu = t_cam + shift [s]
   double line_delay_s = 0;                  ///< of a rolling shutter
-  int line = 0;                             ///< of the camera in the file, from 1
-  int T_cam_imu_line = 0;
-  int T_cn_cnm1_line = 0;
-  int line_delay_line = 0;
+  std::optional<YamlMap> stated;            ///< in the file, for faults at its lines
 };
 
 /// Kalibr's camchain*.yaml; also OpenVINS' kalibr_imucam_chain.yaml, whose T_imu_cam is inverted
@@ -70,12 +67,9 @@ std::optional<ChainContradiction> chainContradiction(const KalibrCamchain& chain
 /// One IMU of Kalibr's imu.yaml, whatever its model: for comparing. What a calibration starts from
 /// is read by readImuDescription(), which refuses models with scale and misalignment.
 struct KalibrImu {
-  std::string name = "imu0";
   std::string rostopic;
   std::string model = "calibrated";  ///< or "scale-misalignment", "scale-misalignment-size-effect"
   ImuNoise noise;                    ///< continuous-time densities
-  Transform T_i_b;                   ///< body (the first IMU) into this IMU
-  double time_offset_s = 0;          ///< with respect to the first IMU
   /// measured = M true + bias (accelerometer), M and g-sensitivity A [(rad/s)/(m/s^2)] of the gyro,
   /// and its frame C_gyro_i; missing for a calibrated IMU.
   std::optional<Eigen::Matrix3d> accel_M;
@@ -89,8 +83,7 @@ struct KalibrImu {
 };
 
 /// The IMU of a mapping: below imuN:, or a flat file.
-KalibrImu kalibrImu(const YamlMap& map, const std::string& name,
-                    const std::string& rate_key = "update_rate");
+KalibrImu kalibrImu(const YamlMap& map, const std::string& rate_key = "update_rate");
 
 struct KalibrImuFile {
   std::string path;

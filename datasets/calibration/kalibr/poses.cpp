@@ -31,11 +31,8 @@ StampedPose poseOf(TextTable& table) {
   if (!std::all_of(v, v + 7, [](double value) { return std::isfinite(value); })) {
     throw table.fault({InputFault::kNotFinite, "the pose is not finite (nan or inf)", kRow});
   }
-  StampedPose pose;
-  pose.t = *t;
-  pose.p = {v[0], v[1], v[2]};
-  // x, y, z, w of the conjugate, whatever the header says.
-  pose.q = Eigen::Quaterniond(v[6], -v[3], -v[4], -v[5]);
+  // The quaternion: x, y, z, w of the conjugate, whatever the header says.
+  const StampedPose pose{*t, {v[0], v[1], v[2]}, {v[6], -v[3], -v[4], -v[5]}};
   if (std::abs(pose.q.norm() - 1) > kUnitTolerance) {
     throw table.fault({InputFault::kNotRigid,
                        fmt::format("the quaternion's length is {:.4f}", pose.q.norm()), "1"});
@@ -95,7 +92,7 @@ void requireLooking(const std::string& path, const Trajectory& trajectory) {
   const bool other_is_better = other.share >= kLooking && other.spread_m < kSharper * aim.spread_m;
   if (aim.share >= kLooking && !other_is_better) return;
   throw badInput(
-      path, 0,
+      path,
       {InputFault::kContradiction,
        fmt::format("{:.0f} % of the camera poses look at the target, at points {:.2f} m apart{}",
                    100 * aim.share, aim.spread_m,
@@ -122,7 +119,7 @@ Trajectory readKalibrPoses(const std::string& path) {
     }
   }
   if (trajectory.poses.empty())
-    throw badInput(path, 0, {InputFault::kEmpty, "contains no poses", kRow});
+    throw badInput(path, {InputFault::kEmpty, "contains no poses", kRow});
   requireLooking(path, trajectory);
   return trajectory;
 }

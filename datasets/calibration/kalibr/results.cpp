@@ -1,12 +1,159 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
-#include "datasets/calibration/kalibr/results_lines.h"
+#include <fmt/format.h>
+
 #include "datasets/calibration/kalibr/run.h"
+#include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "datasets/files/numbers.h"
+#include "datasets/files/table.h"
 
 namespace plumbline {
 namespace {
+
+constexpr const char* kAgain = "copy the file again, or calibrate again";
+
+bool isBlank(char c) { return c == ' ' || c == '\t' || c == ',' || c == '\r'; }
+
+/// Walks the lines of a results text; lists in brackets may go on over several lines. Numbers that
+/// are not finite are an InputError at their line.
+class ResultsLines {
+ public:
+  ResultsLines(std::string path, std::string_view text) : path_(std::move(path)) {
+    TextLines lines(text);
+    while (lines.next()) lines_.push_back(lines.text());
+  }
+
+  /// Moves to the next line, trimmed, from its first character; false at the end.
+  bool next() {
+    if (atEnd()) return false;
+    ++index_;
+    column_ = 0;
+    return !atEnd();
+  }
+
+  /// Moves on to the next line that starts with `prefix`; false at the end.
+  bool skipTo(std::string_view prefix) {
+    while (next()) {
+      if (startsWith(prefix)) return true;
+    }
+    return false;
+  }
+
+  bool startsWith(std::string_view prefix) const { return line().starts_with(prefix); }
+  bool contains(std::string_view part) const { return line().find(part) != part.npos; }
+  /// Whether a line that starts with `prefix` was passed.
+  bool sawLine(std::string_view prefix) const {
+    const auto end = lines_.begin() + std::min<std::ptrdiff_t>(index_ + 1, std::ssize(lines_));
+    return std::any_of(lines_.begin(), end,
+                       [&](std::string_view l) { return l.starts_with(prefix); });
+  }
+
+  /// The first "camN" in the line; empty if there is none.
+  std::string cameraName() const {
+    for (std::size_t at = line().find("cam"); at != std::string_view::npos;
+         at = line().find("cam", at + 1)) {
+      std::size_t end = at + 3;
+      while (end < line().size() && std::isdigit(static_cast<unsigned char>(line()[end])) != 0)
+        ++end;
+      // Without a number it is part of a word, such as "camera".
+      if (end > at + 3) return std::string(line().substr(at, end - at));
+    }
+    return {};
+  }
+
+  std::string between(char open, char close) const {
+    const std::size_t from = line().find(open);
+    const std::size_t to = line().rfind(close);
+    if (from == std::string_view::npos || to == std::string_view::npos || to < from) return {};
+    return std::string(line().substr(from + 1, to - from - 1));
+  }
+
+  /// The number that follows `key` (or `other`, where that is not in the line).
+  double numberAfter(std::string_view key, std::string_view other = {}) const {
+    const bool first = other.empty() || line().find(key) != std::string_view::npos;
+    // "median " also begins "median: " where the colon follows.
+    const std::string_view used = first ? key : other;
+    const std::size_t at = line().find(used);
+    if (at == std::string_view::npos) {
+      throw fault(fmt::format("'{}' is missing", used), "a line as Kalibr writes it",
+                  InputFault::kMissingKey);
+    }
+    std::string_view rest = trimmedText(line().substr(at + used.size()));
+    // Also at the underscore of "T_1_0" and at the bracket of a unit.
+    const std::size_t end = std::min(rest.find_first_of(" ,_[\t"), rest.size());
+    return number(rest.substr(0, end));
+  }
+
+  /// The numbers of the next [...] from here on, nested or not, `count` of them if that is not 0.
+  /// Over as many lines as it takes: a matrix has its rows in brackets of their own, and numpy,
+  /// which prints these, breaks long arrays.
+  std::vector<double> bracket(std::size_t count = 0) {
+    std::vector<double> numbers;
+    int depth = 0;
+    while (!atEnd()) {
+      for (; column_ < line().size(); ++column_) {
+        const char c = line()[column_];
+        if (c == '[') ++depth;
+        if (c == ']' && depth > 0 && --depth == 0) {
+          ++column_;
+          if (count == 0 || numbers.size() == count) return numbers;
+          throw fault(fmt::format("{} numbers in brackets", numbers.size()), std::to_string(count));
+        }
+        if (depth == 0 || isBlank(c) || c == '[' || c == ']') continue;
+        std::size_t end = column_;
+        while (end < line().size() && !isBlank(line()[end]) && line()[end] != ']') ++end;
+        numbers.push_back(number(line().substr(column_, end - column_)));
+        column_ = end - 1;
+      }
+      if (depth == 0) break;
+      next();
+    }
+    if (depth > 0) throw ended("the end of a list in brackets");
+    throw fault("no list in brackets", "[ numbers ]");
+  }
+
+  BadInput fault(const std::string& what, const std::string& expected,
+                 InputFault code = InputFault::kBadNumber) const {
+    const int shown = std::clamp(index_ + 1, 1, std::max<int>(1, static_cast<int>(lines_.size())));
+    return badInput(path_, shown, {code, what, expected, kAgain});
+  }
+
+  /// The file ends before something that it should hold.
+  BadInput ended(const std::string& missing) const {
+    return badInput(path_, static_cast<int>(lines_.size()),
+                    {InputFault::kTruncated, "the file ends before " + missing,
+                     "the whole results text of Kalibr", kAgain});
+  }
+
+ private:
+  bool atEnd() const { return index_ >= std::ssize(lines_); }
+  std::string_view line() const {
+    return index_ >= 0 && !atEnd() ? lines_[index_] : std::string_view();
+  }
+
+  double number(std::string_view text) const {
+    const auto value = parseNumber(text);
+    if (!value) throw fault(fmt::format("'{}' is not a number", text), "a number");
+    if (std::isfinite(*value)) return *value;
+    throw badInput(
+        path_, index_ + 1,
+        {InputFault::kNotFinite, fmt::format("a result is {}: the optimisation diverged", text),
+         "finite numbers", "nothing in this file can be used: calibrate again"});
+  }
+
+  std::string path_;
+  std::vector<std::string_view> lines_;
+  int index_ = -1;
+  std::size_t column_ = 0;  // where bracket() goes on
+};
 
 constexpr const char* kNoise = "the noise densities of 'IMU configuration'";
 
@@ -24,11 +171,8 @@ KalibrTextCamera& cameraNamed(KalibrResults& results, const ResultsLines& lines)
 }
 
 KalibrErrorStatistics statisticsOf(const ResultsLines& lines) {
-  KalibrErrorStatistics s;
-  s.mean = lines.numberAfter("mean ");
-  s.median = lines.numberAfter("median ", "median: ");
-  s.std = lines.numberAfter("std: ");
-  return s;
+  return {lines.numberAfter("mean "), lines.numberAfter("median ", "median: "),
+          lines.numberAfter("std: ")};
 }
 
 /// Errors in units have them in brackets ("[px]"). Without brackets they are normalised by the
@@ -62,10 +206,7 @@ Eigen::VectorXd vectorOf(const std::vector<double>& numbers) {
 // "[mean] +- [std]": numpy's mean and std (ddof 0) per axis over all corners of the camera (Kalibr,
 // CameraCalibrator.py, getReprojectionErrorStatistics()).
 KalibrAxisStatistics axisStatistics(ResultsLines& lines) {
-  KalibrAxisStatistics s;
-  s.mean = vectorOf(lines.bracket(2));
-  s.std = vectorOf(lines.bracket(2));
-  return s;
+  return {vectorOf(lines.bracket(2)), vectorOf(lines.bracket(2))};
 }
 
 // ---- the camera tool
@@ -127,8 +268,7 @@ ImuNoise noiseOf(ResultsLines& lines) {
     if (!lines.skipTo(key)) throw lines.ended(kNoise);
     return lines.numberAfter(key);
   };
-  if (!lines.skipTo("Update rate:")) throw lines.ended(kNoise);
-  noise.rate_hz = lines.numberAfter("Update rate:");
+  noise.rate_hz = valueOf("Update rate:");
   if (!lines.skipTo("Accelerometer:")) throw lines.ended(kNoise);
   noise.accel_density = valueOf("Noise density:");
   noise.accel_random_walk = valueOf("Random walk:");
@@ -171,13 +311,6 @@ void requireImuTool(const KalibrResults& results, const ResultsLines& lines) {
 }
 
 }  // namespace
-
-/// mean(|e|^2) = mean^2 + std^2, as the deviation has n in its denominator.
-double KalibrErrorStatistics::rms() const { return std::hypot(mean, std); }
-
-double KalibrAxisStatistics::rms() const {
-  return std::sqrt(mean.squaredNorm() + std.squaredNorm());
-}
 
 std::optional<double> KalibrTextCamera::rmsPx() const {
   if (axis_error_px) return axis_error_px->rms();

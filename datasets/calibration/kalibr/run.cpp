@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <utility>
 
@@ -25,33 +26,31 @@ constexpr double kRounding = 2e-8;  // the text has eight decimals
 // and below imu0 in one that Kalibr wrote.
 std::optional<Kind> yamlKind(const std::string& path) {
   const YamlMap file = YamlMap::load(path, "Kalibr's output");
-  if (file.has("cam0") && file.node("cam0").IsMap()) {
+  if (file.hasMap("cam0")) {
     if (!file.map("cam0", "a camera").has("camera_model")) return std::nullopt;
     // Any camera may place the IMU; the others follow by the chain.
     for (int i = 0; file.has("cam" + std::to_string(i)); ++i) {
       const std::string key = "cam" + std::to_string(i);
-      if (!file.node(key).IsMap()) continue;
+      if (!file.hasMap(key)) continue;
       const YamlMap camera = file.map(key, "a camera");
       if (camera.has("T_cam_imu") || camera.has("T_imu_cam")) return Kind::kCamchainImu;
     }
     return Kind::kCamchain;
   }
-  const bool wrapped = file.has("imu0") && file.node("imu0").IsMap();
-  const bool imu = wrapped ? file.map("imu0", "an IMU").has("gyroscope_noise_density")
-                           : file.has("gyroscope_noise_density");
-  return imu ? std::optional(Kind::kImu) : std::nullopt;
+  const YamlMap imu = file.hasMap("imu0") ? file.map("imu0", "an IMU") : file;
+  return imu.has("gyroscope_noise_density") ? std::optional(Kind::kImu) : std::nullopt;
 }
 
 // The table of poses has no unit in the first name of its header, unlike EuRoC's, and 8 columns.
 std::optional<Kind> textKind(std::string_view text) {
   TextLines lines(text);
   if (!lines.next()) return std::nullopt;
-  if (lines.text().substr(0, 19) == "Calibration results") {
+  if (lines.text().starts_with("Calibration results")) {
     const bool cameras = text.find("Camera-system parameters") != std::string_view::npos;
     return cameras ? Kind::kResultsCameras : Kind::kResultsImu;
   }
   const bool poses =
-      lines.text().substr(0, 21) == "#timestamp, p_RS_R_x " && csvCells(lines.text()).size() == 8;
+      lines.text().starts_with("#timestamp, p_RS_R_x ") && csvCells(lines.text()).size() == 8;
   return poses ? std::optional(Kind::kPoses) : std::nullopt;
 }
 
@@ -102,10 +101,8 @@ Files filesIn(const fs::path& folder) {
 // The camera-IMU tool starts from the camera tool's camchain and keeps its intrinsics, so that
 // equal intrinsics make a pair.
 bool haveSameIntrinsics(const KalibrCamchain& a, const KalibrCamchain& b) {
-  return std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(),
-                    [](const KalibrCamera& c, const KalibrCamera& d) {
-                      return isNear(c.intrinsics.projection, d.intrinsics.projection);
-                    });
+  const auto projection = [](const KalibrCamera& c) { return c.intrinsics.projection; };
+  return std::ranges::equal(a.cameras, b.cameras, isNear, projection, projection);
 }
 
 /// A file beside the camchain; nothing, and a remark, where it cannot be read: it may be another
@@ -148,9 +145,7 @@ std::optional<KalibrImuFile> imuOf(const std::vector<std::string>& paths, Kalibr
       candidates.push_back(std::move(*file));
     }
   }
-  std::stable_sort(
-      candidates.begin(), candidates.end(),
-      [](const KalibrImuFile& a, const KalibrImuFile& b) { return a.wrapped > b.wrapped; });
+  std::ranges::stable_sort(candidates, std::greater(), &KalibrImuFile::wrapped);
   // With a results text all candidates have its noise; without, only their form can tell.
   const bool clear = candidates.size() == 1 || run.results_imu ||
                      (candidates.size() > 1 && candidates[0].wrapped && !candidates[1].wrapped);
@@ -182,31 +177,28 @@ std::optional<KalibrCamchain> chainOf(const std::vector<std::string>& paths,
     }
   }
   throw badInput(
-      path, 0,
-      {InputFault::kAmbiguous, "contains several runs of Kalibr (" + namesOf(paths) + ")",
-       "one run", "name the camchain that is meant"});
+      path, {InputFault::kAmbiguous, "contains several runs of Kalibr (" + namesOf(paths) + ")",
+             "one run", "name the camchain that is meant"});
 }
 
 /// The camchain of the other tool in the same run: it has the same intrinsics.
 std::optional<KalibrCamchain> partnerOf(const KalibrCamchain& chain,
                                         const std::vector<std::string>& paths, KalibrRun& run) {
-  std::vector<KalibrCamchain> partners;
+  std::optional<KalibrCamchain> partner;
+  std::vector<std::string> partners;
   for (const std::string& path : paths) {
     auto other = readBeside(path, readKalibrCamchain, run);
     if (!other) continue;
     if (haveSameIntrinsics(*other, chain)) {
-      partners.push_back(std::move(*other));
+      partners.push_back(path);
+      partner = std::move(other);
     } else {
       run.remarks.push_back(path + " does not have the intrinsics of " + chain.path);
     }
   }
-  if (partners.size() == 1) return partners.front();
-  if (partners.size() > 1) {
-    std::vector<std::string> of_them;
-    for (const KalibrCamchain& partner : partners) of_them.push_back(partner.path);
-    run.remarks.push_back("several camchains (" + namesOf(of_them) + ") have the intrinsics of " +
-                          chain.path);
-  }
+  if (partners.size() < 2) return partner;
+  run.remarks.push_back("several camchains (" + namesOf(partners) + ") have the intrinsics of " +
+                        chain.path);
   return std::nullopt;
 }
 
@@ -275,9 +267,8 @@ KalibrRun readKalibrRun(const std::string& path) {
   const bool folder = fs::is_directory(path);
   if (!folder && !kalibrFileKind(path)) {
     (void)MappedFile(path);  // a missing file says so
-    throw badInput(path, 0,
-                   {InputFault::kUnknownFile, "this is not an output of Kalibr",
-                    "camchain*.yaml, imu*.yaml, results-*.txt or poses-*.csv"});
+    throw badInput(path, {InputFault::kUnknownFile, "this is not an output of Kalibr",
+                          "camchain*.yaml, imu*.yaml, results-*.txt or poses-*.csv"});
   }
   const fs::path place = folder ? fs::path(path) : fs::absolute(path).parent_path();
   Files files = filesIn(place);
@@ -286,7 +277,7 @@ KalibrRun readKalibrRun(const std::string& path) {
   KalibrRun run;
   readChains(files, named, run);
   if (!run.camera_imu && !run.cameras) {
-    throw badInput(path, 0,
+    throw badInput(path,
                    {InputFault::kUnknownFile, "there is no camchain of Kalibr", "camchain*.yaml",
                     "a results text is rounded: the values are in the YAML"});
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,8 +20,8 @@ struct KalibrErrorStatistics {
   double median = 0;
   double std = 0;  ///< ddof 0
 
-  /// Root mean square of the norm: sqrt(mean^2 + std^2).
-  double rms() const;
+  /// Root mean square of the norm: sqrt(mean^2 + std^2), as the deviation has n in its denominator.
+  double rms() const { return std::hypot(mean, std); }
 };
 
 /// What the camera tool prints of one camera's reprojection error, per axis [px].
@@ -29,7 +30,7 @@ struct KalibrAxisStatistics {
   Eigen::Vector2d std = Eigen::Vector2d::Zero();
 
   /// Root mean square of the error's norm: sqrt(mx^2 + my^2 + sx^2 + sy^2) [px].
-  double rms() const;
+  double rms() const { return std::sqrt(mean.squaredNorm() + std.squaredNorm()); }
 };
 
 struct KalibrTextCamera {

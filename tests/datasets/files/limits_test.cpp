@@ -10,7 +10,6 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/export/calibration_export.h"
 #include "datasets/calibration/kalibr_writer.h"
-#include "datasets/calibration/plausible.h"
 #include "datasets/files/numbers.h"
 #include "datasets/files/yaml_map.h"
 #include "datasets/session/camera_stream.h"

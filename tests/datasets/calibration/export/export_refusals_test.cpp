@@ -180,8 +180,8 @@ TEST(ExportRefusals, NamesDoNotReachTheFileUnchecked) {
 }
 
 TEST(ExportTools, WordsReadBack) {
-  for (const ExportTool tool : exportTools()) EXPECT_EQ(exportToolFrom(toString(tool)), tool);
-  EXPECT_FALSE(exportToolFrom("rtabmap").has_value());
+  for (const ExportTool tool : exportTools()) EXPECT_EQ(enumFrom<ExportTool>(toString(tool)), tool);
+  EXPECT_FALSE(enumFrom<ExportTool>("rtabmap").has_value());
   EXPECT_EQ(exportTools().size(), 7U);
 }
 
