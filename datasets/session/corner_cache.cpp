@@ -10,7 +10,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
-#include "datasets/session/camera_stream.h"
+#include "datasets/session/streams.h"
 
 namespace plumbline {
 namespace {
@@ -77,9 +77,8 @@ CornerCache::CornerCache(std::string folder, const AprilGrid& target,
   fs::create_directories(folder_, error);
   if (error || !fs::is_directory(folder_)) {
     throw badInput(
-        folder_, 0,
-        {InputFault::kNoCache, "the cache folder cannot be made (" + error.message() + ")",
-         "a writable folder", "give another folder, or none"});
+        folder_, {InputFault::kNoCache, "the cache folder cannot be made (" + error.message() + ")",
+                  "a writable folder", "give another folder, or none"});
   }
   removeDeadTemporaries(folder_);
 }

@@ -1,34 +1,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/session/imu.h"
-
 #include <algorithm>
-#include <cctype>
+#include <initializer_list>
+#include <numeric>
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "calibrator/base/statistics/statistics.h"
 #include "datasets/calibration/kalibr/camchain.h"
 #include "datasets/files/file_io.h"
+#include "datasets/files/numbers.h"
 #include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"
+#include "datasets/session/streams.h"
 
 namespace plumbline {
 namespace {
+
+// The unit in which the interval would be that of a usual sensor.
+const char* likelyUnit(TimeNs interval, TimeNs shortest) {
+  // Read in microseconds an interval is a thousand times as long, in milliseconds a million.
+  if (interval * 1000 >= shortest) return "microseconds";
+  return interval * 1'000'000 >= shortest ? "milliseconds" : "seconds";
+}
 
 constexpr const char* kImuKeys =
     "update_rate [Hz] and accelerometer_noise_density, accelerometer_random_walk, "
     "gyroscope_noise_density, gyroscope_random_walk (continuous-time densities), flat or below "
     "imu0:";
 constexpr const char* kRefusedModel =
-    "IMU scale and misalignment are not supported yet (they would be silently ignored)";
+    "IMU scale and misalignment are not supported yet (they would be silently ignored); calibrate "
+    "with model: calibrated";
 
 /// Scale, misalignment and axes that Kalibr estimated would have to be applied to the samples
 /// first.
 void refuseModel(const YamlMap& map) {
   const std::string model = map.textOr("model", "calibrated");
   if (model == "calibrated") return;
-  throw map.fault(
-      "model", {InputFault::kUnsupported, "the IMU model is '" + model + "'", "model: calibrated",
-                std::string(kRefusedModel) + "; calibrate with model: calibrated"});
+  throw map.fault("model", {InputFault::kUnsupported, "the IMU model is '" + model + "'",
+                            "model: calibrated", kRefusedModel});
 }
 
 void refuseDistorted(const YamlMap& map, const KalibrImu& imu) {
@@ -37,14 +48,14 @@ void refuseDistorted(const YamlMap& map, const KalibrImu& imu) {
       map.has("accelerometers") ? "accelerometers" : "gyroscopes",
       {InputFault::kUnsupported,
        "M, A or C_gyro_i of the accelerometers or gyroscopes is not that of an IMU without faults",
-       "model: calibrated", std::string(kRefusedModel) + "; calibrate with model: calibrated"});
+       "model: calibrated", kRefusedModel});
 }
 
 /// Kalibr's results stand below imu0:, its inputs at the top.
 YamlMap unwrapped(const YamlMap& file) {
   for (const std::string& key : file.keys()) {
     // Of a second IMU nothing would be read, though its user believes it to count.
-    if (key.rfind("imu", 0) == 0 && key != "imu0" && file.node(key).IsMap()) {
+    if (key.starts_with("imu") && key != "imu0" && file.hasMap(key)) {
       throw file.fault(key,
                        {InputFault::kUnsupported, "the file describes a second IMU ('" + key + "')",
                         "one IMU, imu0", "delete the other IMUs"});
@@ -55,15 +66,9 @@ YamlMap unwrapped(const YamlMap& file) {
 
 constexpr const char* kImuLayout = "timestamp [ns], w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s^2]";
 
-std::string lowered(std::string_view name) {
-  std::string text(name);
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool startsWith(const std::string& text, std::initializer_list<const char*> prefixes) {
   return std::any_of(prefixes.begin(), prefixes.end(),
-                     [&](const char* prefix) { return text.rfind(prefix, 0) == 0; });
+                     [&](const char* prefix) { return text.starts_with(prefix); });
 }
 
 /// "w_RS_S_x", "gyro_x", "omega_x", "angular_velocity.x" in small letters.
@@ -103,6 +108,45 @@ bool accelerationFirst(const std::string& path, std::string_view text,
 
 }  // namespace
 
+std::string duplicateCure(TimeNs t) {
+  constexpr TimeNs kNanosecondsFromHere = 10'000'000'000'000;  // as milliseconds: the year 2286
+  // Seconds and milliseconds since 1970 lie between these; nanoseconds since 1970 are far above.
+  const bool perhaps_other_unit = t > 1'000'000'000 && t < kNanosecondsFromHere;
+  return perhaps_other_unit ? "delete one of the two rows; or, if the stamps are seconds or "
+                              "milliseconds, write them in nanoseconds with all their digits"
+                            : "delete one of the two rows";
+}
+
+void checkAscending(const TextTable& table, TimeNs t, TimeNs before, const char* cure) {
+  if (t > before) return;
+  // A last stamp that lost digits is a smaller number.
+  if (table.truncatedHere()) {
+    throw table.fault({InputFault::kTruncated, fmt::format("the last line, '{}', is cut", t),
+                       "a whole last line",
+                       "the file is truncated: copy it again or delete this line"});
+  }
+  const bool twice = t == before;
+  throw table.fault({InputFault::kBadOrder,
+                     twice ? fmt::format("the stamp {} is given twice", t)
+                           : fmt::format("the stamp {} is earlier than that of the row above", t),
+                     twice ? "stamps that ascend strictly" : "ascending stamps",
+                     twice ? duplicateCure(t) : cure});
+}
+
+// By the intervals and not by the stamps themselves, which may count from any start.
+void checkStampUnit(const std::string& path, const std::vector<TimeNs>& intervals, TimeNs shortest,
+                    const std::string& things) {
+  if (intervals.empty()) return;
+  const TimeNs middle = middleOf(intervals);
+  // Samples that are stamped in bursts come at the right rate all the same.
+  const TimeNs mean = std::reduce(intervals.begin(), intervals.end()) / std::ssize(intervals);
+  if (middle >= shortest || mean >= shortest) return;
+  throw badInput(path, {InputFault::kWrongUnit,
+                        fmt::format("the {} are {} ns apart, so the stamps look like {}", things,
+                                    middle, likelyUnit(middle, shortest)),
+                        "stamps in nanoseconds", "convert them to nanoseconds"});
+}
+
 ImuDescription readImuDescription(const std::string& path) {
   const YamlMap file = YamlMap::load(path, kImuKeys);
   const YamlMap map = unwrapped(file);
@@ -119,7 +163,6 @@ std::vector<ImuSample> readImuSamples(const std::string& path) {
   TextTable table(path, file.text(), kImuLayout);
   const bool accel_first = accelerationFirst(path, file.text(), table.readHeader());
   std::vector<ImuSample> samples;
-  std::vector<TimeNs> stamps;
   while (table.nextRow()) {
     ImuSample sample;
     sample.t = table.stamp();
@@ -133,9 +176,8 @@ std::vector<ImuSample> readImuSamples(const std::string& path) {
     for (int i = 0; i < 3; ++i) second[i] = table.number(accel_first ? "w" : "a");
     table.endRow();
     samples.push_back(sample);
-    stamps.push_back(sample.t);
   }
-  checkStampUnit(path, stamps, kShortestImuInterval, "samples");
+  checkStampUnit(path, intervalsOf(samples), kShortestImuInterval, "samples");
   return samples;
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "datasets/session/session_folder.h"
-
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
@@ -8,10 +6,13 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
+#include "datasets/files/yaml_map.h"
+#include "datasets/session/session_reader.h"
 
 namespace plumbline {
 namespace {
@@ -25,7 +26,7 @@ constexpr const char* kSessionLayout =
 // N of "camN", or -1.
 int cameraNumber(const std::string& name) {
   // A sign is no part of a number here.
-  if (name.rfind("cam", 0) != 0 || name.size() < 4 || !isDigit(name[3])) return -1;
+  if (!name.starts_with("cam") || name.size() < 4 || !isDigit(name[3])) return -1;
   int number = -1;
   const char* const end = name.data() + name.size();
   const auto [stop, error] = std::from_chars(name.data() + 3, end, number);
@@ -46,44 +47,46 @@ std::vector<std::string> camerasIn(const fs::path& folder) {
   return folders;
 }
 
-// One line for each file: its name and what stands for its content.
-class Manifest {
- public:
-  void addContent(const std::string& path, const std::string& name) {
-    if (!fs::exists(path)) return;
-    lines_.push_back(fmt::format("{} {}\n", name, contentHash(MappedFile(path).text())));
+// One line for each file that is read: its name and what stands for its content.
+using FileLines = std::vector<std::string>;
+
+void addContent(FileLines& lines, const std::string& path, const std::string& name) {
+  if (!fs::exists(path)) return;
+  lines.push_back(fmt::format("{} {}\n", name, contentHash(MappedFile(path).text())));
+}
+
+// Of images, gigabytes of which would have to be read for a hash.
+void addSizes(FileLines& lines, const std::string& folder, const std::string& name) {
+  if (!fs::is_directory(folder)) return;
+  std::error_code fault;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!entry.is_regular_file(fault)) continue;
+    const std::string file = entry.path().filename().string();
+    lines.push_back(fmt::format("{}/{} {} bytes\n", name, file, entry.file_size()));
   }
+}
 
-  // Of images, gigabytes of which would have to be read for a hash.
-  void addSizes(const std::string& folder, const std::string& name) {
-    if (!fs::is_directory(folder)) return;
-    std::error_code fault;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-      if (!entry.is_regular_file(fault)) continue;
-      const std::string file = entry.path().filename().string();
-      lines_.push_back(fmt::format("{}/{} {} bytes\n", name, file, entry.file_size()));
-    }
-  }
-
-  std::string hash() {
-    // A folder is listed in no order.
-    std::sort(lines_.begin(), lines_.end());
-    std::string all;
-    for (const std::string& line : lines_) all += line;
-    return "xxh64:" + contentHash(all);
-  }
-
- private:
-  std::vector<std::string> lines_;
-};
-
-void addCamera(Manifest& manifest, const std::string& camera) {
+void addCamera(FileLines& lines, const std::string& camera) {
   const std::string name = fs::path(camera).filename().string();
   for (const char* file : {"corners.csv", "data.csv", "sensor.yaml"}) {
-    manifest.addContent(camera + "/" + file, name + "/" + file);
+    addContent(lines, camera + "/" + file, name + "/" + file);
   }
   // Beside corners images are not read.
-  if (!fs::exists(camera + "/corners.csv")) manifest.addSizes(camera + "/data", name + "/data");
+  if (!fs::exists(camera + "/corners.csv")) addSizes(lines, camera + "/data", name + "/data");
+}
+
+/// A study's value as text; empty where it is none.
+std::string studyValue(const YamlMap& file, const std::string& key) {
+  const YAML::Node node = file.node(key);
+  if (node.IsScalar() && !node.Scalar().empty()) return node.Scalar();
+  std::string text;
+  if (node.IsSequence()) {
+    for (const YAML::Node& element : node) {
+      if (!element.IsScalar()) return "";
+      text += (text.empty() ? "" : ",") + element.Scalar();
+    }
+  }
+  return text;
 }
 
 }  // namespace
@@ -102,33 +105,28 @@ std::vector<std::string> besideSession(const std::string& path) {
 
 SessionFolder findSession(const std::string& path) {
   if (!fs::exists(path)) {
-    throw badInput(path, 0,
-                   {InputFault::kMissingFile, "does not exist", kSessionLayout,
-                    "check the path of the session"});
+    throw badInput(path, {InputFault::kMissingFile, "does not exist", kSessionLayout,
+                          "check the path of the session"});
   }
   if (!fs::is_directory(path)) {
-    throw badInput(
-        path, 0,
-        {InputFault::kMissingFile, "is not a folder", kSessionLayout, "give the session's folder"});
+    throw badInput(path, {InputFault::kMissingFile, "is not a folder", kSessionLayout,
+                          "give the session's folder"});
   }
   // "." and a path that ends in a slash have no name of their own.
   const fs::path top = fs::weakly_canonical(path);
   const bool is_mav = top.filename() == "mav0";
-  const bool below = !is_mav && fs::is_directory(fs::path(path) / "mav0");
   SessionFolder folder;
   folder.name = (is_mav ? top.parent_path() : top).filename().string();
   if (!isUtf8(folder.name)) {
-    throw badInput(path, 0,
-                   {InputFault::kSyntax, "the name '" + folder.name + "' is not UTF-8",
-                    "a name in UTF-8", "rename the folder, or link to it"});
+    throw badInput(path, {InputFault::kSyntax, "the name '" + folder.name + "' is not UTF-8",
+                          "a name in UTF-8", "rename the folder, or link to it"});
   }
-  folder.root = (below ? fs::path(path) / "mav0" : fs::path(path)).string();
   folder.beside = besideSession(path);
+  folder.root = is_mav ? path : folder.beside.back();  // its mav0, if it has one
   folder.cameras = camerasIn(folder.root);
   if (folder.cameras.empty()) {
-    throw badInput(folder.root, 0,
-                   {InputFault::kEmpty, "contains no camera folder (cam0, cam1, ...)",
-                    kSessionLayout, "give the folder that contains cam0"});
+    throw badInput(folder.root, {InputFault::kEmpty, "contains no camera folder (cam0, cam1, ...)",
+                                 kSessionLayout, "give the folder that contains cam0"});
   }
   const fs::path imu = fs::path(folder.root) / "imu0";
   if (fs::is_directory(imu)) folder.imu = imu.string();
@@ -147,22 +145,44 @@ std::optional<std::string> findBeside(const std::vector<std::string>& folders,
 std::string inputHash(const std::string& session, const SessionReadOptions& options,
                       const std::vector<std::string>& others) {
   const SessionFolder folder = findSession(session);
-  Manifest manifest;
+  FileLines lines;
   const auto beside = [&](const std::string& name, const std::optional<std::string>& given) {
     const auto path = given ? given : findBeside(folder.beside, name);
-    if (path) manifest.addContent(*path, name);
+    if (path) addContent(lines, *path, name);
   };
   beside("target.yaml", options.target_path);
-  for (const std::string& camera : folder.cameras) addCamera(manifest, camera);
+  for (const std::string& camera : folder.cameras) addCamera(lines, camera);
   if (folder.imu && options.read_imu) {
     beside("imu.yaml", options.imu_path);
-    manifest.addContent(*folder.imu + "/sensor.yaml", "imu0/sensor.yaml");
-    manifest.addContent(*folder.imu + "/data.csv", "imu0/data.csv");
+    addContent(lines, *folder.imu + "/sensor.yaml", "imu0/sensor.yaml");
+    addContent(lines, *folder.imu + "/data.csv", "imu0/data.csv");
   }
   for (std::size_t i = 0; i < others.size(); ++i) {
-    manifest.addContent(others[i], fmt::format("given/{}", i));
+    addContent(lines, others[i], fmt::format("given/{}", i));
   }
-  return manifest.hash();
+  // A folder is listed in no order.
+  std::sort(lines.begin(), lines.end());
+  return "xxh64:" + contentHash(fmt::format("{}", fmt::join(lines, "")));
+}
+
+std::vector<std::pair<std::string, std::string>> readStudyDefinition(
+    const std::string& path, const std::vector<std::string>& known) {
+  const YamlMap file = YamlMap::load(path, "a study's definition, e.g. offsets-ms: [100, 10, 1]");
+  std::vector<std::pair<std::string, std::string>> definition;
+  for (const std::string& key : file.keys()) {
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      throw file.fault(key, {InputFault::kUnknownWord, fmt::format("unknown name '{}'", key),
+                             fmt::format("one of {}", fmt::join(known, ", "))});
+    }
+    std::string text = studyValue(file, key);
+    if (text.empty()) {
+      throw file.fault(key,
+                       {InputFault::kBadNumber, fmt::format("{} has no value", key),
+                        "a number, a range or a list", "for instance [100, 10, 1] or -500:50:500"});
+    }
+    definition.emplace_back(key, std::move(text));
+  }
+  return definition;
 }
 
 }  // namespace plumbline

@@ -11,11 +11,9 @@
 
 #include "calibrator/base/frames.h"
 #include "datasets/files/bad_input.h"
-#include "datasets/session/imu.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/streams.h"
 
 namespace plumbline {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,7 +22,7 @@ std::string targetPath(const SessionFolder& folder, const SessionReadOptions& op
   if (options.target_path) return *options.target_path;
   const auto path = findBeside(folder.beside, "target.yaml");
   if (path) return *path;
-  throw badInput(folder.beside.front() + "/target.yaml", 0,
+  throw badInput(folder.beside.front() + "/target.yaml",
                  {InputFault::kNoTarget, "does not exist",
                   "Kalibr's target.yaml (target_type: aprilgrid, tagRows, tagCols, tagSize, "
                   "tagSpacing)",
@@ -40,9 +38,8 @@ CameraDescription descriptionOf(const std::string& camera, const SessionReadOpti
   const bool images = !fs::exists(camera + "/corners.csv");  // these tell their size themselves
   if (!description.resolution && images) description.resolution = Resolution{};
   if (description.resolution) return description;
-  throw badInput(path, 0,
-                 {InputFault::kNoResolution, "the camera's resolution is not known",
-                  "resolution: [width, height]", "add it"});
+  throw badInput(path, {InputFault::kNoResolution, "the camera's resolution is not known",
+                        "resolution: [width, height]", "add it"});
 }
 
 // Adds the frames that the list names and the corners do not: they saw no target.
@@ -56,35 +53,29 @@ std::vector<ImageView> withEmptyViews(std::vector<ImageView> views, const std::s
     // Views that the list lacks stay: their corners prove that there was a frame.
     views.push_back({frame.t, {}});
   }
-  std::sort(views.begin(), views.end(),
-            [](const ImageView& a, const ImageView& b) { return a.t < b.t; });
+  std::ranges::sort(views, {}, &ImageView::t);
   return views;
 }
 
 void readCamera(const std::string& path, const SessionReadOptions& options, Recording& recording) {
   const CameraDescription description = descriptionOf(path, options);
-  CameraStream camera;
-  camera.name = fs::path(path).filename().string();
-  camera.rostopic = description.rostopic;
-  camera.resolution = *description.resolution;
-  camera.camera_model = description.camera_model;
-  camera.distortion_model = description.distortion_model;
+  CameraStream camera{
+      fs::path(path).filename().string(), description.rostopic,         *description.resolution,
+      description.camera_model,           description.distortion_model, {}};
   std::vector<ImageFile> images;
   const std::string corners = path + "/corners.csv";
+  const bool listed = fs::exists(path + "/data.csv");
   if (fs::exists(corners)) {
-    const CornerLimits limits{recording.session.target.cornerCount(), camera.resolution,
-                              fs::exists(path + "/data.csv")};
-    camera.views = readCorners(corners, limits);
-    if (fs::exists(path + "/data.csv"))
-      camera.views = withEmptyViews(std::move(camera.views), path);
-  } else if (fs::exists(path + "/data.csv") || fs::is_directory(path + "/data")) {
+    camera.views =
+        readCorners(corners, {recording.session.target.cornerCount(), camera.resolution, listed});
+    if (listed) camera.views = withEmptyViews(std::move(camera.views), path);
+  } else if (listed || fs::is_directory(path + "/data")) {
     images = listImages(path);
     for (const ImageFile& image : images) camera.views.push_back({image.t, {}});
   } else {
-    throw badInput(path, 0,
-                   {InputFault::kEmpty, "contains neither corners nor images",
-                    "corners.csv, or data.csv and data/<ns>.png",
-                    "copy the recording again or delete this camera's folder"});
+    throw badInput(path, {InputFault::kEmpty, "contains neither corners nor images",
+                          "corners.csv, or data.csv and data/<ns>.png",
+                          "copy the recording again or delete this camera's folder"});
   }
   recording.session.cameras.push_back(std::move(camera));
   recording.images.push_back(std::move(images));
@@ -97,7 +88,7 @@ ImuStream readImu(const SessionFolder& folder, const SessionReadOptions& options
   if (!path) path = findBeside({*folder.imu}, "sensor.yaml");
   if (!path) {
     throw badInput(
-        folder.beside.front() + "/imu.yaml", 0,
+        folder.beside.front() + "/imu.yaml",
         {InputFault::kNoImuNoise, "does not exist, nor does " + *folder.imu + "/sensor.yaml",
          "the IMU's noise densities, as Kalibr's imu.yaml has them",
          "put imu.yaml into the session's folder or give its path"});
@@ -113,45 +104,10 @@ void refuseMissingImu(const SessionFolder& folder, const SessionReadOptions& opt
   if (!described) described = findBeside(folder.beside, "imu.yaml");
   if (folder.imu || !described) return;
   throw badInput(
-      folder.root + "/imu0/data.csv", 0,
+      folder.root + "/imu0/data.csv",
       {InputFault::kNoImuSamples, "does not exist, though " + *described + " describes an IMU",
        "the IMU's samples", "copy the recording again, or omit that description"});
 }
-
-}  // namespace
-
-bool Recording::needsDetection() const {
-  return std::any_of(images.begin(), images.end(), [](const auto& list) { return !list.empty(); });
-}
-
-Recording readRecording(const std::string& path, const SessionReadOptions& options) {
-  options.check();
-  const SessionFolder folder = findSession(path);
-  Recording recording;
-  recording.session.name = folder.name;
-  recording.target_path = targetPath(folder, options);
-  recording.session.target = readTarget(recording.target_path);
-  for (const std::string& camera : folder.cameras) readCamera(camera, options, recording);
-  if (options.read_imu) refuseMissingImu(folder, options);
-  if (folder.imu && options.read_imu) {
-    recording.session.imu = readImu(folder, options);
-    recording.imu_samples_path = *folder.imu + "/data.csv";
-  }
-  selectFrames(recording, options);
-  return recording;
-}
-
-Session readSession(const std::string& path, const SessionReadOptions& options) {
-  Recording recording = readRecording(path, options);
-  if (recording.needsDetection()) {
-    throw badInput(path, 0,
-                   {InputFault::kNoCorners, "the recording has images and no corners yet",
-                    "camN/corners.csv", "find the corners first"});
-  }
-  return std::move(recording.session);
-}
-
-namespace {
 
 // The instant `seconds` after `start`; the largest stamp for infinity.
 TimeNs instant(TimeNs start, double seconds) {
@@ -181,6 +137,36 @@ void trimImu(ImuStream& imu, TimeNs first_frame, const SessionReadOptions& optio
 }
 
 }  // namespace
+
+bool Recording::needsDetection() const {
+  return std::ranges::any_of(images, [](const auto& list) { return !list.empty(); });
+}
+
+Recording readRecording(const std::string& path, const SessionReadOptions& options) {
+  options.check();
+  const SessionFolder folder = findSession(path);
+  Recording recording;
+  recording.session.name = folder.name;
+  recording.target_path = targetPath(folder, options);
+  recording.session.target = readTarget(recording.target_path);
+  for (const std::string& camera : folder.cameras) readCamera(camera, options, recording);
+  if (options.read_imu) refuseMissingImu(folder, options);
+  if (folder.imu && options.read_imu) {
+    recording.session.imu = readImu(folder, options);
+    recording.imu_samples_path = *folder.imu + "/data.csv";
+  }
+  selectFrames(recording, options);
+  return recording;
+}
+
+Session readSession(const std::string& path, const SessionReadOptions& options) {
+  Recording recording = readRecording(path, options);
+  if (recording.needsDetection()) {
+    throw badInput(path, {InputFault::kNoCorners, "the recording has images and no corners yet",
+                          "camN/corners.csv", "find the corners first"});
+  }
+  return std::move(recording.session);
+}
 
 void SessionReadOptions::check() const {
   const auto refuse = [](const std::string& text) { throw BadInput(InputFault::kBadOption, text); };

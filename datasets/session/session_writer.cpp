@@ -5,6 +5,7 @@
 #include <iterator>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,11 +19,12 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
 #include "datasets/images/image_io.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/session_reader.h"
 
 namespace plumbline {
-
 namespace {
+
+namespace fs = std::filesystem;
 
 Json jsonOf(const SimulationOptions& o) {
   return {{"seed", o.seed},
@@ -68,50 +70,6 @@ Json jsonOf(const InjectedFault& injected) {
 void appendVector(std::string& text, const Eigen::Vector3d& v) {
   for (const double value : v) fmt::format_to(std::back_inserter(text), ",{:.12g}", value);
 }
-
-}  // namespace
-
-std::string truthJson(const SimulatedSession& simulated, const SimulationOptions& options) {
-  Json faults = Json::array();
-  for (const InjectedFault& fault : simulated.faults) faults.push_back(jsonOf(fault));
-  Json truth{{"schema", 1},
-             {"session", simulated.session.name},
-             {"options", jsonOf(options)},
-             {"camera_rate_hz", simulated.camera_rate_hz}};
-  truth.update(toJson(simulated.truth));
-  truth.update({{"gravity_F", toJson(simulated.gravity_F)},
-                {"T_WF", toJson(simulated.T_WF())},
-                {"faults", faults}});
-  return truth.dump(2) + "\n";
-}
-
-// EuRoC's state_groundtruth_estimate0: R is the world, S the IMU, velocities are in R; a row for
-// every sample of the IMU.
-std::string trajectoryCsv(const SimulatedSession& simulated) {
-  std::string text =
-      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
-      "q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], "
-      "b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], "
-      "b_a_RS_S_z [m s^-2]\n";
-  const Transform T_WF = simulated.T_WF();
-  const std::vector<ImuSample>& samples = simulated.session.imu->samples;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const MotionState m = simulated.motionAtImuTime(samples[i].t);
-    const Transform T_WS = T_WF * m.T_FB;
-    const Eigen::Quaterniond q = T_WS.quaternion();
-    fmt::format_to(std::back_inserter(text), "{}", samples[i].t);
-    appendVector(text, T_WS.t);
-    fmt::format_to(std::back_inserter(text), ",{:.12g}", q.w());
-    appendVector(text, q.vec());
-    appendVector(text, T_WF.R * m.v_F);
-    appendVector(text, simulated.biases[i].gyro);
-    appendVector(text, simulated.biases[i].accel);
-    text += '\n';
-  }
-  return text;
-}
-
-namespace {
 
 // Of every view, those without a corner too: by the list the reader knows the frames that saw no
 // target.
@@ -172,15 +130,62 @@ std::string noiseYaml(const ImuNoise& noise) {
       yamlNumber(noise.gyro_density), yamlNumber(noise.gyro_random_walk));
 }
 
-namespace fs = std::filesystem;
-
-/// One image to be rendered.
-struct ImageJob {
-  int camera = 0;
-  std::size_t view = 0;
-};
+/// `target` is the real one, which the session may state wrongly.
+void writeTargetImages(const SimulatedSession& simulated, const AprilGrid& target,
+                       const fs::path& folder, const SimulatedSessionFormat& format) {
+  std::vector<TargetRenderer> renderers;
+  for (const CameraCalibration& camera : simulated.truth.cameras) {
+    renderers.emplace_back(camera.intrinsics, target, format.render);
+  }
+  writeImages(simulated.session, folder, format, [&](int camera, std::size_t view) {
+    const auto i = static_cast<std::size_t>(camera);
+    // Its noise by camera and view, whichever thread renders it.
+    const std::uint64_t number = (static_cast<std::uint64_t>(i) << 32U) + view;
+    return renderers[i].render(simulated.view_poses[i][view], number);
+  });
+}
 
 }  // namespace
+
+std::string truthJson(const SimulatedSession& simulated, const SimulationOptions& options) {
+  Json faults = Json::array();
+  for (const InjectedFault& fault : simulated.faults) faults.push_back(jsonOf(fault));
+  Json truth{{"schema", 1},
+             {"session", simulated.session.name},
+             {"options", jsonOf(options)},
+             {"camera_rate_hz", simulated.camera_rate_hz}};
+  truth.update(toJson(simulated.truth));
+  truth.update({{"gravity_F", toJson(simulated.gravity_F)},
+                {"T_WF", toJson(simulated.T_WF())},
+                {"faults", faults}});
+  return truth.dump(2) + "\n";
+}
+
+// EuRoC's state_groundtruth_estimate0: R is the world, S the IMU, velocities are in R; a row for
+// every sample of the IMU.
+std::string trajectoryCsv(const SimulatedSession& simulated) {
+  std::string text =
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+      "q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], "
+      "b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], "
+      "b_a_RS_S_z [m s^-2]\n";
+  const Transform T_WF = simulated.T_WF();
+  const std::vector<ImuSample>& samples = simulated.session.imu->samples;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const MotionState m = simulated.motionAtImuTime(samples[i].t);
+    const Transform T_WS = T_WF * m.T_FB;
+    const Eigen::Quaterniond q = T_WS.quaternion();
+    fmt::format_to(std::back_inserter(text), "{}", samples[i].t);
+    appendVector(text, T_WS.t);
+    fmt::format_to(std::back_inserter(text), ",{:.12g}", q.w());
+    appendVector(text, q.vec());
+    appendVector(text, T_WF.R * m.v_F);
+    appendVector(text, simulated.biases[i].gyro);
+    appendVector(text, simulated.biases[i].accel);
+    text += '\n';
+  }
+  return text;
+}
 
 std::vector<TextFile> sessionFiles(const Session& session, double camera_rate_hz,
                                    ViewFormat views) {
@@ -228,22 +233,20 @@ void writeSession(const Session& session, double camera_rate_hz, ViewFormat view
 void writeImages(const Session& session, const fs::path& folder,
                  const SimulatedSessionFormat& format, const ViewRenderer& render) {
   std::vector<fs::path> folders;
-  std::vector<ImageJob> jobs;
+  std::vector<std::pair<std::size_t, std::size_t>> jobs;  // camera and view
   for (std::size_t i = 0; i < session.cameras.size(); ++i) {
     const CameraStream& camera = session.cameras[i];
     folders.push_back(folder / "mav0" / camera.name / "data");
     makeFoldersIn(folder, fs::path("mav0") / camera.name / "data");
-    for (std::size_t k = 0; k < camera.views.size(); ++k) {
-      jobs.push_back({static_cast<int>(i), k});
-    }
+    for (std::size_t k = 0; k < camera.views.size(); ++k) jobs.emplace_back(i, k);
   }
   std::mutex mutex;
   std::size_t done = 0;
   const auto write = [&](std::size_t index) {
     const auto [camera, view] = jobs[index];
-    const auto i = static_cast<std::size_t>(camera);
-    const TimeNs t = session.cameras[i].views[view].t;
-    writePng(folders[i] / fmt::format("{}.png", t), render(camera, view), PngEffort::kFast);
+    const TimeNs t = session.cameras[camera].views[view].t;
+    writePng(folders[camera] / fmt::format("{}.png", t), render(static_cast<int>(camera), view),
+             PngEffort::kFast);
     const std::lock_guard lock(mutex);
     ++done;
     if (format.progress) format.progress(done, jobs.size());
@@ -252,25 +255,6 @@ void writeImages(const Session& session, const fs::path& folder,
   tbb::task_arena arena(format.threads > 0 ? std::min(format.threads, cores) : cores);
   arena.execute([&] { tbb::parallel_for(std::size_t{0}, jobs.size(), write); });
 }
-
-namespace {
-
-/// `target` is the real one, which the session may state wrongly.
-void writeTargetImages(const SimulatedSession& simulated, const AprilGrid& target,
-                       const fs::path& folder, const SimulatedSessionFormat& format) {
-  std::vector<TargetRenderer> renderers;
-  for (const CameraCalibration& camera : simulated.truth.cameras) {
-    renderers.emplace_back(camera.intrinsics, target, format.render);
-  }
-  writeImages(simulated.session, folder, format, [&](int camera, std::size_t view) {
-    const auto i = static_cast<std::size_t>(camera);
-    // Its noise by camera and view, whichever thread renders it.
-    const std::uint64_t number = (static_cast<std::uint64_t>(i) << 32U) + view;
-    return renderers[i].render(simulated.view_poses[i][view], number);
-  });
-}
-
-}  // namespace
 
 void writeSimulatedSession(const SimulatedSession& simulated, const SimulationOptions& options,
                            const fs::path& folder, const SimulatedSessionFormat& format) {

@@ -6,8 +6,8 @@
 
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
-#include "datasets/session/imu.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/streams.h"
 
 namespace plumbline {
 namespace {
@@ -20,9 +20,7 @@ constexpr int kMostCameras = 1000;
 
 GuideStage stageFrom(TextTable& table) {
   const std::string word(table.word("stage"));
-  for (const GuideStage stage : {GuideStage::kCamera, GuideStage::kCameraImu}) {
-    if (word == toString(stage)) return stage;
-  }
+  if (const auto stage = enumFrom<GuideStage>(word)) return *stage;
   throw table.fault(
       {InputFault::kUnknownWord, "the stage is '" + word + "'", "camera or camera-imu"});
 }
@@ -39,10 +37,9 @@ Transform fromQuaternion(const TextTable& table, const std::vector<double>& n) {
 
 /// Twelve or sixteen numbers row by row; a fourth row says nothing new.
 Transform fromRows(const TextTable& table, const std::vector<double>& n) {
+  using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
   Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
-  for (int row = 0; row < 3; ++row) {
-    for (int col = 0; col < 4; ++col) T(row, col) = n[static_cast<std::size_t>(4 * row + col)];
-  }
+  T.topRows<3>() = Eigen::Map<const Rows>(n.data());
   const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
   const double off = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm();
   if (off > kUnitTolerance || R.determinant() < 0) {
@@ -66,17 +63,11 @@ int takeCamera(const TextTable& table, std::vector<double>& numbers) {
 }
 
 Transform poseFrom(const TextTable& table, const std::vector<double>& numbers) {
-  switch (numbers.size()) {
-    case 7:
-      return fromQuaternion(table, numbers);
-    case 12:
-    case 16:
-      return fromRows(table, numbers);
-    default:
-      throw table.fault({InputFault::kBadNumber,
-                         fmt::format("T_FC0 has {} numbers", numbers.size()),
-                         "7, 12 or 16, and the camera's after them"});
-  }
+  const std::size_t n = numbers.size();
+  if (n == 7) return fromQuaternion(table, numbers);
+  if (n == 12 || n == 16) return fromRows(table, numbers);
+  throw table.fault({InputFault::kBadNumber, fmt::format("T_FC0 has {} numbers", n),
+                     "7, 12 or 16, and the camera's after them"});
 }
 
 }  // namespace

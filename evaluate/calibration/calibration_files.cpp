@@ -9,7 +9,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/kalibr_writer.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/session_reader.h"
 #include "evaluate/calibration/calibrate_session.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "datasets/calibration/calibration_reader.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/session_reader.h"
 #include "evaluate/calibration/calibrate_session.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/coverage.h"

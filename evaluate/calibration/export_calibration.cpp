@@ -4,7 +4,7 @@
 #include "calibrator/base/error.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/export/calibration_export.h"
-#include "datasets/session/imu.h"
+#include "datasets/session/streams.h"
 #include "generated/version.h"
 
 namespace plumbline {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/camera_stream.h"
 #include "datasets/session/session_reader.h"
+#include "datasets/session/streams.h"
 #include "evaluate/odometry/sequence.h"
 
 namespace plumbline {

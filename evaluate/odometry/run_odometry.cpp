@@ -15,7 +15,7 @@
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/files/file_io.h"
-#include "datasets/session/imu.h"
+#include "datasets/session/streams.h"
 #include "evaluate/metrics/trajectory/verdict.h"
 #include "evaluate/odometry/judged_run.h"
 #include "evaluate/odometry/sensitivity.h"

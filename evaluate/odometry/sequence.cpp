@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/imu.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/streams.h"
 
 namespace plumbline {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "calibrator/base/session.h"
 #include "calibrator/odometry/rig_model.h"
-#include "datasets/session/camera_stream.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/streams.h"
 
 namespace plumbline {
 

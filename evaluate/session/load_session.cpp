@@ -16,8 +16,8 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/workplace.h"
 #include "datasets/images/image_io.h"
-#include "datasets/session/camera_stream.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/session_reader.h"
+#include "datasets/session/streams.h"
 
 namespace plumbline {
 namespace {

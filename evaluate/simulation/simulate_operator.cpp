@@ -12,7 +12,7 @@
 #include "calibrator/simulate/rig.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/files/file_io.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
 #include "evaluate/simulation/operated_session.h"
 

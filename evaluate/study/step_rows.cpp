@@ -6,7 +6,6 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
-#include "datasets/session/session_folder.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/replay/stopping_rule.h"

@@ -23,7 +23,6 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/information/view_selection.h"
-#include "datasets/session/session_folder.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/replay/counterfactuals.h"
 #include "evaluate/replay/frames.h"

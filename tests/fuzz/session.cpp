@@ -8,11 +8,9 @@
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/yaml_map.h"
-#include "datasets/session/camera_stream.h"
-#include "datasets/session/imu.h"
-#include "datasets/session/session_folder.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
+#include "datasets/session/streams.h"
 #include "tests/fuzz/parser.h"
 
 namespace plumbline::fuzz {

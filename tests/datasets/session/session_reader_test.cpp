@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/session_folder.h"
 #include "tests/datasets/session/session_files.h"
 
 namespace plumbline {

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/session/session_folder.h"
 #include "datasets/session/session_reader.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/session/session_files.h"

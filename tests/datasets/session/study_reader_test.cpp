@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/session_reader.h"
 #include "tests/datasets/refusal.h"
 
 namespace plumbline {

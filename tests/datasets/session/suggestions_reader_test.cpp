@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/session_folder.h"
+#include "datasets/session/session_reader.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/session/session_files.h"
 #include "tests/datasets/temporary_folder.h"
