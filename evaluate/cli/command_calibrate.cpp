@@ -16,7 +16,7 @@
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
-#include "report/html/calibration/page.h"
+#include "report/html/pages.h"
 
 namespace plumbline {
 namespace {

@@ -22,7 +22,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/trajectory/evaluate_runs.h"
-#include "report/html/comparison/page.h"
+#include "report/html/pages.h"
 #include "report/records/documents.h"
 
 namespace plumbline {

@@ -15,7 +15,7 @@
 #include "evaluate/metrics/headline.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
-#include "report/html/calibration/page.h"
+#include "report/html/pages.h"
 #include "report/records/documents.h"
 
 // `plumbline evaluate WHAT`: a table of what can be evaluated, each a command of its own.

@@ -20,7 +20,7 @@
 #include "evaluate/odometry/run_odometry.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/trajectory/evaluate_runs.h"
-#include "report/html/trajectory/page.h"
+#include "report/html/pages.h"
 #include "report/records/documents.h"
 
 namespace plumbline {

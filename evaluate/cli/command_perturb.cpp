@@ -16,7 +16,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/studies/perturbation_study.h"
-#include "report/html/perturbation/page.h"
+#include "report/html/pages.h"
 #include "report/records/documents.h"
 
 namespace plumbline {

@@ -22,7 +22,7 @@
 #include "evaluate/replay/replay_session.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
-#include "report/html/replay/page.h"
+#include "report/html/pages.h"
 #include "report/records/documents.h"
 
 namespace plumbline {

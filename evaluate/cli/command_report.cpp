@@ -12,12 +12,7 @@
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/result_folder.h"
-#include "report/html/calibration/page.h"
-#include "report/html/comparison/page.h"
-#include "report/html/perturbation/page.h"
-#include "report/html/replay/page.h"
-#include "report/html/study/page.h"
-#include "report/html/trajectory/page.h"
+#include "report/html/pages.h"
 #include "report/store/store.h"
 
 namespace plumbline {

@@ -19,7 +19,7 @@
 #include "evaluate/study/night_folder.h"
 #include "evaluate/study/plan.h"
 #include "evaluate/study/run_step.h"
-#include "report/html/study/page.h"
+#include "report/html/pages.h"
 #include "report/records/documents.h"
 #include "report/store/store.h"
 

@@ -11,9 +11,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "report/html/calibration/page.h"
 #include "report/html/calibration/sections.h"
 #include "report/html/page.h"
+#include "report/html/pages.h"
 #include "report/html/scene.h"
 #include "report/html/section.h"
 #include "report/plots/svg.h"

@@ -6,10 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "report/html/comparison/page.h"
-#include "report/html/perturbation/page.h"
-#include "report/html/study/page.h"
-#include "report/html/trajectory/page.h"
+#include "report/html/pages.h"
 #include "tests/report/markup.h"
 #include "tests/report/synthetic_studies.h"
 #include "tests/report/synthetic_user_study.h"

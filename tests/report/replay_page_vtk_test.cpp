@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "report/html/replay/page.h"
+#include "report/html/pages.h"
 #include "report/html/replay/sections.h"
 #include "report/html/section.h"
 #include "tests/report/markup.h"

@@ -15,7 +15,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/fields/json_fields.h"
-#include "report/html/replay/page.h"
+#include "report/html/pages.h"
 #include "report/records/documents.h"
 #include "report/store/packed_fields.h"
 #include "tests/datasets/temporary_folder.h"

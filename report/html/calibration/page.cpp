@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/calibration/page.h"
+#include "report/html/page.h"
 
 #include <fmt/format.h>
 
 #include "generated/report/embedded.h"
 #include "report/html/calibration/sections.h"
 #include "report/html/figure.h"
-#include "report/html/page.h"
+#include "report/html/pages.h"
 #include "report/html/scene.h"
 #include "report/html/section.h"
 

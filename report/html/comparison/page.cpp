@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/comparison/page.h"
+#include "report/html/page.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "report/html/comparison/sections.h"
-#include "report/html/page.h"
+#include "report/html/pages.h"
 #include "report/html/section.h"
 #include "report/html/trajectory/sections.h"
 

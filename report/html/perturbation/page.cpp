@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/perturbation/page.h"
+#include "report/html/page.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "report/html/page.h"
+#include "report/html/pages.h"
 #include "report/html/perturbation/figures.h"
 #include "report/html/section.h"
 

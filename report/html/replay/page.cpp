@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/replay/page.h"
+#include "report/html/page.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "generated/report/embedded.h"
-#include "report/html/page.h"
+#include "report/html/pages.h"
 #include "report/html/replay/sections.h"
 #include "report/html/section.h"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/study/page.h"
+#include "report/html/page.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "report/html/page.h"
+#include "report/html/pages.h"
 #include "report/html/study/sections.h"
 
 namespace plumbline {

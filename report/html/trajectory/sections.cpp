@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "report/html/page.h"
+#include "report/html/pages.h"
 #include "report/html/section.h"
 
 namespace plumbline::html_internal {
@@ -203,3 +205,24 @@ std::vector<Section> trajectorySections(const TrajectoryStudy& study) {
 }
 
 }  // namespace plumbline::html_internal
+
+namespace plumbline {
+
+using namespace html_internal;
+
+std::string renderTrajectoryPage(const TrajectoryRecord& record) {
+  // A verdict that was made has a headline.
+  std::optional<Verdict> verdict;
+  if (!record.verdict.headline.empty()) verdict = record.verdict;
+  Page page{"Trajectories against ground truth",
+            record.name,
+            record.provenance,
+            verdict,
+            trajectoryCards(record),
+            trajectorySections(record),
+            std::nullopt};
+  page.good_word = kCompleteWord;
+  return renderPage(page);
+}
+
+}  // namespace plumbline

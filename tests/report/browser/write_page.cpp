@@ -8,11 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include "report/html/calibration/page.h"
-#include "report/html/comparison/page.h"
-#include "report/html/perturbation/page.h"
-#include "report/html/study/page.h"
-#include "report/html/trajectory/page.h"
+#include "report/html/pages.h"
 #include "tests/report/synthetic_record.h"
 #include "tests/report/synthetic_studies.h"
 #include "tests/report/synthetic_user_study.h"

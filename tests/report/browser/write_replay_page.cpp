@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "report/html/replay/page.h"
+#include "report/html/pages.h"
 #include "tests/report/synthetic_replay.h"
 
 namespace {
