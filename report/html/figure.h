@@ -16,12 +16,6 @@ struct Figure {
   bool wide = false;  ///< takes the whole width of the page
 };
 
-/// Figures under a heading of their own within a section.
-struct FigureGroup {
-  std::string heading;  ///< empty: none
-  std::vector<Figure> figures;
-};
-
 /// "at 1 m", "at infinity".
 std::string rangeText(double range_m);
 

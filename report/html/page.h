@@ -27,21 +27,6 @@ std::string parameterList(const ParameterCovariance& covariance);
 /// Heading of a parameter by its prefix; what is no camera's is the IMU's.
 std::string groupOf(const std::string& parameter);
 
-struct ParameterRow {
-  std::string name, value, std, unit, spread, ratio;
-  std::string interval;  ///< half width of the 90 % interval
-  std::string formal;    ///< beside a cluster-robust std
-};
-struct ParameterGroup {
-  std::string heading;
-  bool has_spread = false;
-  bool has_interval = false;
-  bool has_formal = false;
-  std::vector<ParameterRow> rows;
-};
-/// One group per camera, per extrinsic transform, and for the IMU.
-std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record);
-
 /// The time offset as each tool writes it: `number` is what stands in its field, `value` the same
 /// in a unit that people read.
 struct OffsetRow {
@@ -64,7 +49,7 @@ std::vector<Pair> provenanceRows(const Provenance& provenance);
 /// Corner noise, loss, and with an IMU gravity and noise densities.
 std::vector<Pair> assumptionRows(const Assumptions& assumptions);
 
-// Values for the templates; what all pages have in common.
+// Values for the templates.
 
 using kainjow::mustache::data;
 
@@ -76,34 +61,8 @@ data listOf(const Items& items, const Make& make) {
   return list;
 }
 
-data object(std::initializer_list<std::pair<std::string, std::string>> fields);
-data flag(bool value);
-/// The text, or false where it is empty, so that a section of the template is left out.
-data textOrNothing(const std::string& text);
-
-data figuresData(const std::vector<Figure>& figures);
-data cardsData(const std::vector<Card>& cards);
-data pairsData(const std::vector<Pair>& pairs);
-data blocksData(const std::vector<Block>& blocks);
-data sectionsData(const std::vector<Section>& sections);
-/// Rows of `cells` with the 4 x 4 matrix, its heading and its note.
-data matrixData(const std::string& heading, const Transform& T, const std::string& note);
-
-/// What stands above the verdict.
-struct PageHead {
-  std::string kicker;  ///< kind of the page, "Calibration report"
-  std::string name;
-  const Provenance& provenance;
-};
-
-/// Head, style and scripts; an empty table of contents.
-data startPage(const PageHead& head);
-/// Badge (of a good verdict with this word), sentence, findings that are not good, and those that
-/// are.
-void setVerdict(data& page, const Verdict& verdict, const std::string& sentence,
-                const std::string& good_word);
-/// Entries of the table of contents: id and title.
-void setContents(data& page, const std::vector<Pair>& entries);
+/// An object of texts, true or false, and lists.
+data object(std::initializer_list<std::pair<std::string, data>> fields);
 
 /// The page of a template, which may name the partials of report/html/templates/page_*.mustache.
 std::string renderTemplate(const std::string& text, data& page);
@@ -124,7 +83,6 @@ struct Page {
   std::vector<Section> sections;           ///< those without blocks are left out
   std::optional<Assumptions> assumptions;  ///< stand with the provenance
   std::optional<PagePlayer> player = {};
-  std::string sentence = {};         ///< under the verdict; empty: how many rules hold
   std::string good_word = "good";    ///< what the badge says where all rules hold
   std::vector<Pair> more_rows = {};  ///< of the provenance, after the assumptions
   std::vector<Block> appendix = {};  ///< after the provenance

@@ -66,38 +66,6 @@ void addStageCards(std::vector<Card>& cards, const std::string& stage, const Sta
        share(static_cast<std::size_t>(s.views_used), static_cast<std::size_t>(s.views_offered))});
 }
 
-/// Values that were held have no interval: their deviations are not theirs.
-void addParameters(const std::vector<ParameterEstimate>& parameters, bool held,
-                   std::vector<ParameterGroup>& groups) {
-  for (const ParameterEstimate& p : parameters) {
-    const std::string heading = groupOf(p.name);
-    // A covariance lists its parameters owner by owner: a look at the last group is enough.
-    if (groups.empty() || groups.back().heading != heading)
-      groups.push_back({heading, false, false, false, {}});
-    const auto [unit, factor] = readable(p.unit);
-    ParameterRow row;
-    row.name = p.name;
-    row.value = withPrecisionOf(factor * p.value, factor * p.shownStd());
-    row.std = twoDigits(factor * p.shownStd());
-    row.unit = unit;
-    if (const auto half = p.halfWidth90(); half && !held) {
-      groups.back().has_interval = true;
-      row.interval = twoDigits(factor * *half);
-    }
-    // It has taken the formal one's place above.
-    if (p.robust_std) {
-      groups.back().has_formal = true;
-      row.formal = twoDigits(factor * p.std);
-    }
-    if (p.resample_std) {
-      groups.back().has_spread = true;
-      row.spread = twoDigits(factor * *p.resample_std);
-      row.ratio = p.shownStd() > 0 ? twoDigits(*p.resample_std / p.shownStd()) : "";
-    }
-    groups.back().rows.push_back(std::move(row));
-  }
-}
-
 void addNoise(std::vector<Pair>& rows, const ImuNoise& n) {
   rows.push_back(
       {"Gyroscope noise", fmt::format("{:.5g} rad/s/\u221aHz, walk {:.5g} rad/s\u00b2/\u221aHz",
@@ -164,14 +132,6 @@ std::vector<Card> keyFigures(const CalibrationRecord& record) {
   cards.push_back({"Accelerometer residual", fmt::format("{:.4f}", s->imu_summary.accel_rms_m_s2),
                    "m/s\u00b2", densityNote(s->imu_summary.noise.accel)});
   return cards;
-}
-
-std::vector<ParameterGroup> parameterGroups(const CalibrationRecord& record) {
-  std::vector<ParameterGroup> groups;
-  const bool held = record.held.has_value();
-  addParameters(parameterEstimates(record, Stage::kCamera), held, groups);
-  addParameters(parameterEstimates(record, Stage::kCameraImu), held, groups);
-  return groups;
 }
 
 // Fields and signs as the exports write them (datasets/calibration/export).

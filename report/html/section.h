@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "calibrator/base/transform.h"
 #include "report/html/figure.h"
@@ -79,6 +82,12 @@ inline constexpr auto kNumber = Cell::Kind::kNumber;
 inline constexpr const char* kDash = "\u2013";  ///< in the cell of a value that there is not
 
 inline Cell number(std::string text) { return {std::move(text), Cell::Kind::kNumber}; }
+inline Cell number(std::integral auto count) { return number(std::to_string(count)); }
+/// Of values in this format.
+template <class Value, class... Values>
+Cell number(fmt::format_string<Value, Values...> format, Value&& value, Values&&... values) {
+  return number(fmt::format(format, std::forward<Value>(value), std::forward<Values>(values)...));
+}
 /// A number of this format (fmt's), or a dash where there is none.
 Cell orDash(const std::optional<double>& value, double factor, const char* format);
 inline Cell words(std::string text) { return {std::move(text)}; }
@@ -106,6 +115,11 @@ struct Block {
   std::string html = {};  ///< markup of its own, after the table
 };
 
+/// A block of figures alone.
+inline Block figureBlock(std::string heading, std::vector<Figure> figures) {
+  return {std::move(heading), "", {}, {}, std::move(figures)};
+}
+
 struct Section {
   std::string id, title, lead;
   std::vector<Block> blocks = {};
@@ -121,7 +135,7 @@ inline Section withTable(Section section, Table table) {
 /// `section` with a block of the figures that show something; as it is where none does.
 inline Section withFigures(Section section, std::vector<Figure> figures) {
   std::erase_if(figures, [](const Figure& figure) { return figure.svg.empty(); });
-  if (!figures.empty()) section.blocks.push_back({"", "", {}, {}, std::move(figures)});
+  if (!figures.empty()) section.blocks.push_back(figureBlock("", std::move(figures)));
   return section;
 }
 

@@ -408,11 +408,11 @@ TEST(ParameterEstimates, IntervalsAreWiderWhereFewBlocksTellTheDeviation) {
   EXPECT_EQ(halfWidth(), -1);
   summary.robust_dof = Eigen::VectorXd::Constant(22, 5);
   EXPECT_NEAR(halfWidth(), 2.0150 * 0.1, 1e-5);
-  const auto group = html_internal::parameterGroups(record)[0];
-  EXPECT_TRUE(group.has_interval);
-  EXPECT_EQ(group.rows[0].interval, "0.20");
+  const auto table = [&] { return html_internal::parameterBlocks(record)[0].table.value(); };
+  EXPECT_EQ(table().columns.at(3).text, "90 % interval, \u00b1");
+  EXPECT_EQ(table().rows[0].at(3).text, "0.20");
   record.held.emplace();
-  EXPECT_FALSE(html_internal::parameterGroups(record)[0].has_interval);
+  EXPECT_NE(table().columns.at(3).text, "90 % interval, \u00b1");
 }
 
 }  // namespace

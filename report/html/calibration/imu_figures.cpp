@@ -178,18 +178,29 @@ Figure readingFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot 
           true};
 }
 
-}  // namespace
-
-FigureGroup readingFigures(const CameraImuStageResult& stage, TimeNs origin) {
-  if (stage.imu_residuals.empty()) return {};
-  return {"",
-          {readingFigure(stage, origin, overTime("Angular velocity", "[rad/s]"),
-                         &ImuIntervalResidual::gyro, "readings-gyro"),
-           readingFigure(stage, origin, overTime("Specific force", "[m/s^2]"),
-                         &ImuIntervalResidual::accel, "readings-accel")}};
+/// Rules go by their names, which documents have too (evaluate/metrics/rules).
+const Finding* findingOf(const Verdict& verdict, const std::string& rule) {
+  for (const Finding& finding : verdict.findings) {
+    if (finding.rule == rule) return &finding;
+  }
+  return nullptr;
 }
 
-std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage, TimeNs origin) {
+/// What the residuals say of the densities assumed, with what the verdict made of it.
+std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise, const Verdict& verdict) {
+  if (noise.gyro.redundancy <= 0) return {};  // nobody asked
+  return {densityRemark("Gyroscope noise", noise.gyro,
+                        findingOf(verdict, "Noise density of the gyroscope")),
+          densityRemark("Accelerometer noise", noise.accel,
+                        findingOf(verdict, "Noise density of the accelerometer")),
+          // No rule judges the walks.
+          densityRemark("Gyroscope bias walk", noise.gyro_bias, nullptr),
+          densityRemark("Accelerometer bias walk", noise.accel_bias, nullptr),
+          fmt::format("The noise of the poses corresponds to a corner noise of {:.2f} px.",
+                      noise.pose_pixel_sigma)};
+}
+
+std::vector<Block> residualFigures(const CameraImuStageResult& stage, TimeNs origin) {
   if (stage.imu_residuals.empty()) return {};
   const std::string raw =
       "Difference between the integrated samples and the estimated motion, per interval between "
@@ -219,27 +230,57 @@ std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage, T
   gyro_plot.bands = {noiseBand(stage, origin, &ImuIntervalResidual::gyro, 1e3)};
   LinePlot accel_plot = overTime("Accelerometer residual", "[m/s^2]");
   accel_plot.bands = {noiseBand(stage, origin, &ImuIntervalResidual::accel, 1)};
-  return {{"Gyroscope",
-           {seriesFigure(stage, origin, std::move(gyro_plot), gyro, raw, "imu-gyro"),
-            seriesFigure(stage, origin, overTime("Gyroscope residual, normalised", "[-]"), rows(0),
-                         whitened(noise.gyro), "imu-gyro-normalised")}},
-          {"Accelerometer",
-           {seriesFigure(stage, origin, std::move(accel_plot), accel, raw, "imu-accel"),
-            seriesFigure(stage, origin, overTime("Accelerometer residual, normalised", "[-]"),
-                         rows(3), whitened(noise.accel), "imu-accel-normalised")}},
-          {"Distributions",
-           {normalisedHistogram(stage, "Rotation", 0, 3, noise.gyro.expected_rms,
-                                "imu-rotation-histogram"),
-            normalisedHistogram(stage, "Velocity and position", 3, 6, noise.accel.expected_rms,
-                                "imu-velocity-histogram")}}};
+  return {
+      figureBlock("Gyroscope",
+                  {seriesFigure(stage, origin, std::move(gyro_plot), gyro, raw, "imu-gyro"),
+                   seriesFigure(stage, origin, overTime("Gyroscope residual, normalised", "[-]"),
+                                rows(0), whitened(noise.gyro), "imu-gyro-normalised")}),
+      figureBlock(
+          "Accelerometer",
+          {seriesFigure(stage, origin, std::move(accel_plot), accel, raw, "imu-accel"),
+           seriesFigure(stage, origin, overTime("Accelerometer residual, normalised", "[-]"),
+                        rows(3), whitened(noise.accel), "imu-accel-normalised")}),
+      figureBlock("Distributions",
+                  {normalisedHistogram(stage, "Rotation", 0, 3, noise.gyro.expected_rms,
+                                       "imu-rotation-histogram"),
+                   normalisedHistogram(stage, "Velocity and position", 3, 6,
+                                       noise.accel.expected_rms, "imu-velocity-histogram")})};
 }
 
-FigureGroup biasFigures(const CameraImuStageResult& stage, TimeNs origin) {
-  if (stage.states.size() < 2) return {};
-  return {"",
-          {biasFigure(stage, "Gyroscope bias", "rad/s", &ImuState::gyro_bias, origin, "bias-gyro"),
-           biasFigure(stage, "Accelerometer bias", "m/s^2", &ImuState::accel_bias, origin,
-                      "bias-accel")}};
+}  // namespace
+
+Section readingsSection(const CameraImuStageResult& stage, TimeNs origin) {
+  Section section{"imu-readings", "Measured and predicted readings",
+                  "Readings of gyroscope and accelerometer, and the readings that the solution "
+                  "predicts, in the IMU's axes."};
+  if (stage.imu_residuals.empty()) return section;
+  section.blocks = {
+      figureBlock("", {readingFigure(stage, origin, overTime("Angular velocity", "[rad/s]"),
+                                     &ImuIntervalResidual::gyro, "readings-gyro"),
+                       readingFigure(stage, origin, overTime("Specific force", "[m/s^2]"),
+                                     &ImuIntervalResidual::accel, "readings-accel")})};
+  return section;
+}
+
+Section inertialSection(const CameraImuStageResult& stage, TimeNs origin, const Verdict& verdict) {
+  return {"imu-residuals", "Inertial residuals",
+          "Residuals between the inertial samples and the estimated motion, and the noise "
+          "densities that they indicate.",
+          residualFigures(stage, origin), noiseRemarks(stage.imu_summary.noise, verdict)};
+}
+
+Section biasSection(const CameraImuStageResult& stage, TimeNs origin) {
+  std::vector<Figure> figures;
+  if (stage.states.size() > 1) {
+    figures = {
+        biasFigure(stage, "Gyroscope bias", "rad/s", &ImuState::gyro_bias, origin, "bias-gyro"),
+        biasFigure(stage, "Accelerometer bias", "m/s^2", &ImuState::accel_bias, origin,
+                   "bias-accel")};
+  }
+  return {"biases",
+          "Biases",
+          "Estimated offsets of the inertial sensors at every frame.",
+          {figureBlock("", std::move(figures))}};
 }
 
 std::string densityRemark(const std::string& sensor, const ImuNoiseCheck& check,

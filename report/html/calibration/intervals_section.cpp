@@ -28,9 +28,8 @@ Table sensorTable(const std::vector<SampleIntervals>& sensors) {
                           // By the median, which gaps leave as it is.
                           number(s.median_s > 0 ? fmt::format("{:.2f}", 1 / s.median_s) : kDash),
                           number(milliseconds(s.median_s)), number(milliseconds(s.min_s)),
-                          number(milliseconds(s.max_s)),
-                          number(fmt::format("{:.3g}", 1e3 * s.spread_s)),
-                          number(std::to_string(s.gap_count)), number(std::to_string(s.missing))});
+                          number(milliseconds(s.max_s)), number("{:.3g}", 1e3 * s.spread_s),
+                          number(s.gap_count), number(s.missing)});
   }
   return table;
 }
@@ -59,10 +58,9 @@ Table gapTable(const std::vector<NamedGap>& gaps, TimeNs origin) {
   Table table{{tight("Sensor"), number("After [s]"), number("Stamp [ns]"), number("Interval [ms]"),
                number("Missing")}};
   for (const NamedGap& g : gaps) {
-    table.rows.push_back({tight(g.sensor),
-                          number(fmt::format("{:.3f}", secondsBetween(origin, g.gap.t))),
-                          number(std::to_string(g.gap.t)), number(milliseconds(g.gap.duration_s)),
-                          number(std::to_string(g.gap.missing))});
+    table.rows.push_back({tight(g.sensor), number("{:.3f}", secondsBetween(origin, g.gap.t)),
+                          number(g.gap.t), number(milliseconds(g.gap.duration_s)),
+                          number(g.gap.missing)});
   }
   return table;
 }

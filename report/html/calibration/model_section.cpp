@@ -58,7 +58,7 @@ Table candidateTable(const ModelChoice& choice) {
     const auto figure = [&](double value, const char* format) {
       return number(solved ? fmt::format(fmt::runtime(format), value) : kDash);
     };
-    table.rows.push_back({code(nameOf(c)), number(fmt::format("{}", c.parameters)),
+    table.rows.push_back({code(nameOf(c)), number(c.parameters),
                           number(solved ? fmt::format("{}", c.frames) : kDash),
                           figure(c.held_out_px, "{:.4f}"), figure(c.excess_px2, "{:.5f}"),
                           figure(c.excess_std_px2, "{:.5f}")});
@@ -77,11 +77,10 @@ Table halvesTable(const HalvesCheck& check) {
     Cell name{b.name};
     // A sound recording is beyond the bound once in a hundred times: a caution, no more.
     name.level = b.agree() ? VerdictLevel::kGood : VerdictLevel::kCaution;
-    table.rows.push_back({name, number(fmt::format("{:.1f}", b.chi2)),
-                          number(fmt::format("{}", b.parameters)),
-                          number(fmt::format("{:.1f}", b.limit)), code(b.worst),
-                          number(fmt::format("{:+.3g}{}", factor * b.difference, unit)),
-                          number(fmt::format("{:.2g}{}", factor * b.std, unit))});
+    table.rows.push_back({name, number("{:.1f}", b.chi2), number(b.parameters),
+                          number("{:.1f}", b.limit), code(b.worst),
+                          number("{:+.3g}{}", factor * b.difference, unit),
+                          number("{:.2g}{}", factor * b.std, unit)});
   }
   return table;
 }

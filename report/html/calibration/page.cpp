@@ -15,14 +15,6 @@ namespace {
 
 using namespace html_internal;
 
-std::vector<Block> blocksOf(std::vector<FigureGroup> groups) {
-  std::vector<Block> blocks;
-  for (FigureGroup& group : groups) {
-    blocks.push_back({std::move(group.heading), "", {}, {}, std::move(group.figures)});
-  }
-  return blocks;
-}
-
 /// What lens and board leave beside the detector's noise, a sentence a camera.
 std::vector<std::string> biasRemarks(const CameraStageResult& stage) {
   std::vector<std::string> remarks;
@@ -38,61 +30,14 @@ std::vector<std::string> biasRemarks(const CameraStageResult& stage) {
   return remarks;
 }
 
-Section reprojectionSection(const StageView& stage, const std::string& id) {
-  return {id,
-          "Reprojection, " + (id == "reprojection-camera" ? std::string("cameras") : "camera-IMU"),
+Section reprojectionSection(const StageView& stage, std::vector<std::string> remarks) {
+  const bool cameras = stage.id == "camera";
+  return {"reprojection-" + stage.id,
+          cameras ? "Reprojection, cameras" : "Reprojection, camera-IMU",
           fmt::format("Errors of the {} corners that the {} used: measured minus projected.",
                       grouped(stage.summary.corners_used),
-                      id == "reprojection-camera" ? "camera stage" : "camera-IMU stage"),
-          blocksOf(reprojectionFigures(stage))};
-}
-
-Section correlationSection(const CalibrationRecord& record) {
-  Section section{
-      "correlations", "Correlations",
-      fmt::format(
-          "Correlations of the estimates, for a corner noise of {:g} px per coordinate and with "
-          "all poses and states marginalised. Their entropy is 0.5 log((2\u03c0e)\u207f |\u03a3|); "
-          "compare it only under the same parameters, units and noise.",
-          record.assumptions.pixel_sigma_px)};
-  std::vector<FigureGroup> groups;
-  if (record.camera) groups.push_back(correlationFigures(cameraView(record)));
-  if (record.camera_imu) groups.push_back(correlationFigures(cameraImuView(record)));
-  std::erase_if(groups, [](const FigureGroup& g) { return g.figures.empty(); });
-  section.blocks = blocksOf(std::move(groups));
-  return section;
-}
-
-/// Rules go by their names, which documents have too (evaluate/metrics/rules).
-const Finding* findingOf(const Verdict& verdict, const std::string& rule) {
-  for (const Finding& finding : verdict.findings) {
-    if (finding.rule == rule) return &finding;
-  }
-  return nullptr;
-}
-
-/// What the residuals say of the densities assumed, with what the verdict made of it.
-std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise, const Verdict& verdict) {
-  if (noise.gyro.redundancy <= 0) return {};  // nobody asked
-  return {densityRemark("Gyroscope noise", noise.gyro,
-                        findingOf(verdict, "Noise density of the gyroscope")),
-          densityRemark("Accelerometer noise", noise.accel,
-                        findingOf(verdict, "Noise density of the accelerometer")),
-          // No rule judges the walks.
-          densityRemark("Gyroscope bias walk", noise.gyro_bias, nullptr),
-          densityRemark("Accelerometer bias walk", noise.accel_bias, nullptr),
-          fmt::format("The noise of the poses corresponds to a corner noise of {:.2f} px.",
-                      noise.pose_pixel_sigma)};
-}
-
-Section readingsSection(const CameraImuStageResult& stage, TimeNs origin) {
-  FigureGroup figures = readingFigures(stage, origin);
-  // Without blocks: renderPage() leaves such sections out.
-  if (figures.figures.empty()) return {};
-  return {"imu-readings", "Measured and predicted readings",
-          "Readings of gyroscope and accelerometer, and the readings that the solution predicts, "
-          "in the IMU's axes.",
-          blocksOf({std::move(figures)})};
+                      cameras ? "camera stage" : "camera-IMU stage"),
+          reprojectionFigures(stage), std::move(remarks)};
 }
 
 Section uncertaintySection(const CalibrationRecord& record) {
@@ -125,54 +70,33 @@ Section uncertaintySection(const CalibrationRecord& record) {
   return section;
 }
 
-Section imuSection(const CameraImuStageResult& stage, TimeNs origin, const Verdict& verdict) {
-  return {"imu-residuals", "Inertial residuals",
-          "Residuals between the inertial samples and the estimated motion, and the noise "
-          "densities that they indicate.",
-          blocksOf(imuResidualFigures(stage, origin)),
-          noiseRemarks(stage.imu_summary.noise, verdict)};
-}
-
 /// Those without blocks are left out by renderPage().
 std::vector<Section> figureSections(const CalibrationRecord& record) {
   std::vector<Section> sections;
-  if (record.held) sections.push_back(heldScoresSection(*record.held));
-  sections.push_back(correlationSection(record));
-  sections.push_back(halvesSection(record));
+  const auto add = [&](Section section) { sections.push_back(std::move(section)); };
+  if (record.held) add(heldScoresSection(*record.held));
+  add(correlationSection(record));
+  add(halvesSection(record));
   if (record.camera) {
-    sections.push_back(modelSection(*record.camera));
-    if (record.camera->target_fit) {
-      sections.push_back(targetSection(record.target, *record.camera));
-    }
-    sections.push_back(reprojectionSection(cameraView(record), "reprojection-camera"));
-    sections.back().remarks = biasRemarks(*record.camera);
+    add(modelSection(*record.camera));
+    if (record.camera->target_fit) add(targetSection(record.target, *record.camera));
+    add(reprojectionSection(cameraView(record), biasRemarks(*record.camera)));
   }
-  if (record.camera_imu) {
-    sections.push_back(reprojectionSection(cameraImuView(record), "reprojection-camera-imu"));
-  }
-  // Images are kept of the views of the camera stage where it ran.
-  if (record.camera) {
-    sections.push_back(viewsSection(cameraView(record), record.camera->T_FC0, record.view_images));
-  } else if (record.camera_imu) {
-    sections.push_back(
-        viewsSection(cameraImuView(record), cameraPoses(*record.camera_imu), record.view_images));
-  }
+  if (record.camera_imu) add(reprojectionSection(cameraImuView(record), {}));
   if (record.camera || record.camera_imu) {
+    // Images are kept of the views of the camera stage where it ran.
     const StageView stage = record.camera ? cameraView(record) : cameraImuView(record);
-    sections.push_back(
-        {"coverage", "Image coverage",
-         "Where in the image the target was seen. Corners near the edges determine the distortion.",
-         blocksOf({coverageFigures(stage)})});
+    add(viewsSection(stage, record.camera ? record.camera->T_FC0 : cameraPoses(*record.camera_imu),
+                     record.view_images));
+    add(coverageSection(stage));
   }
-  if (!record.projection_uncertainty.empty()) sections.push_back(uncertaintySection(record));
+  if (!record.projection_uncertainty.empty()) add(uncertaintySection(record));
   if (record.camera_imu) {
-    sections.push_back(readingsSection(*record.camera_imu, timeOrigin(record)));
-    sections.push_back(imuSection(*record.camera_imu, timeOrigin(record), record.verdict));
-    sections.push_back({"biases", "Biases",
-                        "Estimated offsets of the inertial sensors at every frame.",
-                        blocksOf({biasFigures(*record.camera_imu, timeOrigin(record))})});
+    add(readingsSection(*record.camera_imu, timeOrigin(record)));
+    add(inertialSection(*record.camera_imu, timeOrigin(record), record.verdict));
+    add(biasSection(*record.camera_imu, timeOrigin(record)));
   }
-  if (!record.sample_intervals.empty()) sections.push_back(intervalsSection(record));
+  if (!record.sample_intervals.empty()) add(intervalsSection(record));
   return sections;
 }
 
@@ -198,32 +122,49 @@ std::string parametersLead(const CalibrationRecord& record) {
                     : "With --resample, a bootstrap std is listed too.");
 }
 
-Block parameterBlock(const ParameterGroup& group) {
+/// A column that some parameter of the group needs, all of them have.
+Block parameterBlock(const std::string& heading, const std::vector<ParameterEstimate>& group,
+                     bool held) {
+  const auto any = [&](const auto& known) {
+    return std::any_of(group.begin(), group.end(), known);
+  };
+  // Values that were held have no interval: their deviations are not theirs.
+  const bool interval =
+      !held && any([](const ParameterEstimate& p) { return p.halfWidth90().has_value(); });
+  const bool formal = any([](const ParameterEstimate& p) { return p.robust_std.has_value(); });
+  const bool spread = any([](const ParameterEstimate& p) { return p.resample_std.has_value(); });
   Table table{{code("Parameter"), number("Estimate"), number("Std")}};
-  // A column that some parameter of the group needs, all of them have.
-  if (group.has_interval) table.columns.push_back(number("90 % interval, \u00b1"));
-  if (group.has_formal) table.columns.push_back(number("Formal std"));
+  if (interval) table.columns.push_back(number("90 % interval, \u00b1"));
+  if (formal) table.columns.push_back(number("Formal std"));
   table.columns.push_back(words("Unit"));
-  if (group.has_spread) {
+  if (spread) {
     table.columns.push_back(number("Bootstrap std"));
     table.columns.push_back(number("Bootstrap / std"));
   }
-  for (const ParameterRow& r : group.rows) {
-    std::vector<Cell> row = {code(r.name), number(r.value), number(r.std)};
-    if (group.has_interval) row.push_back(number(r.interval));
-    if (group.has_formal) row.push_back(number(r.formal));
-    row.push_back({r.unit});
-    if (group.has_spread) row.insert(row.end(), {number(r.spread), number(r.ratio)});
+  for (const ParameterEstimate& p : group) {
+    const ReadableUnit unit = readable(p.unit);
+    const double std = p.shownStd();
+    const auto deviation = [&](const std::optional<double>& value) {
+      return number(value ? twoDigits(unit.factor * *value) : "");
+    };
+    std::vector<Cell> row = {code(p.name),
+                             number(withPrecisionOf(unit.factor * p.value, unit.factor * std)),
+                             deviation(std)};
+    if (interval) row.push_back(deviation(p.halfWidth90()));
+    // Where there is a robust one, that has taken the formal one's place before.
+    if (formal) row.push_back(p.robust_std ? deviation(p.std) : number(""));
+    row.push_back({unit.unit});
+    if (spread) {
+      row.push_back(deviation(p.resample_std));
+      row.push_back(number(p.resample_std && std > 0 ? twoDigits(*p.resample_std / std) : ""));
+    }
     table.rows.push_back(std::move(row));
   }
-  return {group.heading, "", std::move(table)};
+  return {heading, "", std::move(table)};
 }
 
 Section parametersSection(const CalibrationRecord& record) {
-  Section section{"parameters", "Parameters", parametersLead(record)};
-  for (const ParameterGroup& group : parameterGroups(record)) {
-    section.blocks.push_back(parameterBlock(group));
-  }
+  Section section{"parameters", "Parameters", parametersLead(record), parameterBlocks(record)};
   // As matrices too: in the tables a rotation is a rotation vector, which nobody pastes into a
   // file.
   Block matrices;
@@ -260,24 +201,23 @@ Section offsetSection(const CalibrationRecord& record) {
 
 Section sceneSection(const CalibrationRecord& record) {
   const Scene scene = buildScene(record);
-  data values{data::type::object};
-  values.set("scene_json", scriptJson(toJson(scene)));
-  values.set("scene_still", toStillSvg(scene, "scene-still"));
-  values.set("scene_rmse_gradient", rmseGradient());
-  values.set("scene_time_gradient", timeGradient());
-  values.set("scene_rmse_min", fmt::format("{:.2f}", scene.rmse.min));
-  values.set("scene_rmse_max", fmt::format("{:.2f}", scene.rmse.max));
-  values.set("scene_seconds", fmt::format("{:.1f}", scene.seconds));
-  values.set("has_imu", flag(record.camera_imu.has_value()));
   // By the names that buildScene() gives its layers: by them the boxes of the page show and hide.
   std::vector<Pair> layers = {{"target", "target"}, {"path", "path"}};
   for (std::size_t i = 0; i < record.cameras().size(); ++i) {
     layers.push_back({"cam" + std::to_string(i), record.cameras()[i].name});
   }
   if (record.camera_imu) layers.insert(layers.end(), {{"rig", "IMU"}, {"gravity", "gravity"}});
-  values.set("scene_layers", listOf(layers, [](const Pair& p) {
-               return object({{"layer", p.label}, {"label", p.value}});
-             }));
+  data values = object({{"scene_json", scriptJson(toJson(scene))},
+                        {"scene_still", toStillSvg(scene, "scene-still")},
+                        {"scene_rmse_gradient", rmseGradient()},
+                        {"scene_time_gradient", timeGradient()},
+                        {"scene_rmse_min", fmt::format("{:.2f}", scene.rmse.min)},
+                        {"scene_rmse_max", fmt::format("{:.2f}", scene.rmse.max)},
+                        {"scene_seconds", fmt::format("{:.1f}", scene.seconds)},
+                        {"has_imu", record.camera_imu.has_value()},
+                        {"scene_layers", listOf(layers, [](const Pair& p) {
+                           return object({{"layer", p.label}, {"label", p.value}});
+                         })}});
   Block block;
   block.html = renderTemplate(embedded::scene(), values);
   return {"scene",
@@ -294,7 +234,7 @@ std::vector<Cell> timingRow(const std::string& stage, const StageSeconds& s) {
   std::vector<Cell> row = {{stage}};
   for (const double v :
        {s.load, s.detect, s.initialise, s.solve, s.checks, s.covariance, s.total}) {
-    row.push_back(number(fmt::format("{:.3f}", v)));
+    row.push_back(number("{:.3f}", v));
   }
   return row;
 }
@@ -321,6 +261,23 @@ std::vector<Section> sectionsOf(const CalibrationRecord& record) {
 }
 
 }  // namespace
+
+std::vector<Block> html_internal::parameterBlocks(const CalibrationRecord& record) {
+  std::vector<std::pair<std::string, std::vector<ParameterEstimate>>> groups;
+  for (const Stage stage : {Stage::kCamera, Stage::kCameraImu}) {
+    for (const ParameterEstimate& p : parameterEstimates(record, stage)) {
+      // A covariance lists its parameters owner by owner: a look at the last group is enough.
+      const std::string heading = groupOf(p.name);
+      if (groups.empty() || groups.back().first != heading) groups.push_back({heading, {}});
+      groups.back().second.push_back(p);
+    }
+  }
+  std::vector<Block> blocks;
+  for (const auto& [heading, group] : groups) {
+    blocks.push_back(parameterBlock(heading, group, record.held.has_value()));
+  }
+  return blocks;
+}
 
 std::string renderCalibrationPage(const CalibrationRecord& record) {
   Page page{record.held ? "Calibration scored, not estimated" : "Calibration report",

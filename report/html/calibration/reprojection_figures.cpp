@@ -256,8 +256,8 @@ Series normalCurve(const std::string& name, double deviation, double range, doub
   return curve;
 }
 
-std::vector<FigureGroup> reprojectionFigures(const StageView& stage) {
-  std::vector<FigureGroup> groups = {{"", {frameFigure(stage)}}};
+std::vector<Block> reprojectionFigures(const StageView& stage) {
+  std::vector<Block> blocks = {figureBlock("", {frameFigure(stage)})};
   std::vector<VectorField> fields;
   std::vector<HeatMap> maps;
   double reach = 0;
@@ -275,17 +275,16 @@ std::vector<FigureGroup> reprojectionFigures(const StageView& stage) {
     const std::string name = cameraName(stage, i);
     const std::string id = fmt::format("{}-cam{}-", stage.id, i);
     const auto errors = usedErrors(stage, static_cast<int>(i));
-    groups.push_back(
-        {name,
-         {scatterFigure(errors, name, id + "scatter"),
-          histogramFigure(errors, name, id + "histogram"), fieldFigure(fields[i], id + "field"),
-          regionFigure(maps[i], id + "region")}});
+    blocks.push_back(figureBlock(
+        name, {scatterFigure(errors, name, id + "scatter"),
+               histogramFigure(errors, name, id + "histogram"),
+               fieldFigure(fields[i], id + "field"), regionFigure(maps[i], id + "region")}));
   }
-  return groups;
+  return blocks;
 }
 
-FigureGroup coverageFigures(const StageView& stage) {
-  FigureGroup group;
+Section coverageSection(const StageView& stage) {
+  std::vector<Figure> figures;
   for (std::size_t i = 0; i < stage.cameras.size(); ++i) {
     const int camera = static_cast<int>(i);
     const ImageGrid grid = binErrors(stage, camera, kMapColumns, Corners::kAll);
@@ -295,11 +294,15 @@ FigureGroup coverageFigures(const StageView& stage) {
       // Blank, so that a cell where nothing was seen stands out from one with few corners.
       map.values.push_back(count > 0 ? static_cast<double>(count) : std::nan(""));
     }
-    group.figures.push_back({toSvg(map, fmt::format("coverage-cam{}", i)),
-                             "Corners per cell, rejected ones included. Where nothing was seen, "
-                             "the distortion is extrapolated."});
+    figures.push_back({toSvg(map, fmt::format("coverage-cam{}", i)),
+                       "Corners per cell, rejected ones included. Where nothing was seen, "
+                       "the distortion is extrapolated."});
   }
-  return group;
+  return {
+      "coverage",
+      "Image coverage",
+      "Where in the image the target was seen. Corners near the edges determine the distortion.",
+      {figureBlock("", std::move(figures))}};
 }
 
 namespace {
@@ -311,9 +314,7 @@ std::string shortNumber(double rho) {
   return zero < text.find('.') ? text.erase(zero, 1) : text;
 }
 
-}  // namespace
-
-FigureGroup correlationFigures(const StageView& stage) {
+std::vector<Figure> correlationFigures(const StageView& stage) {
   const ParameterCovariance& covariance = stage.summary.covariance;
   const auto n = static_cast<int>(covariance.names.size());
   if (n == 0 || covariance.matrix.rows() != n) return {};
@@ -342,12 +343,28 @@ FigureGroup correlationFigures(const StageView& stage) {
     }
   }
   map.frame.y.ticks = map.frame.x.ticks;
-  return {"",
-          {{toSvg(map, stage.id + "-correlation"),
-            "Near 1 or -1, two parameters can compensate each other: their combination is known "
-            "better than their standard deviations state, and more varied views (tilt, distance, "
-            "edges) would separate them.",
-            n > 8}}};
+  return {{toSvg(map, stage.id + "-correlation"),
+           "Near 1 or -1, two parameters can compensate each other: their combination is known "
+           "better than their standard deviations state, and more varied views (tilt, distance, "
+           "edges) would separate them.",
+           n > 8}};
+}
+
+}  // namespace
+
+Section correlationSection(const CalibrationRecord& record) {
+  Section section{
+      "correlations", "Correlations",
+      fmt::format(
+          "Correlations of the estimates, for a corner noise of {:g} px per coordinate and with "
+          "all poses and states marginalised. Their entropy is 0.5 log((2\u03c0e)\u207f |\u03a3|); "
+          "compare it only under the same parameters, units and noise.",
+          record.assumptions.pixel_sigma_px)};
+  if (record.camera) {
+    section = withFigures(std::move(section), correlationFigures(cameraView(record)));
+  }
+  if (!record.camera_imu) return section;
+  return withFigures(std::move(section), correlationFigures(cameraImuView(record)));
 }
 
 }  // namespace plumbline::html_internal

@@ -15,29 +15,33 @@ namespace plumbline::html_internal {
 /// The normal density about zero, times `area`, dashed over [-range, range].
 Series normalCurve(const std::string& name, double deviation, double range, double area);
 
+/// Parameters with estimate and deviations: a table per camera, per extrinsic transform, and for
+/// the IMU.
+std::vector<Block> parameterBlocks(const CalibrationRecord& record);
+
 /// The RMSE of every frame over time, then for each camera: scatter and histogram of the errors,
 /// their mean as a vector field over the image and their RMSE by region.
-std::vector<FigureGroup> reprojectionFigures(const StageView& stage);
+std::vector<Block> reprojectionFigures(const StageView& stage);
 
 /// For each camera a map of how many corners fell where.
-FigureGroup coverageFigures(const StageView& stage);
+Section coverageSection(const StageView& stage);
 
-/// The correlation matrix of the stage's parameters; no figure without a covariance.
-FigureGroup correlationFigures(const StageView& stage);
+/// The correlation matrix of each stage's parameters; none without a covariance.
+Section correlationSection(const CalibrationRecord& record);
 
 // Of plots over time: `origin` is the stamp where the page's time starts.
 
 /// What the sensors read on average between frames beside what the states predict, with bands of
 /// three standard deviations; of long recordings the interval of each run that differs most.
-FigureGroup readingFigures(const CameraImuStageResult& stage, TimeNs origin);
+Section readingsSection(const CameraImuStageResult& stage, TimeNs origin);
 
 /// Gyroscope and accelerometer residuals over time, raw with the band that the samples' noise
 /// explains, and normalised, with histograms beside the normal distribution that the assumptions
-/// let expect.
-std::vector<FigureGroup> imuResidualFigures(const CameraImuStageResult& stage, TimeNs origin);
+/// let expect; what they say of the densities, and what the verdict made of it.
+Section inertialSection(const CameraImuStageResult& stage, TimeNs origin, const Verdict& verdict);
 
 /// Both biases over time, each axis about its mean.
-FigureGroup biasFigures(const CameraImuStageResult& stage, TimeNs origin);
+Section biasSection(const CameraImuStageResult& stage, TimeNs origin);
 
 /// What a check says of the noise density that was assumed, with what the verdict made of it; null
 /// where the verdict has no finding on it.

@@ -108,9 +108,8 @@ Table termTable(const TargetFit& fit) {
   Table table{{code("Term"), number("RMS displacement [mm]"), number("Std [mm]")}};
   for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
-    table.rows.push_back({code(kTargetTermNames[j]),
-                          number(fmt::format("{:+.4f}", kMm * fit.shape.terms[i])),
-                          number(fmt::format("{:.4f}", kMm * fit.std[i]))});
+    table.rows.push_back({code(kTargetTermNames[j]), number("{:+.4f}", kMm * fit.shape.terms[i]),
+                          number("{:.4f}", kMm * fit.std[i])});
   }
   return table;
 }

@@ -117,11 +117,10 @@ Table worstTable(const StageView& stage, const std::vector<ViewErrors>& views,
   for (std::size_t i = 0; i < std::min(kWorstViews, order.size()); ++i) {
     const ViewErrors& v = views[order[i]];
     table.rows.push_back({viewCell(stage, views, order[i]),
-                          number(fmt::format("{:.2f}", seconds[static_cast<std::size_t>(v.frame)])),
+                          number("{:.2f}", seconds[static_cast<std::size_t>(v.frame)]),
                           number(v.used > 0 ? fmt::format("{:.3f}", v.rmse_px) : kDash),
                           number(v.used > 0 ? fmt::format("{:.2f}", v.largest_px) : kDash),
-                          number(std::to_string(v.used)),
-                          number(std::to_string(v.corners.size() - v.used))});
+                          number(v.used), number(v.corners.size() - v.used)});
   }
   return table;
 }
@@ -156,13 +155,11 @@ Block rejectedBlock(const StageView& stage, const std::vector<ViewErrors>& views
   const std::vector<double> seconds = frameSeconds(stage);
   for (std::size_t k = 0; k < std::min(kMostRejected, list.size()); ++k) {
     const CornerResidual& r = *list[k].corner;
-    table.rows.push_back(
-        {viewCell(stage, views, list[k].view),
-         number(fmt::format("{:.2f}", seconds[static_cast<std::size_t>(r.frame)])),
-         number(std::to_string(r.corner_id)), number(fmt::format("{:.1f}", r.uv.x())),
-         number(fmt::format("{:.1f}", r.uv.y())), number(fmt::format("{:+.2f}", r.error.x())),
-         number(fmt::format("{:+.2f}", r.error.y())),
-         number(fmt::format("{:.2f}", r.error.norm()))});
+    table.rows.push_back({viewCell(stage, views, list[k].view),
+                          number("{:.2f}", seconds[static_cast<std::size_t>(r.frame)]),
+                          number(r.corner_id), number("{:.1f}", r.uv.x()),
+                          number("{:.1f}", r.uv.y()), number("{:+.2f}", r.error.x()),
+                          number("{:+.2f}", r.error.y()), number("{:.2f}", r.error.norm())});
   }
   std::string text = fmt::format(
       "{} of {} corners took no part in the solution. Errors are measured minus projected.",
@@ -184,15 +181,14 @@ Section viewsSection(const StageView& stage, const std::vector<Transform>& T_FC0
   const std::vector<ViewErrors> views = viewErrors(stage.residuals);
   if (views.empty()) return section;
   const std::vector<std::size_t> order = worstFirst(views);
-  data values{data::type::object};
-  values.set("stage", stage.id);
-  values.set("last", std::to_string(views.size() - 1));
-  // The page opens with the worst view.
-  values.set("first", std::to_string(order.front()));
   Json json = dataOf(stage, views, carried(views, order), T_FC0);
   json["images"] = imagesOf(stage, views, images);
-  values.set("has_images", flag(!images.empty()));
-  values.set("json", scriptJson(json.dump()));
+  data values = object({{"stage", stage.id},
+                        {"last", std::to_string(views.size() - 1)},
+                        // The page opens with the worst view.
+                        {"first", std::to_string(order.front())},
+                        {"has_images", !images.empty()},
+                        {"json", scriptJson(json.dump())}});
   Block block;
   block.html = renderTemplate(embedded::views(), values);
   section.blocks.push_back(std::move(block));

@@ -123,8 +123,8 @@ Table pairedTable(const ComparisonRecord& record) {
     table.rows.push_back(
         {{p.label + " \u2212 " + first},
          words(p.camera),
-         number(std::to_string(p.views)),
-         number(fmt::format("{:+.4g}", p.difference_px2)),
+         number(p.views),
+         number("{:+.4g}", p.difference_px2),
          number(twoDigits(p.std_px2)),
          {!(p.half_px2 > 0) ? "\u2013 (no interval)"
           : p.isClear()

@@ -54,9 +54,9 @@ std::vector<Cell> solvedRow(const PerturbationRecord& record, const Perturbation
   if (hasOffset(record)) {
     for (Cell& cell : offsetCells(c, is_base)) row.push_back(std::move(cell));
   }
-  row.push_back(number(fmt::format("{:.4f}", c.rmse_px)));
-  row.push_back(number(std::to_string(c.frames)));
-  row.push_back(number(std::to_string(c.iterations)));
+  row.push_back(number("{:.4f}", c.rmse_px));
+  row.push_back(number(c.frames));
+  row.push_back(number(c.iterations));
   row.push_back({is_base ? kDash : largestChange(record, c)});
   return row;
 }
@@ -94,7 +94,7 @@ Section basinSection(const PerturbationRecord& record, const std::vector<CaseGro
       "was injected: error = recovered \u2212 injected \u2212 base."};
   for (const CaseGroup& group : groups) {
     if (group.kind == kShift)
-      section.blocks.push_back({"", "", {}, {}, {basinFigure(record, group)}});
+      section.blocks.push_back(figureBlock("", {basinFigure(record, group)}));
   }
   return section;
 }
@@ -110,8 +110,7 @@ Section changeSection(const PerturbationRecord& record, const std::vector<CaseGr
     const bool any = std::any_of(group.cases.begin(), group.cases.end(),
                                  [](const PerturbationCase* c) { return c->problem.empty(); });
     if (!any) continue;
-    section.blocks.push_back(
-        {"", "", {}, {}, {changeFigure(record, group, section.blocks.size())}});
+    section.blocks.push_back(figureBlock("", {changeFigure(record, group, section.blocks.size())}));
   }
   return section;
 }

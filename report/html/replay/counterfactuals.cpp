@@ -165,7 +165,7 @@ Table strategyTable(const Bands& bands) {
                number("Views to come within 10 %"), number("Median regret [px]"),
                number("Last entropy [nats]"), number("Last held-out RMSE [px]")}};
   for (const CounterfactualBand& b : bands) {
-    table.rows.push_back({tight(b.strategy), number(std::to_string(b.seeds)),
+    table.rows.push_back({tight(b.strategy), number(b.seeds),
                           number(b.views.empty() ? kDash : std::to_string(b.views.back())),
                           number(neededText(b)), number(medianRegret(b)),
                           number(lastText(b, &CounterfactualBand::entropy_nats)),
@@ -174,26 +174,22 @@ Table strategyTable(const Bands& bands) {
   return table;
 }
 
-Block figureBlock(const Bands& bands, const BandFigure& what) {
-  return {"", "", {}, {}, {bandFigure(bands, what)}};
-}
-
 void addFigures(Section& section, const Counterfactuals& c) {
-  section.blocks.push_back(
-      figureBlock(c.bands, {"replay-entropy", "Entropy over views", "entropy [nats]",
-                            &CounterfactualBand::entropy_nats, c.full_pool_entropy_nats,
-                            "Entropy of the calibration parameters over the number of views."}));
-  section.blocks.push_back(figureBlock(
-      c.bands, {"replay-held-out", "Held-out error over views", "held-out RMSE [px]",
+  const auto add = [&](const Bands& bands, const BandFigure& what) {
+    section.blocks.push_back(figureBlock("", {bandFigure(bands, what)}));
+  };
+  add(c.bands, {"replay-entropy", "Entropy over views", "entropy [nats]",
+                &CounterfactualBand::entropy_nats, c.full_pool_entropy_nats,
+                "Entropy of the calibration parameters over the number of views."});
+  add(c.bands, {"replay-held-out", "Held-out error over views", "held-out RMSE [px]",
                 &CounterfactualBand::held_out_px, c.full_pool_held_out_px,
-                "Reprojection RMSE on held-out frames, with only their poses estimated."}));
+                "Reprojection RMSE on held-out frames, with only their poses estimated."});
   if (c.other_model_bands.empty()) return;
-  section.blocks.push_back(
-      figureBlock(c.other_model_bands,
-                  {"replay-other-model", "Held-out error with " + c.other_model,
-                   "held-out RMSE [px]", &CounterfactualBand::held_out_px, std::nullopt,
-                   "The same frames, with orders computed under another camera model: a larger "
-                   "gain than above means that the misfit of the first model had reduced it."}));
+  add(c.other_model_bands,
+      {"replay-other-model", "Held-out error with " + c.other_model, "held-out RMSE [px]",
+       &CounterfactualBand::held_out_px, std::nullopt,
+       "The same frames, with orders computed under another camera model: a larger gain than above "
+       "means that the misfit of the first model had reduced it."});
 }
 
 }  // namespace

@@ -70,9 +70,9 @@ std::vector<Cell> batchRow(const ReplayStageSummary& s, const char* over,
           tight(over),
           number(grouped(static_cast<std::size_t>(batch.views_used))),
           number(grouped(batch.corners_used)),
-          number(fmt::format("{:.4f}", batch.reprojection.rmse_px)),
-          number(fmt::format("{:.3f}", batch.entropy_nats)),
-          number(fmt::format("{:.3f}", batch.entropy_nats / std::numbers::ln2)),
+          number("{:.4f}", batch.reprojection.rmse_px),
+          number("{:.3f}", batch.entropy_nats),
+          number("{:.3f}", batch.entropy_nats / std::numbers::ln2),
           tight(batch.converged ? "yes" : "no")};
 }
 
@@ -102,7 +102,7 @@ std::optional<VerdictLevel> levelOf(SuggestionEvent end) {
 std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome& o) {
   // 0: the record does not know its end.
   const bool ended = o.ended >= o.suggestion.t && o.ended != 0;
-  return {number(std::to_string(o.suggestion.id)),
+  return {number(o.suggestion.id),
           tight(titleOf(o.suggestion.stage)),
           words(o.suggestion.candidate),
           // A gain of 0 is one that could not be predicted yet (Suggestion::mi_nats).

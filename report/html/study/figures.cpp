@@ -165,7 +165,7 @@ Table offsetTable(const StudyRecord& record) {
       if (s.time_offset_std_s) stated.push_back(*s.time_offset_std_s);
     }
     if (count == 0) continue;
-    table.rows.push_back({words(m.method), number(std::to_string(count)),
+    table.rows.push_back({words(m.method), number(count),
                           orDash(m.time_offset_mean_s, 1e3, "{:.4f}"),
                           orDash(m.time_offset_std_s, 1e3, "{:.2g}"),
                           number(stated.empty() ? kDash : twoDigits(1e3 * median(stated)))});

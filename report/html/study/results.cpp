@@ -47,7 +47,7 @@ Table effectsTable(const StudyRecord& record) {
     if (e.design == StudyDesign::kTooFew) continue;
     table.rows.push_back({code(comparison(e)), words(e.method), changeCell(e.effect, e.ratio),
                           intervalCell(e.effect, e.ratio), pCell(e.p), pCell(e.p_holm),
-                          number(std::to_string(e.participants)),
+                          number(e.participants),
                           tight(toString(e.design) + (e.declared ? "" : ", exploratory"))});
   }
   return table;
@@ -77,7 +77,7 @@ Table methodsTable(const StudyRecord& record) {
   for (const StudyMethod& m : record.statistics.methods) {
     std::vector<Cell> row{{m.method}};
     for (const int n : {m.sessions, m.calibrated, m.gave_up, m.good, m.caution, m.bad}) {
-      row.push_back(number(std::to_string(n)));
+      row.push_back(number(n));
     }
     row.push_back(orDash(m.median_capture_s, 1, "{:.1f}"));
     row.push_back(orDash(m.median_held_out_px, 1, "{:.4f}"));
@@ -129,9 +129,8 @@ Section orderSection(const StudyRecord& record) {
                number("95 % interval")}};
   for (const StudyEffect& e : record.statistics.effects) {
     if (!e.period) continue;
-    table.rows.push_back({code(comparison(e)), words(e.method),
-                          number(std::to_string(e.first_baseline)),
-                          number(std::to_string(e.first_method)), changeCell(e.period, e.ratio),
+    table.rows.push_back({code(comparison(e)), words(e.method), number(e.first_baseline),
+                          number(e.first_method), changeCell(e.period, e.ratio),
                           intervalCell(e.period, e.ratio), changeCell(e.carry_over, e.ratio),
                           intervalCell(e.carry_over, e.ratio)});
   }
@@ -163,13 +162,12 @@ Section perturbationSection(const StudyRecord& record) {
     // `recovered_ms` is net of the offset found without a shift: it should equal what was injected.
     for (const double ms : group.ms) worst = std::max(worst, std::abs(ms - key.first));
     const bool any = !group.ms.empty();
-    table.rows.push_back(
-        {number(fmt::format("{:g}", key.first)), words(key.second),
-         number(std::to_string(group.ms.size() + static_cast<std::size_t>(group.failed))),
-         number(std::to_string(group.failed)),
-         number(any ? fmt::format("{:.4f}", all.mean) : kDash),
-         number(group.ms.size() > 1 ? fmt::format("{:.2g}", all.std) : kDash),
-         number(any ? fmt::format("{:.2g}", worst) : kDash)});
+    table.rows.push_back({number("{:g}", key.first), words(key.second),
+                          number(group.ms.size() + static_cast<std::size_t>(group.failed)),
+                          number(group.failed),
+                          number(any ? fmt::format("{:.4f}", all.mean) : kDash),
+                          number(group.ms.size() > 1 ? fmt::format("{:.2g}", all.std) : kDash),
+                          number(any ? fmt::format("{:.2g}", worst) : kDash)});
   }
   return withTable(
       {"perturbations", "Perturbed time offsets",

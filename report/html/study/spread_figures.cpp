@@ -22,14 +22,14 @@ Table spreadTable(const StudyRecord& record) {
                number("95 % interval")}};
   for (const StudySpread& s : record.statistics.spread) {
     const auto [unit, factor] = readable(s.unit);
-    Cell ratio = number(fmt::format("{:.2f}", s.ratio));
+    Cell ratio = number("{:.2f}", s.ratio);
     // Deviations that are too large are worth a look as well.
     if (s.ratio > s.high || s.ratio < s.low) ratio.level = VerdictLevel::kCaution;
-    table.rows.push_back({code(s.parameter), words(s.method), number(std::to_string(s.sessions)),
+    table.rows.push_back({code(s.parameter), words(s.method), number(s.sessions),
                           number(withPrecisionOf(factor * s.mean, factor * s.std)),
                           number(twoDigits(factor * s.std)),
                           number(twoDigits(factor * s.stated_std)), words(unit), ratio,
-                          number(fmt::format("{:.2f} to {:.2f}", s.low, s.high))});
+                          number("{:.2f} to {:.2f}", s.low, s.high)});
   }
   return table;
 }
@@ -106,7 +106,7 @@ Section spreadSection(const StudyRecord& record) {
                   "deviations are too small, below too large."};
   Table table = spreadTable(record);
   if (table.rows.empty()) return section;
-  section.blocks.push_back({"", "", {}, {}, {spreadFigure(record)}});
+  section.blocks.push_back(figureBlock("", {spreadFigure(record)}));
   section.blocks.push_back({"Every parameter", "", std::move(table)});
   return section;
 }

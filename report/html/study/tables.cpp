@@ -106,9 +106,8 @@ Table nightsTable(const StudyRecord& record) {
   Table table{{number("Night"), words("Date"), words("Version"), number("Sessions"),
                number("Failed"), number("Alarms"), number("Time [s]")}};
   for (const StudyNight& n : record.nights) {
-    table.rows.push_back({number(std::to_string(n.night)), tight(n.date), tight(n.version),
-                          number(std::to_string(n.sessions)), number(std::to_string(n.failed)),
-                          number(std::to_string(n.alarms)), orDash(n.seconds, 1, "{:.0f}")});
+    table.rows.push_back({number(n.night), tight(n.date), tight(n.version), number(n.sessions),
+                          number(n.failed), number(n.alarms), orDash(n.seconds, 1, "{:.0f}")});
   }
   return table;
 }
@@ -122,8 +121,8 @@ Table alarmsTable(const StudyRecord& record) {
     figure.level = VerdictLevel::kBad;
     // Of a drift `is` is a share where there is one, and no value was before it.
     const std::string drift = hasShare(a) ? fmt::format("{:+.3g} %", 100 * a.is) : kDash;
-    table.rows.push_back({figure, named(record, a.session), number(std::to_string(a.night)),
-                          words(a.kind), number(isDrift(a) ? kDash : fmt::format("{:.6g}", a.was)),
+    table.rows.push_back({figure, named(record, a.session), number(a.night), words(a.kind),
+                          number(isDrift(a) ? kDash : fmt::format("{:.6g}", a.was)),
                           number(isDrift(a) ? drift : fmt::format("{:.6g}", a.is)),
                           code(a.command)});
   }
@@ -198,9 +197,8 @@ Section sessionsSection(const StudyRecord& record) {
   for (const StudySession& s : record.sessions) {
     Cell seconds = orDash(s.capture_s, 1, "{:.1f}");
     if (!s.finished) seconds.text += " (gave up)";
-    table.rows.push_back({linkTo(s), words(s.participant), words(s.method),
-                          number(std::to_string(s.period)), std::move(seconds),
-                          orDash(s.camera_rmse_px, 1, "{:.4f}"),
+    table.rows.push_back({linkTo(s), words(s.participant), words(s.method), number(s.period),
+                          std::move(seconds), orDash(s.camera_rmse_px, 1, "{:.4f}"),
                           orDash(s.held_out_rmse_px, 1, "{:.4f}"), offsetCell(s)});
     if (guided) table.rows.back().push_back(orDash(s.compliance, 100, "{:.0f} %"));
     table.rows.back().push_back(verdictCell(s));

@@ -15,9 +15,8 @@ namespace {
 
 /// With its deviation, or alone where that is not known.
 Cell hinted(double value, const std::optional<double>& deviation) {
-  if (!deviation) return number(fmt::format("{:.3g}", value));
-  return number(
-      fmt::format("{} \u00b1 {}", withPrecisionOf(value, *deviation), twoDigits(*deviation)));
+  if (!deviation) return number("{:.3g}", value);
+  return number("{} \u00b1 {}", withPrecisionOf(value, *deviation), twoDigits(*deviation));
 }
 
 /// The time offset that the odometry prefers, in ms.

@@ -91,10 +91,10 @@ std::vector<Cell> relativeRow(const std::vector<TrajectoryRun>& runs, const std:
   return {words(name.empty() ? "\u2013" : name),
           tight(fmt::format("{:g} {}", distance.second, distance.first)),
           tight(pairs),
-          number(std::to_string(metres.size())),
+          number(metres.size()),
           number(grouped(pieces)),
-          number(fmt::format("{:.4f}", quantile(metres, 0.5))),
-          number(fmt::format("{:.4f}", quantile(degrees, 0.5)))};
+          number("{:.4f}", quantile(metres, 0.5)),
+          number("{:.4f}", quantile(degrees, 0.5))};
 }
 
 Table relativeTable(const std::vector<TrajectoryRun>& runs) {

@@ -66,8 +66,8 @@ Table completionTable(const TrajectoryStudy& study) {
     table.rows.push_back(
         {{s.calibration.empty() ? kDash : s.calibration},
          {fmt::format("{} of {}", s.complete, s.expected), Cell::Kind::kText, s.level},
-         number(std::to_string(s.partial)),
-         number(std::to_string(s.failed)),
+         number(s.partial),
+         number(s.failed),
          number(medianText(s))});
   }
   return withoutEmptyColumns(std::move(table));

@@ -18,8 +18,8 @@ std::vector<Cell> pairedRow(const PairedDifference& d) {
   const bool interval = d.low_m && d.high_m;
   const auto figure = [&](const std::string& text) { return number(d.pairs > 0 ? text : kDash); };
   return {words(d.b + " \u2212 " + d.a),
-          number(std::to_string(d.pairs)),
-          number(std::to_string(d.left_out)),
+          number(d.pairs),
+          number(d.left_out),
           figure(fmt::format("{:+.4f}", d.mean_m)),
           figure(interval ? fmt::format("{:+.4f} to {:+.4f}", *d.low_m, *d.high_m) : kDash),
           figure(fmt::format("{:+.4f}", d.median_m)),
@@ -39,16 +39,16 @@ std::vector<Cell> associationRow(const TrajectoryRun& run) {
           words(a.rule),
           count(a.matches),
           number(grouped(a.estimate_poses) + " / " + grouped(a.truth_poses)),
-          number(fmt::format("{:g}", 1e3 * a.max_dt_s)),
-          number(fmt::format("{:+.3f}", 1e3 * a.median_dt_s)),
-          number(fmt::format("{:g}", 1e3 * a.time_offset_s)),
+          number("{:g}", 1e3 * a.max_dt_s),
+          number("{:+.3f}", 1e3 * a.median_dt_s),
+          number("{:g}", 1e3 * a.time_offset_s),
           number(grouped(a.estimate_duplicates) + " / " + grouped(a.truth_duplicates)),
-          number(fmt::format("{:.3f} / {:.3f}", a.largest_estimate_gap_s, a.largest_truth_gap_s)),
+          number("{:.3f} / {:.3f}", a.largest_estimate_gap_s, a.largest_truth_gap_s),
           count(a.stamps_in_gaps),
           {run.alignment.first_n > 0
                ? fmt::format("{}, first {}", run.alignment.kind, run.alignment.first_n)
                : run.alignment.kind},
-          number(fmt::format("{:.6g}", run.alignment.scale))};
+          number("{:.6g}", run.alignment.scale)};
 }
 
 // Deviations by component; of the rotation the angle alone, whose three components say little by
@@ -58,15 +58,15 @@ std::vector<Cell> handEyeRow(const TrajectoryRun& run) {
   const Eigen::Vector3d t = 1e3 * h.T_SM.t;
   const Vector6d& s = h.T_SM_std;
   const double degrees = readable("rad").factor;
-  return {words(runName(run)),
-          number(fmt::format("({:.2f}, {:.2f}, {:.2f})", t.x(), t.y(), t.z())),
-          number(fmt::format("({}, {}, {})", twoDigits(1e3 * s[0]), twoDigits(1e3 * s[1]),
-                             twoDigits(1e3 * s[2]))),
-          number(fmt::format("{:.3f}", degrees * rotationAngle(h.T_SM.R))),
-          number(fmt::format("({}, {}, {})", twoDigits(degrees * s[3]), twoDigits(degrees * s[4]),
-                             twoDigits(degrees * s[5]))),
-          number(fmt::format("{:.2f}", 1e3 * h.rms_translation_m)),
-          number(fmt::format("{:.3f}", degrees * h.rms_rotation_rad))};
+  return {
+      words(runName(run)),
+      number("({:.2f}, {:.2f}, {:.2f})", t.x(), t.y(), t.z()),
+      number("({}, {}, {})", twoDigits(1e3 * s[0]), twoDigits(1e3 * s[1]), twoDigits(1e3 * s[2])),
+      number("{:.3f}", degrees * rotationAngle(h.T_SM.R)),
+      number("({}, {}, {})", twoDigits(degrees * s[3]), twoDigits(degrees * s[4]),
+             twoDigits(degrees * s[5])),
+      number("{:.2f}", 1e3 * h.rms_translation_m),
+      number("{:.3f}", degrees * h.rms_rotation_rad)};
 }
 
 /// Below its lower bound the estimate is too cautious, above the upper one too confident.
@@ -77,10 +77,10 @@ std::vector<Cell> neesRow(const TrajectoryRun& run, const NeesRecord& n) {
                                                              : "";
   return {words(runName(run)),
           words(n.part),
-          number(std::to_string(n.dof)),
-          number(fmt::format("{:.3f}", n.mean)),
-          number(fmt::format("{:.3f} to {:.3f}", n.lower, n.upper)),
-          number(fmt::format("{:g}", 100 * n.confidence)),
+          number(n.dof),
+          number("{:.3f}", n.mean),
+          number("{:.3f} to {:.3f}", n.lower, n.upper),
+          number("{:g}", 100 * n.confidence),
           {toString(n.reading) + why, Cell::Kind::kText,
            // Covariances that are too large are a caution as well: either way they mislead whoever
            // weighs by them.
@@ -126,9 +126,9 @@ Section clockSection(const std::vector<TrajectoryRun>& runs) {
   for (const TrajectoryRun& run : runs) {
     if (!run.clock_offset) continue;
     const ClockOffsetRecord& c = *run.clock_offset;
-    table.rows.push_back(
-        {words(runName(run)), number(withPrecisionOf(1e3 * c.offset_s, 1e3 * c.std_s)),
-         number(twoDigits(1e3 * c.std_s)), number(fmt::format("{:.4f}", c.correlation))});
+    table.rows.push_back({words(runName(run)),
+                          number(withPrecisionOf(1e3 * c.offset_s, 1e3 * c.std_s)),
+                          number(twoDigits(1e3 * c.std_s)), number("{:.4f}", c.correlation)});
   }
   return withTable(std::move(section), std::move(table));
 }
