@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 
 #include "report/html/calibration/sections.h"
-#include "report/html/scene.h"
-#include "report/html/section.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

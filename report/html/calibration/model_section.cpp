@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "report/html/calibration/sections.h"
-#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

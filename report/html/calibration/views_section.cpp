@@ -10,7 +10,6 @@
 #include "generated/report/embedded.h"
 #include "report/html/calibration/sections.h"
 #include "report/html/page.h"
-#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

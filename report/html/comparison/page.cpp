@@ -7,7 +7,6 @@
 
 #include "report/html/comparison/sections.h"
 #include "report/html/pages.h"
-#include "report/html/section.h"
 #include "report/html/trajectory/sections.h"
 
 namespace plumbline {

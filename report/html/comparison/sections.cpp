@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "report/html/page.h"
-#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

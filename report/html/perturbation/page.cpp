@@ -9,7 +9,6 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "report/html/pages.h"
 #include "report/html/perturbation/figures.h"
-#include "report/html/section.h"
 
 namespace plumbline {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "report/html/replay/sections.h"
 #include "report/html/scene.h"
-#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

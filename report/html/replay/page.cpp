@@ -8,7 +8,6 @@
 #include "generated/report/embedded.h"
 #include "report/html/pages.h"
 #include "report/html/replay/sections.h"
-#include "report/html/section.h"
 
 namespace plumbline {
 namespace {

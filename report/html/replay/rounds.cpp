@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "report/html/replay/sections.h"
-#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

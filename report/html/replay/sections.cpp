@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/transform.h"
-#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "report/html/section.h"
 #include "report/html/study/sections.h"
 #include "report/plots/svg.h"
 

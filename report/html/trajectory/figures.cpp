@@ -9,7 +9,6 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/time.h"
-#include "report/html/section.h"
 #include "report/html/trajectory/sections.h"
 #include "report/plots/characters.h"
 #include "report/plots/svg.h"

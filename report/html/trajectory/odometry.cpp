@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/transform.h"
-#include "report/html/section.h"
 #include "report/html/trajectory/sections.h"
 
 namespace plumbline::html_internal {

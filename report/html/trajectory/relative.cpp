@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "report/html/section.h"
 #include "report/html/trajectory/sections.h"
 #include "report/plots/svg.h"
 

@@ -7,7 +7,6 @@
 
 #include "report/html/page.h"
 #include "report/html/pages.h"
-#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {
