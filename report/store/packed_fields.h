@@ -47,159 +47,148 @@ class FieldsAlike {
 /// order of their list. describe<T>() says what an element holds, so that other programs can read
 /// it: "camera:i32 uv:f32[2] used:u8"; `[...]` is an i32 count and as many elements, `?` a u8 and,
 /// where that is 1, the value, `text` an i32 size and bytes, matrices are row by row.
-class Packer : public FieldsAlike<Packer> {
+///
+/// Both directions walk a value alike. Self moves its parts: bytes(address, size), and count(size),
+/// which returns the size that stands in the bytes.
+template <class Self>
+class PackedWalk : public FieldsAlike<Self> {
  public:
-  static constexpr bool kReads = false, kAll = false;
-  using FieldsAlike<Packer>::operator();
+  using FieldsAlike<Self>::operator();
 
   template <class T>
-  void operator()(const char* /*name*/, const T& value, const char* /*text*/) {
-    pack(value);
+  void operator()(const char* /*name*/, T& value, const char* /*text*/) {
+    visit(value);
   }
 
+ protected:
   template <class T>
-  void pack(const T& value);
-  std::string take() { return std::move(bytes_); }
+  void visit(T& value) {
+    if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
+      word(value);
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      self().bytes(&value, sizeof(T));
+    } else if constexpr (std::is_same_v<T, std::string>) {
+      size(value);
+      self().bytes(value.data(), value.size());
+    } else if constexpr (std::is_same_v<T, Transform>) {
+      visit(value.R);
+      visit(value.t);
+    } else if constexpr (json_fields::IsOptional<T>::value) {
+      bool known = value.has_value();
+      visit(known);
+      if constexpr (Self::kReads) value = known ? T(std::in_place) : T();
+      if (known) visit(*value);
+    } else if constexpr (json_fields::Matrix<T>) {
+      if constexpr (T::SizeAtCompileTime < 0) shape(value);
+      for (Eigen::Index i = 0; i < value.rows(); ++i) {
+        for (Eigen::Index j = 0; j < value.cols(); ++j) visit(value(i, j));
+      }
+    } else if constexpr (json_fields::IsNamed<T>::value) {
+      size(value);
+      for (auto& [name, element] : value) {
+        visit(name);
+        visit(element);
+      }
+    } else if constexpr (json_fields::List<T>) {
+      size(value);
+      for (auto& element : value) visit(element);
+    } else if constexpr (ListedStruct<T>) {
+      std::apply([&](auto&... element) { (visit(element), ...); }, elements(value));
+    } else {
+      fields(self(), value);
+    }
+  }
 
  private:
   template <class T>
-  void put(const T& value) {
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  void word(T& value) {
+    auto byte = static_cast<std::uint8_t>(value);
+    self().bytes(&byte, 1);
+    if constexpr (!Self::kReads) return;
+    if constexpr (WordedEnum<T>) {
+      if (byte >= enumWords(value).size()) throw std::runtime_error("a word is none of its list");
+    }
+    value = static_cast<T>(byte);
   }
-  void putSize(std::size_t size) { put(static_cast<std::int32_t>(size)); }
+  template <class List>
+  void size(List& list) {
+    const std::size_t size = self().count(list.size());
+    if constexpr (Self::kReads && requires { list.resize(size); }) list.resize(size);
+    if (list.size() != size) throw std::runtime_error("a list has not the length it should");
+  }
+  template <class Matrix>
+  void shape(Matrix& matrix) {
+    const std::size_t rows = self().count(static_cast<std::size_t>(matrix.rows()));
+    const std::size_t cols = self().count(static_cast<std::size_t>(matrix.cols()));
+    if constexpr (Self::kReads) self().resize(matrix, rows, cols);
+  }
+  Self& self() { return static_cast<Self&>(*this); }
+};
+
+class Packer : public PackedWalk<Packer> {
+ public:
+  static constexpr bool kReads = false, kAll = false;
+
+  template <class T>
+  void pack(const T& value) {
+    visit(const_cast<T&>(value));  // a packer only reads
+  }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  friend PackedWalk<Packer>;
+  void bytes(const void* from, std::size_t size) {
+    bytes_.append(static_cast<const char*>(from), size);
+  }
+  std::size_t count(std::size_t size) {
+    const auto number = static_cast<std::int32_t>(size);
+    bytes(&number, sizeof(number));
+    return size;
+  }
 
   std::string bytes_;
 };
 
-/// The inverse. Throws std::runtime_error where the bytes end within an element, or stand for no
-/// value of an enumeration.
-class Unpacker : public FieldsAlike<Unpacker> {
+/// Throws std::runtime_error where the bytes end within an element, or stand for no value of an
+/// enumeration.
+class Unpacker : public PackedWalk<Unpacker> {
  public:
   static constexpr bool kReads = true, kAll = false;
-  using FieldsAlike<Unpacker>::operator();
   explicit Unpacker(const std::string& bytes) : bytes_(bytes) {}
 
   template <class T>
-  void operator()(const char* /*name*/, T& value, const char* /*text*/) {
-    unpack(value);
+  void unpack(T& value) {
+    visit(value);
   }
-
-  template <class T>
-  void unpack(T& value);
   bool more() const { return at_ < bytes_.size(); }
 
  private:
-  void take(void* to, std::size_t size) {
+  friend PackedWalk<Unpacker>;
+  void bytes(void* to, std::size_t size) {
     if (bytes_.size() - at_ < size) throw std::runtime_error("an array ends within an element");
     std::memcpy(to, bytes_.data() + at_, size);
     at_ += size;
   }
-  template <class T>
-  T get() {
-    T value;
-    take(&value, sizeof(T));
-    return value;
-  }
   /// No count is believed that the bytes left could not hold.
-  std::size_t getSize() {
-    const auto size = get<std::int32_t>();
+  std::size_t count(std::size_t /*size*/) {
+    std::int32_t size = 0;
+    bytes(&size, sizeof(size));
     if (size < 0 || static_cast<std::size_t>(size) > bytes_.size() - at_) {
       throw std::runtime_error("an array states more elements than it contains");
     }
     return static_cast<std::size_t>(size);
   }
+  template <class Matrix>
+  void resize(Matrix& matrix, std::size_t rows, std::size_t cols) {
+    if (cols > 0 && rows > (bytes_.size() - at_) / cols) {
+      throw std::runtime_error("a matrix states more elements than it contains");
+    }
+    matrix.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(cols));
+  }
 
   const std::string& bytes_;
   std::size_t at_ = 0;
 };
-
-template <class T>
-void Packer::pack(const T& value) {
-  if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
-    put(static_cast<std::uint8_t>(value));
-  } else if constexpr (std::is_arithmetic_v<T>) {
-    put(value);
-  } else if constexpr (std::is_same_v<T, std::string>) {
-    putSize(value.size());
-    bytes_ += value;
-  } else if constexpr (std::is_same_v<T, Transform>) {
-    pack(value.R);
-    pack(value.t);
-  } else if constexpr (json_fields::IsOptional<T>::value) {
-    pack(value.has_value());
-    if (value) pack(*value);
-  } else if constexpr (json_fields::Matrix<T>) {
-    if constexpr (T::SizeAtCompileTime < 0) {
-      putSize(static_cast<std::size_t>(value.rows()));
-      putSize(static_cast<std::size_t>(value.cols()));
-    }
-    for (Eigen::Index i = 0; i < value.rows(); ++i) {
-      for (Eigen::Index j = 0; j < value.cols(); ++j) put(value(i, j));
-    }
-  } else if constexpr (json_fields::IsNamed<T>::value) {
-    putSize(value.size());
-    for (const auto& [name, element] : value) {
-      pack(name);
-      pack(element);
-    }
-  } else if constexpr (json_fields::List<T>) {
-    putSize(value.size());
-    for (const auto& element : value) pack(element);
-  } else if constexpr (ListedStruct<T>) {
-    std::apply([&](auto&... element) { (pack(element), ...); }, elements(const_cast<T&>(value)));
-  } else {
-    fields(*this, const_cast<T&>(value));  // a packer only reads
-  }
-}
-
-template <class T>
-void Unpacker::unpack(T& value) {
-  if constexpr (std::is_same_v<T, bool> || std::is_enum_v<T>) {
-    const auto byte = get<std::uint8_t>();
-    if constexpr (WordedEnum<T>) {
-      if (byte >= enumWords(value).size()) throw std::runtime_error("a word is none of its list");
-    }
-    value = static_cast<T>(byte);
-  } else if constexpr (std::is_arithmetic_v<T>) {
-    value = get<T>();
-  } else if constexpr (std::is_same_v<T, std::string>) {
-    value.resize(getSize());
-    take(value.data(), value.size());
-  } else if constexpr (std::is_same_v<T, Transform>) {
-    unpack(value.R);
-    unpack(value.t);
-  } else if constexpr (json_fields::IsOptional<T>::value) {
-    value.reset();
-    if (get<std::uint8_t>() != 0) unpack(value.emplace());
-  } else if constexpr (json_fields::Matrix<T>) {
-    if constexpr (T::SizeAtCompileTime < 0) {
-      const std::size_t rows = getSize();
-      const std::size_t cols = getSize();
-      if (cols > 0 && rows > (bytes_.size() - at_) / cols) {
-        throw std::runtime_error("a matrix states more elements than it contains");
-      }
-      value.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(cols));
-    }
-    for (Eigen::Index i = 0; i < value.rows(); ++i) {
-      for (Eigen::Index j = 0; j < value.cols(); ++j) value(i, j) = get<typename T::Scalar>();
-    }
-  } else if constexpr (json_fields::IsNamed<T>::value) {
-    value.resize(getSize());
-    for (auto& [name, element] : value) {
-      unpack(name);
-      unpack(element);
-    }
-  } else if constexpr (json_fields::List<T>) {
-    const std::size_t size = getSize();
-    if constexpr (requires { value.resize(size); }) value.resize(size);
-    if (value.size() != size) throw std::runtime_error("a list has not the length it should");
-    for (auto& element : value) unpack(element);
-  } else if constexpr (ListedStruct<T>) {
-    std::apply([&](auto&... element) { (unpack(element), ...); }, elements(value));
-  } else {
-    fields(*this, value);
-  }
-}
 
 /// What describe() visits: every field of a struct as "name:form".
 class Describer : public FieldsAlike<Describer> {
