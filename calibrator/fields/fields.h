@@ -14,8 +14,7 @@ namespace plumbline {
 
 /// The protocol of field lists. A struct that is kept or written has one list beside it,
 ///
-///   template <class V>
-///   void fields(V& v, Struct& s) {
+///   void fields(auto& v, Struct& s) {
 ///     v("rmse_px", s.rmse_px, "px", "sqrt(mean |e|^2) over corners");  // name, member, unit, text
 ///     v("loss", s.loss, "loss function of the batch");                 // without a unit
 ///   }

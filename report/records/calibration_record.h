@@ -44,8 +44,7 @@ struct Finding {
   FindingSubject subject = FindingSubject::kResult;
 };
 
-template <class V>
-void fields(V& v, Finding& f) {
+void fields(auto& v, Finding& f) {
   v("rule", f.rule, "short and stable, e.g. `Reprojection RMSE of cam0`");
   v("level", f.level, "`good`, `caution` or `bad`");
   v("evidence", f.evidence, "a sentence with the numbers that decided it");
@@ -66,8 +65,7 @@ struct Verdict {
   std::string headline;           ///< what, how good, why, and what to do
 };
 
-template <class V>
-void fields(V& v, Verdict& verdict) {
+void fields(auto& v, Verdict& verdict) {
   v("level", verdict.level, "the worst of the findings");
   v("headline", verdict.headline, "what, how good, why, and what to do");
   v("findings", verdict.findings, "one for each rule that was applied");
@@ -93,8 +91,7 @@ struct Provenance {
   Named<std::string> options;  ///< in their order
 };
 
-template <class V>
-void fields(V& v, Provenance& p) {
+void fields(auto& v, Provenance& p) {
   v("plumbline", p.version, "version of the program");
   v("command", p.command, "command line, quoted for a shell");
   v("input", p.input, "name of the recording");
@@ -112,8 +109,7 @@ struct Assumptions {
   bool views_selected = false;
 };
 
-template <class V>
-void fields(V& v, Assumptions& a) {
+void fields(auto& v, Assumptions& a) {
   v("pixel_sigma", a.pixel_sigma_px, "px", "standard deviation of a corner, per axis");
   v("gravity_m_s2", a.gravity_m_s2, "m/s^2", "norm of gravity");
   v("loss", a.loss, "`none` or `cauchy:SCALE`, scale in px");
@@ -130,8 +126,7 @@ struct CameraCounts {
   std::size_t tags = 0;
 };
 
-template <class V>
-void fields(V& v, CameraCounts& c) {
+void fields(auto& v, CameraCounts& c) {
   v("views_offered", c.views_offered, "1", "images (or views) in the recording");
   v("views_with_corners", c.views_with_corners, "1", "of them, those that show the target");
   v("corners", c.corners, "1", "corners found");
@@ -205,8 +200,7 @@ struct CameraEntry {
   std::optional<double> rmse_px;
 };
 
-template <class V>
-void fields(V& v, CameraEntry& c) {
+void fields(auto& v, CameraEntry& c) {
   fields(v, c.camera);
   v.derived("rmse_px", c.rmse_px, "px", "this camera's, in the last stage that ran");
 }

@@ -27,8 +27,7 @@ struct ComparedCalibration {
   std::vector<Finding> lint;  ///< of the conventions: inverted transforms, flipped signs, ...
 };
 
-template <class V>
-void fields(V& v, ComparedCalibration& c) {
+void fields(auto& v, ComparedCalibration& c) {
   v("label", c.label, "short and unique");
   v("file", c.file, "file name");
   v("tool", c.tool, "who wrote it: `plumbline`, `kalibr`, `yac`, ...");
@@ -48,8 +47,7 @@ struct ComparedParameter {
   std::vector<VerdictLevel> levels = {};  ///< of the significance
 };
 
-template <class V>
-void fields(V& v, ComparedParameter& p) {
+void fields(auto& v, ComparedParameter& p) {
   v("name", p.name, "as in a covariance; also `T_SC0.angle`, `T_C0C1.angle`");
   v("unit", p.unit, "its unit");
   v("values", p.values, "one per calibration");
@@ -68,8 +66,7 @@ struct SessionEstimate {
   std::string problem;
 };
 
-template <class V>
-void fields(V& v, SessionEstimate& e) {
+void fields(auto& v, SessionEstimate& e) {
   v("session", e.session, "its name");
   v.ifSet("problem", e.problem, "why there is none, or none of camera and IMU");
   fields(v, e.calibration);
@@ -87,8 +84,7 @@ struct OffsetSummary {
 
 inline std::string partName(const OffsetSummary& o) { return o.label; }
 
-template <class V>
-void fields(V& v, OffsetSummary& o) {
+void fields(auto& v, OffsetSummary& o) {
   v("label", o.label, "of the calibration");
   v("time_offset_s", o.time_offset_s, "s", "mean of the cameras' where they have one each");
   v("std_s", o.std_s, "s", "its standard deviation");
@@ -116,8 +112,7 @@ struct PairedPrediction {
 
 inline std::string partName(const PairedPrediction& p) { return p.label + "/" + p.camera; }
 
-template <class V>
-void fields(V& v, PairedPrediction& p) {
+void fields(auto& v, PairedPrediction& p) {
   v("label", p.label, "of the calibration that is compared with the first");
   v("camera", p.camera, "its name");
   v("views", p.views, "1", "seen under both");
@@ -151,8 +146,7 @@ struct ComparisonRecord {
 };
 
 /// comparison.json.
-template <class V>
-void fields(V& v, ComparisonRecord& r) {
+void fields(auto& v, ComparisonRecord& r) {
   v.derived("schema", 1, "", "version of this format");
   v("name", r.name, "of the comparison");
   v("calibrations", r.calibrations, "those compared; the first is the reference");

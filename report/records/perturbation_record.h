@@ -51,8 +51,7 @@ inline std::string partName(const PerturbationCase& c) {
   return text.str();
 }
 
-template <class V>
-void fields(V& v, PerturbationCase& c) {
+void fields(auto& v, PerturbationCase& c) {
   v("kind", c.kind,
     "`imu-shift`, `target-size`, `noise-densities`, `initial-intrinsics`, `dropped-frames`, "
     "`dropped-imu`, `corner-noise`; `base`: as recorded");
@@ -85,8 +84,7 @@ struct StudyParameter {
   double base_std = 0;
 };
 
-template <class V>
-void fields(V& v, StudyParameter& p) {
+void fields(auto& v, StudyParameter& p) {
   v("name", p.name, "as in a covariance");
   v("unit", p.unit, "its unit");
   v("base_std", p.base_std, "standard deviation in the base calibration");

@@ -18,8 +18,7 @@ struct SampleGap {
   int missing = 0;        ///< samples that would have fitted in at the median interval
 };
 
-template <class V>
-void fields(V& v, SampleGap& g) {
+void fields(auto& v, SampleGap& g) {
   v("t_ns", g.t, "stamp of the sample before it");
   v("duration_s", g.duration_s, "s", "to the next sample");
   v("missing", g.missing, "1", "missing samples, by the median interval");
@@ -34,8 +33,7 @@ struct IntervalHistogram {
   std::vector<std::size_t> counts;  ///< empty: fewer than two samples
 };
 
-template <class V>
-void fields(V& v, IntervalHistogram& h) {
+void fields(auto& v, IntervalHistogram& h) {
   v("first_s", h.first_s, "s", "where the first bin begins");
   v("bin_s", h.bin_s, "s", "width of a bin");
   v("below", h.below, "1", "intervals shorter than the first bin's");
@@ -59,8 +57,7 @@ struct SampleIntervals {
 
 inline std::string partName(const SampleIntervals& s) { return s.sensor; }
 
-template <class V>
-void fields(V& v, SampleIntervals& s) {
+void fields(auto& v, SampleIntervals& s) {
   v("sensor", s.sensor, "a camera's name, or `imu`");
   v("samples", s.samples, "1", "of the part of the recording that was used");
   v("median_s", s.median_s, "s", "interval between samples");
@@ -80,8 +77,7 @@ struct ShownInterval {
   double interval_s = 0;
 };
 
-template <class V>
-void fields(V& v, ShownInterval& i) {
+void fields(auto& v, ShownInterval& i) {
   v("sensor", i.sensor, "its position in `sample_intervals`");
   v("t_ns", i.t, "of the later sample");
   v("interval_s", i.interval_s, "s", "since the sample before it");
@@ -112,8 +108,7 @@ struct ViewImage {
   std::string jpeg;  ///< grey
 };
 
-template <class V>
-void fields(V& v, ViewImage& i) {
+void fields(auto& v, ViewImage& i) {
   v("camera", i.camera, "its position");
   v("t_ns", i.t, "stamp of its frame");
   v("factor", i.factor, "factor by which the image was reduced");

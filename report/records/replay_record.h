@@ -24,8 +24,7 @@ struct ReplayFrame {
   std::vector<std::string> jpeg;
 };
 
-template <class V>
-void fields(V& v, ReplayFrame& f) {
+void fields(auto& v, ReplayFrame& f) {
   v("t_ns", f.t, "stamp");
   v("corners", f.corners, "per camera");
   v("jpeg", f.jpeg, "per camera, a small JPEG of its image");
@@ -47,8 +46,7 @@ struct SuggestionOutcome {
   std::vector<std::vector<Corner>> overlay;
 };
 
-template <class V>
-void fields(V& v, SuggestionOutcome& o) {
+void fields(auto& v, SuggestionOutcome& o) {
   fields(v, o.suggestion);
   v("end", o.end,
     "`reached`, `expired`, `withdrawn` (for the next one, or as the stage ended); `none`: open at "
@@ -69,8 +67,7 @@ struct OperatorCompliance {
   std::optional<double> median_seconds_to_reach;  ///< empty: none was reached
 };
 
-template <class V>
-void fields(V& v, OperatorCompliance& c) {
+void fields(auto& v, OperatorCompliance& c) {
   v("suggestions", c.suggestions, "as they were shown at recording time");
   v("reached", c.reached, "1", "of them");
   v("median_seconds_to_reach", c.median_seconds_to_reach, "s", "of those reached");
@@ -110,8 +107,7 @@ constexpr std::array<const char*, 5> enumWords(StopAudit::Verdict /*of*/) {
 }
 inline std::string partName(const StopAudit& a) { return toString(a.stage); }
 
-template <class V>
-void fields(V& v, StopAudit& a) {
+void fields(auto& v, StopAudit& a) {
   v("stage", a.stage, "`camera` or `camera-imu`");
   v("verdict", a.verdict, "`right`, `early`, `late`, `never stopped`, `not judged`");
   v("finished_ns", a.finished, "the guide's \"finish\"");
@@ -154,8 +150,7 @@ struct ReplayStageSummary {
 
 inline std::string partName(const ReplayStageSummary& s) { return toString(s.stage); }
 
-template <class V>
-void fields(V& v, ReplayStageSummary& s) {
+void fields(auto& v, ReplayStageSummary& s) {
   v("stage", s.stage, "`camera` or `camera-imu`");
   v("ran", s.ran, "1", "whether it did");
   v.ifSet("problem", s.problem, "why it did not run, or not to its end");
@@ -204,8 +199,7 @@ struct CounterfactualCurve {
   std::optional<int> views_needed;
 };
 
-template <class V>
-void fields(V& v, CounterfactualCurve& c) {
+void fields(auto& v, CounterfactualCurve& c) {
   v("strategy", c.strategy,
     "`recorded`, `random`, `greedy-mi`, `predicted-error`, `coverage`, `guide`");
   v.ifSet("seed", c.seed, "of a random order");
@@ -237,8 +231,7 @@ struct CounterfactualBand {
   std::optional<Quartiles> views_needed;         ///< empty: not all seeds get there
 };
 
-template <class V>
-void fields(V& v, CounterfactualBand& b) {
+void fields(auto& v, CounterfactualBand& b) {
   v("strategy", b.strategy, "whose curves");
   v("seeds", b.seeds, "number of curves");
   v("views", b.views, "abscissa");
@@ -269,8 +262,7 @@ struct Counterfactuals {
   std::string problem;  ///< why there are no curves (one line, with its cure); empty otherwise
 };
 
-template <class V>
-void fields(V& v, Counterfactuals& c) {
+void fields(auto& v, Counterfactuals& c) {
   v("pool_frames", c.pool_frames, "1", "frames to choose from");
   v("held_out_frames", c.held_out_frames, "1", "frames to judge on");
   v("full_pool_entropy_nats", c.full_pool_entropy_nats, "nat", "with all of the pool");
@@ -303,8 +295,7 @@ struct ReplayRecord {
 };
 
 /// replay.json.
-template <class V>
-void fields(V& v, ReplayRecord& r) {
+void fields(auto& v, ReplayRecord& r) {
   v.derived("schema", 1, "", "version of this format");
   v("session", r.name, "its name");
   v.derived("frames", r.frames.size(), "1", "of the recording");

@@ -26,14 +26,12 @@ struct CaptureStage {
 
 inline std::string partName(const CaptureStage& s) { return s.name; }
 
-template <class V>
-void fields(V& v, CaptureStage& s) {
+void fields(auto& v, CaptureStage& s) {
   v("name", s.name, "as STUDY.yaml names it");
   v("seconds", s.seconds, "s", "that the participant took");
 }
 
-template <class V>
-void fields(V& v, ParameterEstimate& p) {
+void fields(auto& v, ParameterEstimate& p) {
   v("name", p.name, "as in a covariance");
   v("unit", p.unit, "`px`, `-`, `m`, `rad`, `s`");
   v("value", p.value, "rotations: component of Log(R)");
@@ -74,8 +72,7 @@ struct StudySession {
 
 inline std::string partName(const StudySession& s) { return s.name; }
 
-template <class V>
-void fields(V& v, StudySession& s) {
+void fields(auto& v, StudySession& s) {
   v("name", s.name, "unique within the study");
   v("participant", s.participant, "the statistical unit");
   v("method", s.method, "one of `methods`");
@@ -115,8 +112,7 @@ struct StudyHeldOut {
 
 inline std::string partName(const StudyHeldOut& h) { return h.session + "/" + h.recording; }
 
-template <class V>
-void fields(V& v, StudyHeldOut& h) {
+void fields(auto& v, StudyHeldOut& h) {
   v("session", h.session, "whose calibration");
   v("recording", h.recording, "on which it was scored");
   v("rmse_px", h.rmse_px, "px", "sqrt(mean |e|^2); only poses are estimated");
@@ -133,8 +129,7 @@ struct StudyPerturbation {
 
 inline std::string partName(const StudyPerturbation& p) { return p.session; }
 
-template <class V>
-void fields(V& v, StudyPerturbation& p) {
+void fields(auto& v, StudyPerturbation& p) {
   v("session", p.session, "whose recording");
   v("offset_ms", p.offset_ms, "added to the IMU's stamps [ms]");
   v("recovered_ms", p.recovered_ms, "ms", "offset found minus the one found without perturbation");
@@ -152,8 +147,7 @@ inline std::string partName(const StudyTrajectory& t) {
   return t.session + "/" + t.sequence + "/" + t.run;
 }
 
-template <class V>
-void fields(V& v, StudyTrajectory& t) {
+void fields(auto& v, StudyTrajectory& t) {
   v("session", t.session, "whose calibration");
   v("sequence", t.sequence, "evaluation sequence");
   v.ifSet("run", t.run, "repetition");
@@ -168,8 +162,7 @@ struct StudyDifference {
   std::optional<double> sigmas;  ///< difference / our deviation
 };
 
-template <class V>
-void fields(V& v, StudyDifference& d) {
+void fields(auto& v, StudyDifference& d) {
   v("parameter", d.parameter, "as in a covariance");
   v("unit", d.unit, "its unit");
   v("difference", d.difference, "the other tool's minus Plumbline's");
@@ -186,8 +179,7 @@ struct StudyOther {
 
 inline std::string partName(const StudyOther& o) { return o.session + "/" + o.tool; }
 
-template <class V>
-void fields(V& v, StudyOther& o) {
+void fields(auto& v, StudyOther& o) {
   v("session", o.session, "of which session");
   v("tool", o.tool, "e.g. `kalibr`");
   v("held_out_rmse_px", o.held_out_rmse_px, "px", "as for Plumbline's calibrations");
@@ -214,8 +206,7 @@ inline bool hasShare(const StudyAlarm& a) {
   return isDrift(a) && a.metric != "failed" && !a.metric.ends_with("_nats");
 }
 
-template <class V>
-void fields(V& v, StudyAlarm& a) {
+void fields(auto& v, StudyAlarm& a) {
   v("metric", a.metric, "name of the figure");
   v.ifSet("session", a.session, "absent: of the study as a whole");
   v("night", a.night, "the first on which it was off");
@@ -237,8 +228,7 @@ struct StudyNight {
 
 inline std::string partName(const StudyNight& n) { return "night " + std::to_string(n.night); }
 
-template <class V>
-void fields(V& v, StudyNight& n) {
+void fields(auto& v, StudyNight& n) {
   v("night", n.night, "counts from 1");
   v("date", n.date, "ISO 8601, UTC");
   v("version", n.version, "of the program");
@@ -269,8 +259,7 @@ struct StudyRecord {
 };
 
 /// summary.json.
-template <class V>
-void fields(V& v, StudyRecord& r) {
+void fields(auto& v, StudyRecord& r) {
   v.derived("schema", 1, "", "version of this format");
   v("name", r.name, "of the study");
   v.ifSet("rig", r.rig, "that all recordings are of");

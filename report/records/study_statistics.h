@@ -27,8 +27,7 @@ struct StudyInterval {
   std::optional<double> low, high;  ///< empty: unbounded at the sample's size
 };
 
-template <class V>
-void fields(V& v, StudyInterval& i) {
+void fields(auto& v, StudyInterval& i) {
   v("estimate", i.estimate, kSameUnit, "best value");
   v("low", i.low, kSameUnit, "lower end of the 95 % interval; absent: unbounded");
   v("high", i.high, kSameUnit, "upper end; absent: unbounded");
@@ -60,8 +59,7 @@ struct StudyEffect {
 
 inline std::string partName(const StudyEffect& e) { return e.endpoint + "/" + e.method; }
 
-template <class V>
-void fields(V& v, StudyEffect& e) {
+void fields(auto& v, StudyEffect& e) {
   v("endpoint", e.endpoint, "figure of a session; `ate_m`: of its trajectories");
   v("unit", e.unit, "of the endpoint");
   v("baseline", e.baseline, "method compared against");
@@ -99,8 +97,7 @@ struct StudyQuade {
 
 inline std::string partName(const StudyQuade& q) { return q.endpoint; }
 
-template <class V>
-void fields(V& v, StudyQuade& q) {
+void fields(auto& v, StudyQuade& q) {
   v("endpoint", q.endpoint, "figure of a session");
   v("participants", q.participants, "1", "with a figure under every method");
   v("statistic", q.statistic, "1", "F");
@@ -117,8 +114,7 @@ struct SurvivalStep {
   int at_risk = 0;
 };
 
-template <class V>
-void fields(V& v, SurvivalStep& s) {
+void fields(auto& v, SurvivalStep& s) {
   v("t_s", s.t_s, "time [s]");
   v("unfinished", s.unfinished, "Kaplan-Meier's estimate from this time on");
   v("at_risk", s.at_risk, "just before it");
@@ -135,8 +131,7 @@ struct StudySurvival {
 
 inline std::string partName(const StudySurvival& s) { return s.method; }
 
-template <class V>
-void fields(V& v, StudySurvival& s) {
+void fields(auto& v, StudySurvival& s) {
   v("method", s.method, "of the sessions");
   v("participants", s.participants, "1", "who tried");
   v("finished", s.finished, "1", "of them");
@@ -158,8 +153,7 @@ struct StudyTimeDifference {
 
 inline std::string partName(const StudyTimeDifference& d) { return d.method; }
 
-template <class V>
-void fields(V& v, StudyTimeDifference& d) {
+void fields(auto& v, StudyTimeDifference& d) {
   v("baseline", d.baseline, "method compared against");
   v("method", d.method, "method compared");
   v("participants", d.participants, "1", "with both");
@@ -185,8 +179,7 @@ struct StudySpread {
 
 inline std::string partName(const StudySpread& s) { return s.method + "/" + s.parameter; }
 
-template <class V>
-void fields(V& v, StudySpread& s) {
+void fields(auto& v, StudySpread& s) {
   v("method", s.method, "of the sessions");
   v("parameter", s.parameter,
     "as in a covariance; with the lens model behind it where sessions have several");
@@ -213,8 +206,7 @@ struct StudyMethod {
 
 inline std::string partName(const StudyMethod& m) { return m.method; }
 
-template <class V>
-void fields(V& v, StudyMethod& m) {
+void fields(auto& v, StudyMethod& m) {
   v("method", m.method, "its name");
   v("sessions", m.sessions, "1", "recorded");
   v("calibrated", m.calibrated, "1", "of them, those with a calibration");
@@ -240,8 +232,7 @@ struct StudyStatistics {
   std::vector<StudySpread> spread;
 };
 
-template <class V>
-void fields(V& v, StudyStatistics& s) {
+void fields(auto& v, StudyStatistics& s) {
   v("sentences", s.sentences, "in words, the most important first");
   v("methods", s.methods, "each method over its sessions");
   v("effects", s.effects, "of every method against the baseline, by endpoint");

@@ -32,8 +32,7 @@ struct AssociationRecord {
 };
 
 /// All but the rule and the number of matches, which a run has at its top.
-template <class V>
-void fields(V& v, AssociationRecord& r) {
+void fields(auto& v, AssociationRecord& r) {
   v("max_dt_s", r.max_dt_s, "s", "largest difference that pairs");
   v("time_offset_s", r.time_offset_s, "s", "added to the estimate's stamps before pairing");
   v("estimate_poses", r.estimate_poses, "1", "in the estimate");
@@ -63,8 +62,7 @@ struct RelativeErrorRecord {
   SampleStatistics rotation_deg;
 };
 
-template <class V>
-void fields(V& v, RelativeErrorRecord& r) {
+void fields(auto& v, RelativeErrorRecord& r) {
   v("delta", r.delta, "distance in `unit`");
   v("unit", r.unit, "`frames`, `m`, `s`");
   v("pairs", r.pairs, "whose rule selected the pairs: `plumbline`, `evo`, `rpg`, ...");
@@ -80,8 +78,7 @@ struct ClockOffsetRecord {
   bool magnitudes = false;  ///< of the rates' magnitudes, since no rotation joined the bodies
 };
 
-template <class V>
-void fields(V& v, ClockOffsetRecord& r) {
+void fields(auto& v, ClockOffsetRecord& r) {
   v("offset_s", r.offset_s, "s", "t_truth = t_estimate + offset");
   v("std_s", r.std_s, "s", "its standard deviation");
   v("correlation", r.correlation, "1", "of the angular rates at the maximum, -1 to 1");
@@ -98,8 +95,7 @@ struct HandEyeRecord {
   double rms_rotation_rad = 0;
 };
 
-template <class V>
-void fields(V& v, HandEyeRecord& r) {
+void fields(auto& v, HandEyeRecord& r) {
   v("T_SM", r.T_SM, "m", "the marker body in the IMU frame");
   v("T_SM_std", r.T_SM_std, "m, rad", "3 of the translation, 3 of the left tangent");
   v("T_SM_covariance", r.T_SM_covariance, "rows, tangent (dt, da) of Transform");
@@ -124,8 +120,7 @@ struct NeesRecord {
   NeesReading reading = NeesReading::kConsistent;
 };
 
-template <class V>
-void fields(V& v, NeesRecord& r) {
+void fields(auto& v, NeesRecord& r) {
   v("part", r.part, "`position`, `orientation`, `pose`");
   v("dof", r.dof, "of one pose");
   v("mean", r.mean, "1", "mean normalised estimation error squared");
@@ -159,8 +154,7 @@ struct OdometryRunRecord {
   std::optional<double> frame_p50_ms, frame_p95_ms, frame_p99_ms, frame_max_ms;
 };
 
-template <class V>
-void fields(V& v, OdometryRunRecord& r) {
+void fields(auto& v, OdometryRunRecord& r) {
   v("system", r.system, "`builtin`, or the runner's name");
   v("seconds", r.seconds, "s", "of wall time, images read included");
   v("real_time_factor", r.real_time_factor, "1", "recorded time / seconds");
@@ -247,8 +241,7 @@ inline TrajectoryRun failedRun(TrajectoryRun run, const std::string& problem) {
   return run;
 }
 
-template <class V>
-void fields(V& v, TrajectoryRun& r) {
+void fields(auto& v, TrajectoryRun& r) {
   v.ifSet("sequence", r.sequence, "e.g. `MH_01`");
   v.ifSet("calibration", r.calibration, "what is compared, e.g. `kalibr`");
   v.ifSet("run", r.run, "repetition");
@@ -307,8 +300,7 @@ struct RunsSummary {
 
 inline std::string partName(const RunsSummary& s) { return s.sequence + "/" + s.calibration; }
 
-template <class V>
-void fields(V& v, RunsSummary& s) {
+void fields(auto& v, RunsSummary& s) {
   v.ifSet("sequence", s.sequence, "absent: over all sequences");
   v("calibration", s.calibration, "whose runs");
   v("expected", s.expected, "1", "runs");
@@ -386,8 +378,7 @@ struct ParameterSensitivity {
   bool above_chance = false;       ///< |change_m| is more than twice the noise
 };
 
-template <class V>
-void fields(V& v, ParameterSensitivity& p) {
+void fields(auto& v, ParameterSensitivity& p) {
   v("name", p.name, "e.g. `T_SC0.ty`");
   v("unit", p.unit, "`px`, `-`, `m`, `rad`, `s`");
   v("step", p.step, "change of the parameter, in `unit`");
@@ -417,8 +408,7 @@ inline std::string partName(const CalibrationSensitivity& s) {
   return s.sequence + "/" + s.calibration + (s.towards.empty() ? "" : "/" + s.towards);
 }
 
-template <class V>
-void fields(V& v, CalibrationSensitivity& s) {
+void fields(auto& v, CalibrationSensitivity& s) {
   v("sequence", s.sequence, "on which it was run");
   v("calibration", s.calibration, "whose parameters are changed");
   v.ifSet("towards", s.towards, "whose values they take; absent: steps are standard deviations");
@@ -447,8 +437,7 @@ inline std::vector<RunsSummary> overAll(const TrajectoryStudy& study) {
   return all.empty() ? study.summary : all;
 }
 
-template <class V>
-void fields(V& v, TrajectoryStudy& s) {
+void fields(auto& v, TrajectoryStudy& s) {
   v("summary", s.summary, "completion and error by sequence, then over all");
   v("paired", s.paired, "every two calibrations over the same sequences and runs");
   v.ifSet("sensitivity", s.sensitivity, "effect of each parameter on the ATE");
@@ -467,8 +456,7 @@ struct TrajectoryRecord : TrajectoryStudy {
 };
 
 /// trajectory.json.
-template <class V>
-void fields(V& v, TrajectoryRecord& r) {
+void fields(auto& v, TrajectoryRecord& r) {
   v.derived("schema", 1, "", "version of this format");
   v("name", r.name, "of the study");
   fields(v, static_cast<TrajectoryStudy&>(r));
@@ -484,8 +472,7 @@ struct SingleTrajectory {
 };
 
 /// `evaluate trajectory --json`: the run's fields at the top.
-template <class V>
-void fields(V& v, SingleTrajectory& s) {
+void fields(auto& v, SingleTrajectory& s) {
   fields(v, s.run);
   v("verdict", s.verdict, "how far the figures may be trusted");
   v("provenance", s.provenance, "where the result comes from");
