@@ -6,15 +6,19 @@
 #include "report/plots/svg.h"
 
 namespace plumbline {
+namespace {
+
+/// As "#rrggbb" of the web.
+constexpr Colour fromHex(unsigned rgb) {
+  return {static_cast<std::uint8_t>(rgb >> 16U & 255U), static_cast<std::uint8_t>(rgb >> 8U & 255U),
+          static_cast<std::uint8_t>(rgb & 255U)};
+}
+
+}  // namespace
 
 Colour seriesColour(std::size_t i) {
-  static constexpr std::array<Colour, 7> kCycle = {{{0, 94, 162, 255},
-                                                    {213, 94, 0, 255},
-                                                    {0, 138, 100, 255},
-                                                    {180, 70, 140, 255},
-                                                    {200, 140, 0, 255},
-                                                    {70, 150, 210, 255},
-                                                    {90, 90, 90, 255}}};
+  static constexpr std::array<Colour, 7> kCycle = {
+      fromHex(0x005ea2), fromHex(0xd55e00), fromHex(0x008a64), fromHex(0xb4468c), fromHex(0xc88c00), fromHex(0x4696d2), fromHex(0x5a5a5a)};
   Colour colour = kCycle[i % kCycle.size()];
   const std::size_t round = i / kCycle.size();
   if (round == 0) return colour;
@@ -46,37 +50,23 @@ Colour between(const std::array<Colour, N>& stops, double u) {
 // Cividis: even steps of lightness for colour-blind readers too (Nunez, Anderton, Renslow, PLoS ONE
 // 13(7), 2018), at ten of its places.
 Colour sequentialColour(double u) {
-  static constexpr std::array<Colour, 10> kStops = {{{0, 34, 78, 255},
-                                                     {18, 53, 112, 255},
-                                                     {59, 73, 108, 255},
-                                                     {87, 93, 109, 255},
-                                                     {112, 113, 115, 255},
-                                                     {138, 134, 120, 255},
-                                                     {165, 156, 116, 255},
-                                                     {195, 179, 105, 255},
-                                                     {225, 204, 85, 255},
-                                                     {254, 232, 56, 255}}};
+  static constexpr std::array<Colour, 10> kStops = {
+      fromHex(0x00224e), fromHex(0x123570), fromHex(0x3b496c), fromHex(0x575d6d), fromHex(0x707173), fromHex(0x8a8678), fromHex(0xa59c74), fromHex(0xc3b369), fromHex(0xe1cc55), fromHex(0xfee838)};
   return between(kStops, u);
 }
 
 // White in the middle, where zero is, and equally dark at both ends: the hue alone tells the sign.
 Colour divergingColour(double u) {
-  static constexpr std::array<Colour, 5> kStops = {{{33, 76, 148, 255},
-                                                    {132, 172, 214, 255},
-                                                    {250, 250, 250, 255},
-                                                    {232, 152, 122, 255},
-                                                    {168, 34, 44, 255}}};
+  static constexpr std::array<Colour, 5> kStops = {
+      fromHex(0x214c94), fromHex(0x84acd6), fromHex(0xfafafa), fromHex(0xe8987a), fromHex(0xa8222c)};
   return between(kStops, u);
 }
 
 // Viridis (van der Walt and Smith, 2015) backwards, without its palest quarter, which is not seen
 // as a line on white: what is far off is dark.
 Colour errorColour(double u) {
-  static constexpr std::array<Colour, 5> kStops = {{{94, 201, 98, 255},
-                                                    {33, 165, 133, 255},
-                                                    {42, 120, 142, 255},
-                                                    {65, 68, 135, 255},
-                                                    {68, 1, 84, 255}}};
+  static constexpr std::array<Colour, 5> kStops = {
+      fromHex(0x5ec962), fromHex(0x21a585), fromHex(0x2a788e), fromHex(0x414487), fromHex(0x440154)};
   return between(kStops, u);
 }
 

@@ -4,6 +4,7 @@
 #include <link.h>
 
 #include "calibrator/base/error.h"
+#include "generated/report/embedded.h"
 #include "generated/report/plots_build.h"
 #include "report/plots/plots_module.h"
 #include "report/plots/svg.h"
@@ -65,6 +66,11 @@ const PlotDrawers* drawersOf(const std::string& path, std::string& why) {
 }
 
 }  // namespace internal
+
+const std::string& plotScripts() {
+  static const std::string scripts = embedded::hover_js() + embedded::zoom_js();
+  return scripts;
+}
 
 std::string toSvg(const LinePlot& plot, const std::string& id) { return draw(plot, id); }
 std::string toSvg(const ScatterPlot& plot, const std::string& id) { return draw(plot, id); }

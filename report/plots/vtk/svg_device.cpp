@@ -11,11 +11,9 @@
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkPNGWriter.h>
-#include <vtkPen.h>
 #include <vtkRect.h>
 #include <vtkTextProperty.h>
 #include <vtkTextRenderer.h>
-#include <vtkUnicodeString.h>
 #include <vtkUnsignedCharArray.h>
 
 #include "calibrator/base/transform.h"
@@ -34,16 +32,6 @@ std::string opacity(const char* name, unsigned char alpha) {
   return alpha == 255 ? "" : fmt::format(" {}=\"{:.3g}\"", name, alpha / 255.0);
 }
 
-/// In pixels, whatever the width of the line.
-const char* dashes(int line_type) {
-  switch (line_type) {
-    case vtkPen::DASH_LINE:
-      return " stroke-dasharray=\"6 4\"";
-    default:
-      return "";
-  }
-}
-
 /// The image as a PNG in a data URI. VTK's rows run upwards; the writer turns them.
 std::string pngUri(vtkImageData* image) {
   vtkNew<vtkPNGWriter> writer;
@@ -55,9 +43,22 @@ std::string pngUri(vtkImageData* image) {
                                             static_cast<std::size_t>(bytes->GetNumberOfValues())});
 }
 
+/// A scene may be painted to other devices, which know no titles: nothing is drawn there.
+bool paint(const Drawing& drawing, vtkContext2D* painter) {
+  auto* device = dynamic_cast<SvgDevice*>(painter->GetDevice());
+  if (!drawing || !device) return false;
+  drawing(*painter, *device);
+  // What is drawn next is another's, and has no title of this one's.
+  device->setShapeTitle("");
+  device->setShapeLink("");
+  return true;
+}
+
 }  // namespace
 
 vtkStandardNewMacro(SvgDevice);
+vtkStandardNewMacro(DrawnPlot);
+vtkStandardNewMacro(DrawnItem);
 
 void SvgDevice::start(const std::string& id, double height) {
   id_ = id;
@@ -120,7 +121,8 @@ std::string SvgDevice::strokeAttributes() const {
   return fmt::format(" stroke=\"{}\" stroke-width=\"{:.3g}\"{}{}", hexColour(rgba),
                      // Half a pixel at least: thinner lines are hardly seen.
                      std::max(0.5F, Pen->GetWidth()), opacity("stroke-opacity", rgba[3]),
-                     dashes(Pen->GetLineType()));
+                     // In pixels, whatever the width of the line.
+                     Pen->GetLineType() == vtkPen::DASH_LINE ? " stroke-dasharray=\"6 4\"" : "");
 }
 
 std::string SvgDevice::fillAttributes() const {
@@ -150,16 +152,6 @@ void SvgDevice::DrawLines(float* points, int n, unsigned char*, int) {
             pixel(page[i + 3]);
   }
   element("path", fmt::format("d=\"{}\"{}", path, stroke));
-}
-
-// A series has one colour, the pen's: those of single points are not looked at.
-void SvgDevice::DrawPoints(float* points, int n, unsigned char* colours, int components) {
-  DrawMarkers(0, false, points, n, colours, components);
-}
-
-void SvgDevice::DrawPointSprites(vtkImageData*, float* points, int n, unsigned char* colours,
-                                 int components) {
-  DrawMarkers(0, false, points, n, colours, components);
 }
 
 void SvgDevice::DrawMarkers(int, bool highlight, float* points, int n, unsigned char*, int) {
@@ -192,15 +184,6 @@ void SvgDevice::DrawPolygon(float* points, int n) {
   if (page.empty() || fill.empty()) return;
   element("polygon", fmt::format("{}points=\"{}\"{}", in_data_ ? "class=\"data\" " : "",
                                  pointList(page, writer(page)), fill));
-}
-
-void SvgDevice::DrawColoredPolygon(float* points, int n, unsigned char*, int) {
-  DrawPolygon(points, n);
-}
-
-void SvgDevice::DrawEllipseWedge(float x, float y, float outer_x, float outer_y, float, float,
-                                 float start_angle, float stop_angle) {
-  DrawEllipticArc(x, y, outer_x, outer_y, start_angle, stop_angle);
 }
 
 void SvgDevice::DrawEllipticArc(float x, float y, float radius_x, float radius_y, float start_angle,
@@ -244,10 +227,6 @@ void SvgDevice::DrawString(float* point, const vtkStdString& text) {
       TextProp->GetBold() ? " font-weight=\"600\"" : "", escapeXml(text));
 }
 
-void SvgDevice::DrawString(float* point, const vtkUnicodeString& text) {
-  DrawString(point, vtkStdString(text.utf8_str()));
-}
-
 void SvgDevice::ComputeStringBounds(const vtkStdString& text, float bounds[4]) {
   std::fill(bounds, bounds + 4, 0.0F);
   vtkTextRenderer* renderer = vtkTextRenderer::GetInstance();
@@ -264,18 +243,6 @@ void SvgDevice::ComputeStringBounds(const vtkStdString& text, float bounds[4]) {
   bounds[1] = static_cast<float>(box[2] / (sy == 0 ? 1 : sy));
   bounds[2] = static_cast<float>((box[1] - box[0] + 1) / (sx == 0 ? 1 : sx));
   bounds[3] = static_cast<float>((box[3] - box[2] + 1) / (sy == 0 ? 1 : sy));
-}
-
-void SvgDevice::ComputeStringBounds(const vtkUnicodeString& text, float bounds[4]) {
-  ComputeStringBounds(vtkStdString(text.utf8_str()), bounds);
-}
-
-void SvgDevice::ComputeJustifiedStringBounds(const char* text, float bounds[4]) {
-  ComputeStringBounds(vtkStdString(text), bounds);
-}
-
-void SvgDevice::DrawMathTextString(float* point, const vtkStdString& text) {
-  DrawString(point, text);
 }
 
 void SvgDevice::DrawImage(float corner[2], float scale, vtkImageData* image) {
@@ -297,11 +264,6 @@ void SvgDevice::DrawImage(const vtkRectf& place, vtkImageData* image) {
                       pixel(page[1] - page[3]), pngUri(image)));
 }
 
-void SvgDevice::SetColor4(unsigned char*) {}  // colours are read from pen and brush
-void SvgDevice::SetTexture(vtkImageData*, int) {}
-void SvgDevice::SetPointSize(float size) { Pen->SetWidth(size); }
-void SvgDevice::SetLineWidth(float width) { Pen->SetWidth(width); }
-void SvgDevice::SetLineType(int type) { Pen->SetLineType(type); }
 
 void SvgDevice::SetMatrix(vtkMatrix3x3* matrix) {
   std::copy(matrix->GetData(), matrix->GetData() + 9, matrix_.begin());
@@ -323,8 +285,6 @@ void SvgDevice::PopMatrix() {
   stack_.pop_back();
 }
 
-void SvgDevice::SetClipping(int* rectangle) { std::copy(rectangle, rectangle + 4, clip_.begin()); }
-
 void SvgDevice::EnableClipping(bool enable) {
   // Clips do not nest: a new one ends the one before.
   if (clip_open_) body_ += "</g>";
@@ -338,5 +298,15 @@ void SvgDevice::EnableClipping(bool enable) {
       clip_[0], pixel(height_ - clip_[1] - clip_[3]), clip_[2], clip_[3]);
   body_ += "<g clip-path=\"url(#" + name + ")\">";
 }
+
+bool DrawnPlot::Paint(vtkContext2D* painter) { return paint(drawing, painter); }
+
+/// Those of the axes, which are fixed, so that no drawing moves them.
+void DrawnPlot::GetBounds(double bounds[4]) {
+  bounds[0] = bounds[2] = 0;
+  bounds[1] = bounds[3] = 1;
+}
+
+bool DrawnItem::Paint(vtkContext2D* painter) { return paint(drawing, painter); }
 
 }  // namespace plumbline::internal

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <string>
@@ -9,7 +10,9 @@
 #include <vtkContext2D.h>
 #include <vtkContextDevice2D.h>
 #include <vtkContextItem.h>
+#include <vtkPen.h>
 #include <vtkPlot.h>
+#include <vtkUnicodeString.h>
 
 namespace plumbline::internal {
 
@@ -59,38 +62,57 @@ class SvgDevice : public vtkContextDevice2D {
 
   void DrawPoly(float* points, int n, unsigned char* colours, int components) override;
   void DrawLines(float* points, int n, unsigned char* colours, int components) override;
-  void DrawPoints(float* points, int n, unsigned char* colours, int components) override;
-  void DrawPointSprites(vtkImageData* sprite, float* points, int n, unsigned char* colours,
-                        int components) override;
+  // A series has one colour, the pen's: those of single points are not looked at.
+  void DrawPoints(float* points, int n, unsigned char* colours, int components) override {
+    DrawMarkers(0, false, points, n, colours, components);
+  }
+  void DrawPointSprites(vtkImageData*, float* points, int n, unsigned char* colours,
+                        int components) override {
+    DrawMarkers(0, false, points, n, colours, components);
+  }
   void DrawMarkers(int shape, bool highlight, float* points, int n, unsigned char* colours,
                    int components) override;
   void DrawQuad(float* points, int n) override { DrawPolygon(points, n); }
   void DrawQuadStrip(float* points, int n) override;
   void DrawPolygon(float* points, int n) override;
-  void DrawColoredPolygon(float* points, int n, unsigned char* colours, int components) override;
-  void DrawEllipseWedge(float x, float y, float outer_x, float outer_y, float inner_x,
-                        float inner_y, float start_angle, float stop_angle) override;
+  void DrawColoredPolygon(float* points, int n, unsigned char*, int) override {
+    DrawPolygon(points, n);
+  }
+  void DrawEllipseWedge(float x, float y, float outer_x, float outer_y, float, float,
+                        float start_angle, float stop_angle) override {
+    DrawEllipticArc(x, y, outer_x, outer_y, start_angle, stop_angle);
+  }
   void DrawEllipticArc(float x, float y, float radius_x, float radius_y, float start_angle,
                        float stop_angle) override;
   void DrawString(float* point, const vtkStdString& text) override;
-  void DrawString(float* point, const vtkUnicodeString& text) override;
+  void DrawString(float* point, const vtkUnicodeString& text) override {
+    DrawString(point, vtkStdString(text.utf8_str()));
+  }
+  void DrawMathTextString(float* point, const vtkStdString& text) override {
+    DrawString(point, text);
+  }
   void ComputeStringBounds(const vtkStdString& text, float bounds[4]) override;
-  void ComputeStringBounds(const vtkUnicodeString& text, float bounds[4]) override;
-  void ComputeJustifiedStringBounds(const char* text, float bounds[4]) override;
-  void DrawMathTextString(float* point, const vtkStdString& text) override;
+  void ComputeStringBounds(const vtkUnicodeString& text, float bounds[4]) override {
+    ComputeStringBounds(vtkStdString(text.utf8_str()), bounds);
+  }
+  void ComputeJustifiedStringBounds(const char* text, float bounds[4]) override {
+    ComputeStringBounds(vtkStdString(text), bounds);
+  }
   void DrawImage(float corner[2], float scale, vtkImageData* image) override;
   void DrawImage(const vtkRectf& place, vtkImageData* image) override;
-  void SetColor4(unsigned char colour[4]) override;
-  void SetTexture(vtkImageData* image, int properties) override;
-  void SetPointSize(float size) override;
-  void SetLineWidth(float width) override;
-  void SetLineType(int type) override;
+  void SetColor4(unsigned char*) override {}  // colours are read from pen and brush
+  void SetTexture(vtkImageData*, int) override {}
+  void SetPointSize(float size) override { Pen->SetWidth(size); }
+  void SetLineWidth(float width) override { Pen->SetWidth(width); }
+  void SetLineType(int type) override { Pen->SetLineType(type); }
   void SetMatrix(vtkMatrix3x3* matrix) override;
   void GetMatrix(vtkMatrix3x3* matrix) override;
   void MultiplyMatrix(vtkMatrix3x3* matrix) override;
   void PushMatrix() override { stack_.push_back(matrix_); }
   void PopMatrix() override;
-  void SetClipping(int* rectangle) override;
+  void SetClipping(int* rectangle) override {
+    std::copy(rectangle, rectangle + 4, clip_.begin());
+  }
   void EnableClipping(bool enable) override;
 
  protected:
