@@ -18,7 +18,8 @@ constexpr Colour fromHex(unsigned rgb) {
 
 Colour seriesColour(std::size_t i) {
   static constexpr std::array<Colour, 7> kCycle = {
-      fromHex(0x005ea2), fromHex(0xd55e00), fromHex(0x008a64), fromHex(0xb4468c), fromHex(0xc88c00), fromHex(0x4696d2), fromHex(0x5a5a5a)};
+      fromHex(0x005ea2), fromHex(0xd55e00), fromHex(0x008a64), fromHex(0xb4468c),
+      fromHex(0xc88c00), fromHex(0x4696d2), fromHex(0x5a5a5a)};
   Colour colour = kCycle[i % kCycle.size()];
   const std::size_t round = i / kCycle.size();
   if (round == 0) return colour;
@@ -51,22 +52,26 @@ Colour between(const std::array<Colour, N>& stops, double u) {
 // 13(7), 2018), at ten of its places.
 Colour sequentialColour(double u) {
   static constexpr std::array<Colour, 10> kStops = {
-      fromHex(0x00224e), fromHex(0x123570), fromHex(0x3b496c), fromHex(0x575d6d), fromHex(0x707173), fromHex(0x8a8678), fromHex(0xa59c74), fromHex(0xc3b369), fromHex(0xe1cc55), fromHex(0xfee838)};
+      fromHex(0x00224e), fromHex(0x123570), fromHex(0x3b496c), fromHex(0x575d6d),
+      fromHex(0x707173), fromHex(0x8a8678), fromHex(0xa59c74), fromHex(0xc3b369),
+      fromHex(0xe1cc55), fromHex(0xfee838)};
   return between(kStops, u);
 }
 
 // White in the middle, where zero is, and equally dark at both ends: the hue alone tells the sign.
 Colour divergingColour(double u) {
-  static constexpr std::array<Colour, 5> kStops = {
-      fromHex(0x214c94), fromHex(0x84acd6), fromHex(0xfafafa), fromHex(0xe8987a), fromHex(0xa8222c)};
+  static constexpr std::array<Colour, 5> kStops = {fromHex(0x214c94), fromHex(0x84acd6),
+                                                   fromHex(0xfafafa), fromHex(0xe8987a),
+                                                   fromHex(0xa8222c)};
   return between(kStops, u);
 }
 
 // Viridis (van der Walt and Smith, 2015) backwards, without its palest quarter, which is not seen
 // as a line on white: what is far off is dark.
 Colour errorColour(double u) {
-  static constexpr std::array<Colour, 5> kStops = {
-      fromHex(0x5ec962), fromHex(0x21a585), fromHex(0x2a788e), fromHex(0x414487), fromHex(0x440154)};
+  static constexpr std::array<Colour, 5> kStops = {fromHex(0x5ec962), fromHex(0x21a585),
+                                                   fromHex(0x2a788e), fromHex(0x414487),
+                                                   fromHex(0x440154)};
   return between(kStops, u);
 }
 

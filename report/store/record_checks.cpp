@@ -12,7 +12,7 @@ constexpr double kLargestTag_m = 5;
 constexpr int kMostFrames = 1'000'000;  // nine hours of 30 Hz
 constexpr double kLargestSpacing = 3;
 constexpr double kLongestBound_s = 1e4;
-// Where the axis of the basin ends (kLeastError, html/perturbation/figures.cpp).
+// Where the axis of the basin ends (kLeastError, html/perturbation/page.cpp).
 constexpr double kShortestBound_s = 1e-12;
 // A store may come from anybody: these keep a crafted document from taking all memory, or the
 // stack.

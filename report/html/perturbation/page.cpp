@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "report/html/pages.h"
-#include "report/html/perturbation/figures.h"
+#include "report/plots/svg.h"
+#include "report/records/perturbation_record.h"
 
 namespace plumbline {
 namespace {
@@ -16,6 +18,220 @@ namespace {
 using namespace html_internal;
 
 constexpr const char* kShift = "imu-shift";
+constexpr double kLeastError = 1e-12;  // [s] below, an error is drawn here
+constexpr double kShownSigma = 3;      // ends of the colours; the page says so
+// Not that of the failed cases: hover.js knows a series by its colour.
+constexpr Colour kBoundColour{110, 40, 150, 255};
+
+/// The cases of one kind, in their order.
+struct CaseGroup {
+  std::string kind;  ///< as in PerturbationCase
+  std::vector<const PerturbationCase*> cases;
+};
+
+std::vector<CaseGroup> groupedCases(const PerturbationRecord& record) {
+  std::vector<CaseGroup> groups;
+  for (const PerturbationCase& c : record.cases) {
+    auto group = std::find_if(groups.begin(), groups.end(),
+                              [&](const CaseGroup& g) { return g.kind == c.kind; });
+    if (group == groups.end()) group = groups.insert(groups.end(), {c.kind, {}});
+    group->cases.push_back(&c);
+  }
+  return groups;
+}
+
+/// 10^exponent seconds in the unit of its three decades: "10 ns" for -8.
+std::string decadeLabel(int exponent) {
+  static const char* const kUnits[] = {"ps", "ns", "\u00b5s", "ms", "s"};
+  const int group = std::clamp(exponent + 12, 0, 14) / 3;
+  const int power = exponent + 12 - 3 * group;
+  return fmt::format("{:g} {}", std::pow(10, power), kUnits[group]);
+}
+
+/// What the basin's axes span, and where failures stand.
+struct BasinScale {
+  double low = 0, high = 0;  ///< log10 of seconds
+  double failed = 0;
+  Range x;
+};
+
+BasinScale scaleOf(const PerturbationRecord& record, const CaseGroup& shifts) {
+  // The bound is in view in any case, as its line is what the points are held against; so is 0,
+  // where nothing was injected.
+  double least = record.offset_bound_s, most = record.offset_bound_s;
+  double from = 0, to = 0;
+  for (const PerturbationCase* c : shifts.cases) {
+    from = std::min(from, c->amount);
+    to = std::max(to, c->amount);
+    if (!c->problem.empty() || !std::isfinite(c->offset_error_s)) continue;
+    const double error = std::max(kLeastError, std::abs(c->offset_error_s));
+    least = std::min(least, error);
+    most = std::max(most, error);
+  }
+  BasinScale scale;
+  scale.low = std::floor(std::log10(least) - 0.2);
+  // Two decades at least, and a fifth of one as air at either end.
+  scale.high = std::max(scale.low + 2, std::ceil(std::log10(most) + 0.2));
+  // Above all errors, on a line of their own.
+  scale.failed = scale.high + 0.6;
+  // With a floor for a study of one shift, whose axis would have no length.
+  const double margin = std::max(1e-6, 0.04 * (to - from));
+  scale.x = {from - margin, to + margin};
+  return scale;
+}
+
+/// A dashed line over all of the axis, at the logarithm that the axis runs in.
+Series level(const std::string& name, double value_s, const BasinScale& scale, Colour colour) {
+  const double y = std::log10(value_s);
+  return {name, {scale.x.min, scale.x.max}, {y, y}, colour, 1.2, true};
+}
+
+/// A tick for every decade, and one for the line of the failures.
+std::vector<AxisTick> decades(const BasinScale& scale, bool any_failed) {
+  std::vector<AxisTick> ticks;
+  for (int e = static_cast<int>(scale.low); e <= static_cast<int>(scale.high); ++e) {
+    ticks.push_back({static_cast<double>(e), decadeLabel(e)});
+  }
+  if (any_failed) ticks.push_back({scale.failed, "failed"});
+  return ticks;
+}
+
+Series markers(const std::string& name, Colour colour) {
+  Series series;
+  series.name = name;
+  series.colour = colour;
+  series.width = 7;
+  series.markers = true;
+  return series;
+}
+
+/// Change of parameter i in standard deviations; of the time offset what was not injected.
+double changeOf(const PerturbationRecord& record, const PerturbationCase& c, std::size_t i) {
+  if (!c.problem.empty() || i >= c.changes_sigma.size()) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const bool offset = c.kind == kShift && record.parameters[i] == "time_offset";
+  if (!offset) return c.changes_sigma[i];
+  const double std = record.base.time_offset_std_s.value_or(0);
+  return std > 0 ? c.offset_error_s / std : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// As short as a cell wants it: each bound is where the format before would round to one digit
+/// more. Below 0.05 nothing is written.
+std::string changeText(double sigma) {
+  const double size = std::abs(sigma);
+  if (!(size >= 0.05)) return "";
+  if (size < 9.95) return fmt::format("{:.1f}", sigma);
+  if (size < 999.5) return fmt::format("{:.0f}", sigma);
+  return size < 9.995e5 ? fmt::format("{:.0f}k", sigma / 1e3) : fmt::format("{:.0e}", sigma);
+}
+
+/// "Shifted IMU stamps" for "imu-shift"; a kind without words of its own stands as it is.
+std::string titleOf(const std::string& kind) {
+  static const std::pair<const char*, const char*> kTitles[] = {
+      {kShift, "Shifted IMU stamps"},
+      {"target-size", "Stated target size"},
+      {"noise-densities", "Noise densities multiplied"},
+      {"initial-intrinsics", "Other initial focal lengths"},
+      {"dropped-frames", "Dropped frames"},
+      {"dropped-imu", "Dropped IMU samples"},
+      {"corner-noise", "Noise added to corners"}};
+  for (const auto& [word, title] : kTitles) {
+    if (kind == word) return title;
+  }
+  return kind;
+}
+
+/// "+10 ms", "×2", with the seed of random ones.
+std::string labelOf(const PerturbationCase& c) {
+  std::string label = amountText(c);
+  if (c.seed != 0) label += fmt::format(", seed {}", c.seed);
+  return label;
+}
+
+/// Injected offset against |recovered - injected - base| on decades, failures along the top.
+Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
+  const BasinScale scale = scaleOf(record, shifts);
+  Series late = markers("overestimated", seriesColour(0));
+  Series early = markers("underestimated", seriesColour(2));
+  // On a line of their own, above all values.
+  Series failed = markers("failed", kWarningColour);
+  for (const PerturbationCase* c : shifts.cases) {
+    // A solution without an offset is a failure here.
+    const bool solved = c->problem.empty() && std::isfinite(c->offset_error_s);
+    Series& series = !solved ? failed : c->offset_error_s < 0 ? early : late;
+    series.x.push_back(c->amount);
+    series.y.push_back(solved ? std::log10(std::max(kLeastError, std::abs(c->offset_error_s)))
+                              : scale.failed);
+  }
+  LinePlot plot;
+  plot.frame.title = "Convergence basin: |recovered \u2212 injected \u2212 base|";
+  plot.frame.width = 960;
+  plot.frame.height = 400;
+  plot.frame.x = {"injected offset [ms]", scale.x};
+  const bool any_failed = !failed.x.empty();
+  const double top = any_failed ? scale.failed + 0.4 : scale.high;
+  plot.frame.y = {"error of the recovered offset",
+                  Range{scale.low, top},
+                  decades(scale, any_failed),
+                  false,
+                  false,
+                  true};
+  if (any_failed) plot.frame.y.highest = scale.high;
+  plot.series.push_back(
+      level(fmt::format("bound of the basin, {:g} ms", 1e3 * record.offset_bound_s),
+            record.offset_bound_s, scale, kBoundColour));
+  const double std = record.base.time_offset_std_s.value_or(0);
+  // A line outside of the axes would only stand in the legend.
+  if (std > std::pow(10, scale.low) && std < std::pow(10, scale.high)) {
+    plot.series.push_back(level("std of the base's offset", std, scale, {90, 98, 110, 255}));
+  }
+  for (Series& series : {std::ref(late), std::ref(early), std::ref(failed)}) {
+    if (!series.x.empty()) plot.series.push_back(std::move(series));
+  }
+  return {
+      toSvg(plot, "perturbation-basin"),
+      "Each point is one calibration from its own initial guess, with every IMU stamp shifted by "
+      "the injected offset. Points far below the standard deviation of the base's offset mean that "
+      "the result does not depend on the initial offset of the clocks; the basin ends where points "
+      "rise above the dashed line of the bound or fail. Errors below 1 ps are drawn there.",
+      true};
+}
+
+/// Cases down, parameters across, changes in standard deviations of the base. `index` tells the
+/// figures of a page apart: a kind read from a store may be any text.
+Figure changeFigure(const PerturbationRecord& record, const CaseGroup& group, std::size_t index) {
+  const auto columns = record.parameters.size();
+  const auto rows = group.cases.size();
+  HeatMap map;
+  map.frame.title = titleOf(group.kind) + ": change in standard deviations of the base";
+  map.frame.width = std::clamp(300 + 30 * static_cast<int>(columns), 480, 960);
+  map.frame.height = 160 + std::clamp(20 * static_cast<int>(rows), 60, 900);
+  map.frame.x = {"", Range{0, static_cast<double>(columns)}, {}, false, true};
+  map.frame.y = {"", Range{0, static_cast<double>(rows)}, {}, true, false};
+  map.columns = static_cast<int>(columns);
+  map.rows = static_cast<int>(rows);
+  map.colours = ColourMap::kDiverging;
+  map.value_range = Range{-kShownSigma, kShownSigma};
+  map.value_label = "change [\u03c3]";
+  for (std::size_t i = 0; i < columns; ++i) {
+    map.frame.x.ticks.push_back({static_cast<double>(i) + 0.5, record.parameters[i]});
+  }
+  const std::size_t step = rows / 45 + 1;  // labels that do not touch
+  for (std::size_t row = 0; row < rows; ++row) {
+    const PerturbationCase& c = *group.cases[row];
+    if (row % step == 0) map.frame.y.ticks.push_back({static_cast<double>(row) + 0.5, labelOf(c)});
+    for (std::size_t i = 0; i < columns; ++i) {
+      map.values.push_back(changeOf(record, c, i));
+      map.cell_labels.push_back(step == 1 ? changeText(map.values.back()) : "");
+    }
+  }
+  const bool any_failed =
+      std::any_of(group.cases.begin(), group.cases.end(),
+                  [](const PerturbationCase* c) { return !c->problem.empty(); });
+  return {toSvg(map, fmt::format("perturbation-changes-{}", index)),
+          any_failed ? "Blank rows are cases that failed." : "", true};
+}
 
 /// Of the parameters but the time offset, whose error has a column of its own.
 std::string largestChange(const PerturbationRecord& record, const PerturbationCase& c) {

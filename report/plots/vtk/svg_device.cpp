@@ -264,7 +264,6 @@ void SvgDevice::DrawImage(const vtkRectf& place, vtkImageData* image) {
                       pixel(page[1] - page[3]), pngUri(image)));
 }
 
-
 void SvgDevice::SetMatrix(vtkMatrix3x3* matrix) {
   std::copy(matrix->GetData(), matrix->GetData() + 9, matrix_.begin());
 }

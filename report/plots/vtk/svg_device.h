@@ -110,9 +110,7 @@ class SvgDevice : public vtkContextDevice2D {
   void MultiplyMatrix(vtkMatrix3x3* matrix) override;
   void PushMatrix() override { stack_.push_back(matrix_); }
   void PopMatrix() override;
-  void SetClipping(int* rectangle) override {
-    std::copy(rectangle, rectangle + 4, clip_.begin());
-  }
+  void SetClipping(int* rectangle) override { std::copy(rectangle, rectangle + 4, clip_.begin()); }
   void EnableClipping(bool enable) override;
 
  protected:
