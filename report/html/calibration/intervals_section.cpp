@@ -66,11 +66,11 @@ Table gapTable(const std::vector<NamedGap>& gaps, TimeNs origin) {
 /// Every sensor's intervals over time, each over the median of its own.
 Figure intervalFigure(const CalibrationRecord& record) {
   LinePlot plot;
-  plot.frame.title = "Interval since the sample before, over the sensor's median";
-  plot.frame.width = 900;
-  plot.frame.height = 260;
-  plot.frame.x.label = "time since the first frame [s]";
-  plot.frame.y.label = "ratio [-]";
+  plot.frame = {"Interval since the sample before, over the sensor's median",
+                {"time since the first frame [s]"},
+                {"ratio [-]"},
+                900,
+                260};
   const TimeNs origin = timeOrigin(record);
   for (std::size_t i = 0; i < record.sample_intervals.size(); ++i) {
     Colour colour = seriesColour(i);
@@ -104,11 +104,11 @@ Figure histogramFigure(const SampleIntervals& sensor, std::size_t index) {
   const double scale = small ? 1e6 : 1e3;
   const char* unit = small ? "\u00b5s" : "ms";
   Histogram plot;
-  plot.frame.title = fmt::format("{}: distribution of intervals", sensor.sensor);
-  plot.frame.width = 440;
-  plot.frame.height = 300;
-  plot.frame.x.label = fmt::format("interval - median [{}]", unit);
-  plot.frame.y.label = "intervals";
+  plot.frame = {sensor.sensor + ": distribution of intervals",
+                {fmt::format("interval - median [{}]", unit)},
+                {"intervals"},
+                440,
+                300};
   plot.first = scale * (h.first_s - sensor.median_s);
   plot.bin_width = scale * h.bin_s;
   plot.series = {{sensor.sensor, {h.counts.begin(), h.counts.end()}, seriesColour(index)}};

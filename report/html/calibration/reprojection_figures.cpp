@@ -90,12 +90,9 @@ Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::stri
                      const std::string& id) {
   const double range = shownRange(errors);
   ScatterPlot plot;
-  plot.frame.title = name + ": errors";
-  plot.frame.width = 440;
-  plot.frame.height = 400;
-  plot.frame.equal_axes = true;
-  plot.frame.x = {"e_u [px]", Range{-range, range}};
-  plot.frame.y = {"e_v [px]", Range{-range, range}};
+  const Range shown_errors{-range, range};
+  plot.frame = {
+      name + ": errors", {"e_u [px]", shown_errors}, {"e_v [px]", shown_errors}, 440, 400, true};
   plot.count_label = "corners";
   Series series;
   series.colour = {0, 94, 162, 110};
@@ -318,13 +315,11 @@ std::vector<Figure> correlationFigures(const StageView& stage) {
   const auto n = static_cast<int>(covariance.names.size());
   if (n == 0 || covariance.matrix.rows() != n) return {};
   HeatMap map;
-  map.frame.title = stage.title;
   // 30 px for a parameter, beside its name and the colour bar.
-  map.frame.width = std::clamp(230 + 30 * n, 420, 960);
-  map.frame.height = map.frame.width - 90;
-  map.frame.equal_axes = true;
-  map.frame.x = {"", Range{0, static_cast<double>(n)}, {}, false, true};
-  map.frame.y = {"", Range{0, static_cast<double>(n)}, {}, true, false};
+  const int width = std::clamp(230 + 30 * n, 420, 960);
+  const Range all{0, static_cast<double>(n)};
+  map.frame = {stage.title, {"", all, {}, false, true}, {"", all, {}, true}, width, width - 90,
+               true};
   map.columns = map.rows = n;
   map.colours = ColourMap::kDiverging;
   map.value_range = Range{-1, 1};

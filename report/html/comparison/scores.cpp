@@ -94,11 +94,11 @@ Figure scoreBars(const std::vector<CalibrationScore>& scores) {
     plot.values.push_back(std::move(values));
   }
   if (plot.values.empty()) return {};
-  plot.frame.title = held_out ? "RMSE per camera, held out" : "RMSE per camera";
-  plot.frame.width = 960;
-  plot.frame.height = 320;
-  plot.frame.x.label = "camera";
-  plot.frame.y.label = "RMSE [px]";
+  plot.frame = {held_out ? "RMSE per camera, held out" : "RMSE per camera",
+                {"camera"},
+                {"RMSE [px]"},
+                960,
+                320};
   std::string caption =
       held_out ? "Corners that none of these calibrations was estimated from; pooled over the "
                  "held-out parts."

@@ -165,18 +165,14 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
                               : scale.failed);
   }
   LinePlot plot;
-  plot.frame.title = "Convergence basin: |recovered \u2212 injected \u2212 base|";
-  plot.frame.width = 960;
-  plot.frame.height = 400;
-  plot.frame.x = {"injected offset [ms]", scale.x};
   const bool any_failed = !failed.x.empty();
   const double top = any_failed ? scale.failed + 0.4 : scale.high;
-  plot.frame.y = {"error of the recovered offset",
-                  Range{scale.low, top},
-                  decades(scale, any_failed),
-                  false,
-                  false,
-                  true};
+  plot.frame = {"Convergence basin: |recovered \u2212 injected \u2212 base|",
+                {"injected offset [ms]", scale.x},
+                {"error of the recovered offset", Range{scale.low, top}, decades(scale, any_failed),
+                 false, false, true},
+                960,
+                400};
   if (any_failed) plot.frame.y.highest = scale.high;
   plot.series.push_back(
       level(fmt::format("bound of the basin, {:g} ms", 1e3 * record.offset_bound_s),
@@ -204,11 +200,11 @@ Figure changeFigure(const PerturbationRecord& record, const CaseGroup& group, st
   const auto columns = record.parameters.size();
   const auto rows = group.cases.size();
   HeatMap map;
-  map.frame.title = titleOf(group.kind) + ": change in standard deviations of the base";
-  map.frame.width = std::clamp(300 + 30 * static_cast<int>(columns), 480, 960);
-  map.frame.height = 160 + std::clamp(20 * static_cast<int>(rows), 60, 900);
-  map.frame.x = {"", Range{0, static_cast<double>(columns)}, {}, false, true};
-  map.frame.y = {"", Range{0, static_cast<double>(rows)}, {}, true, false};
+  map.frame = {titleOf(group.kind) + ": change in standard deviations of the base",
+               {"", Range{0, static_cast<double>(columns)}, {}, false, true},
+               {"", Range{0, static_cast<double>(rows)}, {}, true},
+               std::clamp(300 + 30 * static_cast<int>(columns), 480, 960),
+               160 + std::clamp(20 * static_cast<int>(rows), 60, 900)};
   map.columns = static_cast<int>(columns);
   map.rows = static_cast<int>(rows);
   map.colours = ColourMap::kDiverging;

@@ -112,12 +112,12 @@ struct BandFigure {
 
 Figure bandFigure(const Bands& bands, const BandFigure& what) {
   LinePlot plot;
-  plot.frame.title = what.title;
-  plot.frame.width = 960;
-  plot.frame.height = 380;
   const Range views = viewRange(bands);
-  plot.frame.x = {"views used", views, viewTicks(views), false, false, true};
-  plot.frame.y.label = what.y_label;
+  plot.frame = {what.title,
+                {"views used", views, viewTicks(views), false, false, true},
+                {what.y_label},
+                960,
+                380};
   for (const CounterfactualBand& band : bands) {
     addBand(plot, band, what.column, placeOf(band.strategy));
   }

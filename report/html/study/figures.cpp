@@ -45,6 +45,8 @@ std::string typicalPage(const StudyRecord& record, const std::string& method) {
 /// The medians of the methods, then every session.
 Figure stagesFigure(const StudyRecord& record) {
   BarPlot plot;
+  plot.frame = {"Time of the participants by stage", {}, {"time [s]"}, 960, 420};
+  plot.frame.x.upright_labels = true;
   plot.stacked = true;
   plot.names = stagesOf(record);
   if (plot.names.empty()) return {};
@@ -78,11 +80,6 @@ Figure stagesFigure(const StudyRecord& record) {
     if (i >= record.methods.size() && i % step != 0) continue;
     plot.frame.x.ticks.push_back({static_cast<double>(i), plot.categories[i]});
   }
-  plot.frame.title = "Time of the participants by stage";
-  plot.frame.width = 960;
-  plot.frame.height = 420;
-  plot.frame.x.upright_labels = true;
-  plot.frame.y.label = "time [s]";
   return {toSvg(plot, "study-stages"),
           "First the medians of the methods, over those who finished, then every session; a bar "
           "links to its session's page, the bar of a median to the closest session's.",
@@ -137,12 +134,12 @@ Figure survivalFigure(const StudyRecord& record) {
     addEnds(record, s, seriesColour(k), plot);
   }
   if (plot.series.empty()) return {};
-  plot.frame.title = "Share of participants who are not done";
-  plot.frame.width = 960;
-  plot.frame.height = 300;
-  plot.frame.x = {"time [s]", Range{0, record.limit_s}};
   // A little above 1, where every curve begins.
-  plot.frame.y = {"share", Range{0, 1.03}};
+  plot.frame = {"Share of participants who are not done",
+                {"time [s]", Range{0, record.limit_s}},
+                {"share", Range{0, 1.03}},
+                960,
+                300};
   return {toSvg(plot, "study-survival"),
           "Kaplan-Meier estimate over participants, of several sessions of one the mean time; "
           "participants who gave up count as not done until the limit. A point is a session and "
@@ -194,12 +191,12 @@ Figure offsetFigure(const StudyRecord& record) {
     ends.insert(ends.end(), {ms - std_ms, ms + std_ms});
   }
   if (plot.points.empty()) return {};
-  plot.frame.title = "Time offset of every session";
-  plot.frame.width = 960;
-  plot.frame.height = 320;
-  plot.frame.x = {"session, in the study's order",
-                  Range{-0.7, static_cast<double>(plot.points.size()) - 0.3}};
-  plot.frame.y = {"t_d [ms]", rangeOf({&ends}, 0.06)};
+  plot.frame = {
+      "Time offset of every session",
+      {"session, in the study's order", Range{-0.7, static_cast<double>(plot.points.size()) - 0.3}},
+      {"t_d [ms]", rangeOf({&ends}, 0.06)},
+      960,
+      320};
   return {toSvg(plot, "study-offsets"),
           "Lines are plus and minus one formal standard deviation; t_imu = t_cam + t_d.", true};
 }

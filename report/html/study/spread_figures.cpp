@@ -77,14 +77,14 @@ Figure spreadFigure(const StudyRecord& record) {
   for (std::size_t k = 0; k < record.methods.size(); ++k) {
     plot.series.push_back({record.methods[k], {}, {}, seriesColour(k), 2});
   }
-  plot.frame.title = "Spread over sessions relative to the stated deviation";
-  plot.frame.width = 960;
-  plot.frame.height = 380;
-  plot.frame.x = {"", Range{-0.5, right}, {}, false, true};
+  plot.frame = {"Spread over sessions relative to the stated deviation",
+                {"", Range{-0.5, right}, {}, false, true},
+                {"ratio", Range{0, 1.08 * top}},
+                960,
+                380};
   for (std::size_t i = 0; i < names.size(); ++i) {
     plot.frame.x.ticks.push_back({static_cast<double>(i), names[i]});
   }
-  plot.frame.y = {"ratio", Range{0, 1.08 * top}};
   std::string caption =
       "1: the sessions of one rig spread as each of them states; a point links to the session "
       "farthest from the mean. Dashed: 95 % interval of the ratio if the stated deviations are "
@@ -145,11 +145,11 @@ Section boardSection(const StudyRecord& record) {
     plot.series.push_back(std::move(line));
   }
   if (plot.series.empty()) return section;
-  plot.frame.title = "Shape of the board";
-  plot.frame.width = 960;
-  plot.frame.height = 380;
-  plot.frame.x = {"session, in the study's order", Range{-0.5, last + 0.5}};
-  plot.frame.y = {"RMS displacement, signed as the term [mm]", rangeOf({&ends}, 0.08)};
+  plot.frame = {"Shape of the board",
+                {"session, in the study's order", Range{-0.5, last + 0.5}},
+                {"RMS displacement, signed as the term [mm]", rangeOf({&ends}, 0.08)},
+                960,
+                380};
   return withFigures(std::move(section), {{toSvg(plot, "study-board"),
                                            "Terms that stay below 0.02 mm are not shown.", true}});
 }

@@ -92,11 +92,11 @@ Figure nightsFigure(const StudyRecord& record) {
                            fmt::format("night {:g}: {:.4f} px", line.x[i], line.y[i]),
                            last ? tonight : "#sessions", seriesColour(0)});
   }
-  plot.frame.title = "Held-out RMSE over the nights";
-  plot.frame.width = 960;
-  plot.frame.height = 260;
-  plot.frame.x = {"night", Range{line.x.front() - 0.5, line.x.back() + 0.5}};
-  plot.frame.y = {"median over sessions [px]", Range{0, top > 0 ? 1.1 * top : 1}};
+  plot.frame = {"Held-out RMSE over the nights",
+                {"night", Range{line.x.front() - 0.5, line.x.back() + 0.5}},
+                {"median over sessions [px]", Range{0, top > 0 ? 1.1 * top : 1}},
+                960,
+                260};
   plot.series.push_back(std::move(line));
   return {toSvg(plot, "study-nights"), "", true};
 }
