@@ -53,17 +53,17 @@ std::filesystem::path storeOf(const std::string& input) {
 std::string pageOf(const Store& store, const RunSummary& run) {
   switch (run.kind) {
     case RunKind::kCalibration:
-      return renderCalibrationPage(store.loadCalibration(run.id));
+      return renderCalibrationPage(store.load<CalibrationRecord>(run.id));
     case RunKind::kTrajectory:
-      return renderTrajectoryPage(store.loadTrajectory(run.id));
+      return renderTrajectoryPage(store.load<TrajectoryRecord>(run.id));
     case RunKind::kComparison:
-      return renderComparisonPage(store.loadComparison(run.id));
+      return renderComparisonPage(store.load<ComparisonRecord>(run.id));
     case RunKind::kPerturbation:
-      return renderPerturbationPage(store.loadPerturbation(run.id));
+      return renderPerturbationPage(store.load<PerturbationRecord>(run.id));
     case RunKind::kReplay:
-      return renderReplayPage(store.loadReplay(run.id));
+      return renderReplayPage(store.load<ReplayRecord>(run.id));
     case RunKind::kStudy:
-      return renderStudyPage(store.loadStudy(run.id));
+      return renderStudyPage(store.load<StudyRecord>(run.id));
   }
   return "";
 }

@@ -170,18 +170,18 @@ StudyRecord rowsOf(const Step& step, const fs::path& folder) {
   const Store store(folder / kRecordsFile);
   switch (step.kind) {
     case StepKind::kCalibrate:
-      rows.sessions = {calibratedSession(step, store.loadCalibration())};
+      rows.sessions = {calibratedSession(step, store.load<CalibrationRecord>())};
       break;
     case StepKind::kEvaluate:
-      rows.held_out = {heldOutOf(store.loadCalibration())};
+      rows.held_out = {heldOutOf(store.load<CalibrationRecord>())};
       rows.held_out[0].session = step.session;
       rows.held_out[0].recording = step.part;
       break;
     case StepKind::kPerturb:
-      rows.perturbations = perturbationsOf(store.loadPerturbation(), step.session);
+      rows.perturbations = perturbationsOf(store.load<PerturbationRecord>(), step.session);
       break;
     case StepKind::kCompare:
-      rows.others = {otherOf(store.loadComparison())};
+      rows.others = {otherOf(store.load<ComparisonRecord>())};
       rows.others[0].session = step.session;
       rows.others[0].tool = step.part;
       break;
@@ -191,12 +191,12 @@ StudyRecord rowsOf(const Step& step, const fs::path& folder) {
       nameTrajectory(step.part, rows.trajectories[0]);
       break;
     case StepKind::kOdometry:
-      rows.trajectories = trajectoriesOf(store.loadTrajectory(), step);
+      rows.trajectories = trajectoriesOf(store.load<TrajectoryRecord>(), step);
       break;
     case StepKind::kReplay:
       rows.sessions.resize(1);
       rows.sessions[0].name = step.session;
-      rows.sessions[0].compliance = complianceOf(store.loadReplay());
+      rows.sessions[0].compliance = complianceOf(store.load<ReplayRecord>());
       break;
     case StepKind::kDetect:
     case StepKind::kBoard:

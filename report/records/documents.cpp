@@ -11,12 +11,17 @@
 
 namespace plumbline {
 
-std::string documentOf(const CalibrationRecord& record) { return documentText(record); }
-std::string documentOf(const ComparisonRecord& record) { return documentText(record); }
-std::string documentOf(const PerturbationRecord& record) { return documentText(record); }
-std::string documentOf(const ReplayRecord& record) { return documentText(record); }
-std::string documentOf(const StudyRecord& record) { return documentText(record); }
-std::string documentOf(const TrajectoryRecord& record) { return documentText(record); }
-std::string documentOf(const SingleTrajectory& record) { return documentText(record); }
+template <class Record>
+std::string documentOf(const Record& record) {
+  return documentText(record);
+}
+
+template std::string documentOf(const CalibrationRecord& record);
+template std::string documentOf(const ComparisonRecord& record);
+template std::string documentOf(const PerturbationRecord& record);
+template std::string documentOf(const ReplayRecord& record);
+template std::string documentOf(const StudyRecord& record);
+template std::string documentOf(const TrajectoryRecord& record);
+template std::string documentOf(const SingleTrajectory& record);
 
 }  // namespace plumbline

@@ -89,10 +89,19 @@ struct MetricSink : PathSink {
   void array(const char* /*name*/, const T& /*values*/, const char* /*text*/) {}
 };
 
+constexpr RunKind kindOf(const CalibrationRecord& /*of*/) { return RunKind::kCalibration; }
+constexpr RunKind kindOf(const TrajectoryRecord& /*of*/) { return RunKind::kTrajectory; }
+constexpr RunKind kindOf(const ComparisonRecord& /*of*/) { return RunKind::kComparison; }
+constexpr RunKind kindOf(const PerturbationRecord& /*of*/) { return RunKind::kPerturbation; }
+constexpr RunKind kindOf(const ReplayRecord& /*of*/) { return RunKind::kReplay; }
+constexpr RunKind kindOf(const StudyRecord& /*of*/) { return RunKind::kStudy; }
+
+}  // namespace
+
 template <class Record>
-std::int64_t saveAs(RunKind kind, const std::filesystem::path& path, const Record& record) {
-  return writeStore(path, [&](SQLite::Database& db) {
-    RunWriter run(db, kind, record.name, record.provenance, record.verdict);
+std::int64_t Store::save(const Record& record) const {
+  return writeStore(path_, [&](SQLite::Database& db) {
+    RunWriter run(db, kindOf(record), record.name, record.provenance, record.verdict);
     // Document and arrays bring the record back; metrics and parameters are for queries alone.
     run.document(documentOf(record));
     ArrayWriter arrays(run);
@@ -105,11 +114,18 @@ std::int64_t saveAs(RunKind kind, const std::filesystem::path& path, const Recor
   });
 }
 
+template std::int64_t Store::save(const CalibrationRecord& record) const;
+template std::int64_t Store::save(const TrajectoryRecord& record) const;
+template std::int64_t Store::save(const ComparisonRecord& record) const;
+template std::int64_t Store::save(const PerturbationRecord& record) const;
+template std::int64_t Store::save(const ReplayRecord& record) const;
+template std::int64_t Store::save(const StudyRecord& record) const;
+
 template <class Record>
-Record loadAs(RunKind kind, const std::filesystem::path& path, std::optional<std::int64_t> wanted) {
-  return readStore(path, [&](SQLite::Database& db) {
-    const RunReader run(db, chooseRun(db, wanted, kind, path.string()).id);
+Record Store::load(std::optional<std::int64_t> wanted) const {
+  return readStore(path_, [&](SQLite::Database& db) {
     Record record;
+    const RunReader run(db, chooseRun(db, wanted, kindOf(record), path_.string()).id);
     // First the document, whose optional parts say which arrays there are.
     fromJson(parsedDocument(run.document()), record);
     ArrayReader arrays(run);
@@ -120,55 +136,12 @@ Record loadAs(RunKind kind, const std::filesystem::path& path, std::optional<std
   });
 }
 
-}  // namespace
-
-std::int64_t Store::save(const CalibrationRecord& record) const {
-  return saveAs(RunKind::kCalibration, path_, record);
-}
-
-std::int64_t Store::save(const TrajectoryRecord& record) const {
-  return saveAs(RunKind::kTrajectory, path_, record);
-}
-
-std::int64_t Store::save(const ComparisonRecord& record) const {
-  return saveAs(RunKind::kComparison, path_, record);
-}
-
-std::int64_t Store::save(const PerturbationRecord& record) const {
-  return saveAs(RunKind::kPerturbation, path_, record);
-}
-
-std::int64_t Store::save(const ReplayRecord& record) const {
-  return saveAs(RunKind::kReplay, path_, record);
-}
-
-std::int64_t Store::save(const StudyRecord& record) const {
-  return saveAs(RunKind::kStudy, path_, record);
-}
-
-CalibrationRecord Store::loadCalibration(std::optional<std::int64_t> run) const {
-  return loadAs<CalibrationRecord>(RunKind::kCalibration, path_, run);
-}
-
-TrajectoryRecord Store::loadTrajectory(std::optional<std::int64_t> run) const {
-  return loadAs<TrajectoryRecord>(RunKind::kTrajectory, path_, run);
-}
-
-ComparisonRecord Store::loadComparison(std::optional<std::int64_t> run) const {
-  return loadAs<ComparisonRecord>(RunKind::kComparison, path_, run);
-}
-
-PerturbationRecord Store::loadPerturbation(std::optional<std::int64_t> run) const {
-  return loadAs<PerturbationRecord>(RunKind::kPerturbation, path_, run);
-}
-
-ReplayRecord Store::loadReplay(std::optional<std::int64_t> run) const {
-  return loadAs<ReplayRecord>(RunKind::kReplay, path_, run);
-}
-
-StudyRecord Store::loadStudy(std::optional<std::int64_t> run) const {
-  return loadAs<StudyRecord>(RunKind::kStudy, path_, run);
-}
+template CalibrationRecord Store::load(std::optional<std::int64_t> wanted) const;
+template TrajectoryRecord Store::load(std::optional<std::int64_t> wanted) const;
+template ComparisonRecord Store::load(std::optional<std::int64_t> wanted) const;
+template PerturbationRecord Store::load(std::optional<std::int64_t> wanted) const;
+template ReplayRecord Store::load(std::optional<std::int64_t> wanted) const;
+template StudyRecord Store::load(std::optional<std::int64_t> wanted) const;
 
 std::string Store::document(std::int64_t run) const {
   return readStore(path_, [&](SQLite::Database& db) {

@@ -48,20 +48,12 @@ class Store {
 
   /// Adds a run and returns its id. A new file is written under a temporary name and renamed when
   /// complete; in a file that exists the run is one transaction. Nothing partial remains.
-  std::int64_t save(const CalibrationRecord& record) const;
-  std::int64_t save(const TrajectoryRecord& record) const;
-  std::int64_t save(const ComparisonRecord& record) const;
-  std::int64_t save(const PerturbationRecord& record) const;
-  std::int64_t save(const ReplayRecord& record) const;
-  std::int64_t save(const StudyRecord& record) const;
+  template <class Record>
+  std::int64_t save(const Record& record) const;
 
   /// The record of a run, or of the latest of its kind. InputError where the run is of another.
-  CalibrationRecord loadCalibration(std::optional<std::int64_t> run = std::nullopt) const;
-  TrajectoryRecord loadTrajectory(std::optional<std::int64_t> run = std::nullopt) const;
-  ComparisonRecord loadComparison(std::optional<std::int64_t> run = std::nullopt) const;
-  PerturbationRecord loadPerturbation(std::optional<std::int64_t> run = std::nullopt) const;
-  ReplayRecord loadReplay(std::optional<std::int64_t> run = std::nullopt) const;
-  StudyRecord loadStudy(std::optional<std::int64_t> run = std::nullopt) const;
+  template <class Record>
+  Record load(std::optional<std::int64_t> run = std::nullopt) const;
 
   /// The JSON document of a run, as the command that made it wrote it into its folder.
   std::string document(std::int64_t run) const;

@@ -84,22 +84,22 @@ bool isDocumentOf(const Json& document, const std::string& path) {
 void loadRun(const Store& store, const RunSummary& run) {
   switch (run.kind) {
     case RunKind::kCalibration:
-      documentOf(store.loadCalibration(run.id));
+      documentOf(store.load<CalibrationRecord>(run.id));
       return;
     case RunKind::kTrajectory:
-      documentOf(store.loadTrajectory(run.id));
+      documentOf(store.load<TrajectoryRecord>(run.id));
       return;
     case RunKind::kComparison:
-      documentOf(store.loadComparison(run.id));
+      documentOf(store.load<ComparisonRecord>(run.id));
       return;
     case RunKind::kPerturbation:
-      documentOf(store.loadPerturbation(run.id));
+      documentOf(store.load<PerturbationRecord>(run.id));
       return;
     case RunKind::kReplay:
-      documentOf(store.loadReplay(run.id));
+      documentOf(store.load<ReplayRecord>(run.id));
       return;
     case RunKind::kStudy:
-      documentOf(store.loadStudy(run.id));
+      documentOf(store.load<StudyRecord>(run.id));
       return;
   }
 }

@@ -286,7 +286,8 @@ TEST(CalibrationPage, IsTheSameWhenMadeFromTheStore) {
   std::filesystem::remove(file);
   const CalibrationRecord record = syntheticRecord({.frames = 30});
   Store(file).save(record);
-  EXPECT_EQ(renderCalibrationPage(Store(file).loadCalibration()), renderCalibrationPage(record));
+  EXPECT_EQ(renderCalibrationPage(Store(file).load<CalibrationRecord>()),
+            renderCalibrationPage(record));
   std::filesystem::remove(file);
 }
 

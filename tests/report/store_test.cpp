@@ -57,7 +57,7 @@ class StoreTest : public ::testing::Test {
     return SQLite::Database(file().string()).execAndGet(sql).getDouble();
   }
   std::string complaint() const {
-    return complaintOf([&] { Store(file()).loadCalibration(); });
+    return complaintOf([&] { Store(file()).load<CalibrationRecord>(); });
   }
   /// What the store keeps of a record, and what its JSON alone does.
   template <class Record, class Load>
@@ -149,7 +149,7 @@ TEST(TrajectoryDocument, NoPairsHaveNoDifference) {
 TEST_F(StoreTest, GivesBackAReplayAndItsPage) {
   const ReplayRecord saved = test::syntheticReplay();
   expectRoundTrips(saved, &Store::loadReplay);
-  EXPECT_TRUE(renderReplayPage(Store(file()).loadReplay()) == renderReplayPage(saved));
+  EXPECT_TRUE(renderReplayPage(Store(file()).load<ReplayRecord>()) == renderReplayPage(saved));
 }
 
 TEST_F(StoreTest, KnowsNothingOfNumbersThatAreNotFinite) {
@@ -158,7 +158,7 @@ TEST_F(StoreTest, KnowsNothingOfNumbersThatAreNotFinite) {
   record.camera->summary.covariance.matrix(0, 0) = std::numeric_limits<double>::quiet_NaN();
   Store(file()).save(record);
   EXPECT_THAT(Store(file()).document(1), HasSubstr("\"entropy_nats\": null"));
-  const CalibrationRecord loaded = Store(file()).loadCalibration();
+  const CalibrationRecord loaded = Store(file()).load<CalibrationRecord>();
   EXPECT_TRUE(std::isnan(loaded.camera->summary.entropy_nats));
   EXPECT_TRUE(std::isnan(loaded.camera->summary.covariance.matrix(0, 0)));
   EXPECT_EQ(number("SELECT count(*) FROM metrics WHERE name = 'entropy_nats' AND value IS NULL"),
@@ -246,7 +246,7 @@ TEST_F(StoreTest, RefusesABoundThatCannotBeDrawn) {
     record.offset_bound_s = bound;
     std::filesystem::remove(file());
     Store(file()).save(record);
-    EXPECT_THAT(complaintOf([&] { Store(file()).loadPerturbation(); }),
+    EXPECT_THAT(complaintOf([&] { Store(file()).load<PerturbationRecord>(); }),
                 HasSubstr("offset_bound_s"));
   }
 }
@@ -255,7 +255,7 @@ TEST_F(StoreTest, RefusesAComparisonOfNothing) {
   ComparisonRecord record = test::syntheticComparison();
   record.calibrations.clear();
   Store(file()).save(record);
-  EXPECT_THAT(complaintOf([&] { Store(file()).loadComparison(); }),
+  EXPECT_THAT(complaintOf([&] { Store(file()).load<ComparisonRecord>(); }),
               HasSubstr("no calibration to compare"));
 }
 
@@ -265,7 +265,7 @@ TEST_F(StoreTest, RefusesSessionsWhosePagesLieElsewhere) {
     record.sessions.back().page = page;
     std::filesystem::remove(file());
     Store(file()).save(record);
-    return complaintOf([&] { Store(file()).loadStudy(); });
+    return complaintOf([&] { Store(file()).load<StudyRecord>(); });
   };
   for (const char* page : {"javascript:alert(1)", " javascript:alert(1)", "java\nscript:alert(1)",
                            "https://host/", "//host/x", "\\\\host/x", "/etc/x"}) {
@@ -280,7 +280,7 @@ TEST_F(StoreTest, RefusesALimitThatCannotBeDrawn) {
   StudyRecord record = test::syntheticUserStudy();
   record.limit_s = 0;
   Store(file()).save(record);
-  EXPECT_THAT(complaintOf([&] { Store(file()).loadStudy(); }), HasSubstr("limit_s"));
+  EXPECT_THAT(complaintOf([&] { Store(file()).load<StudyRecord>(); }), HasSubstr("limit_s"));
 }
 
 TEST_F(StoreTest, RefusesWhatPagesWouldLookUpBeyondItsEnd) {
@@ -290,7 +290,7 @@ TEST_F(StoreTest, RefusesWhatPagesWouldLookUpBeyondItsEnd) {
     spoil(record);
     std::filesystem::remove(file());
     Store(file()).save(record);
-    return complaintOf([&] { Store(file()).loadReplay(); });
+    return complaintOf([&] { Store(file()).load<ReplayRecord>(); });
   };
   EXPECT_EQ(complaintAfter([](ReplayRecord&) {}), "no complaint");
   for (const int id : {-1, good.target.cornerCount()}) {
@@ -343,9 +343,9 @@ TEST_F(StoreTest, KeepsRunsApartAndLoadsTheLatestByDefault) {
   const auto second = store.save(record);
   EXPECT_NE(first, second);
   EXPECT_EQ(store.runs().size(), 2U);
-  EXPECT_EQ(store.loadCalibration().name, "second");
-  EXPECT_EQ(store.loadCalibration(first).name, name);
-  EXPECT_THROW(store.loadCalibration(second + 7), InputError);
+  EXPECT_EQ(store.load<CalibrationRecord>().name, "second");
+  EXPECT_EQ(store.load<CalibrationRecord>(first).name, name);
+  EXPECT_THROW(store.load<CalibrationRecord>(second + 7), InputError);
 }
 
 TEST_F(StoreTest, LoadsTheLatestOfAKindAndRefusesAnotherKind) {
@@ -354,10 +354,10 @@ TEST_F(StoreTest, LoadsTheLatestOfAKindAndRefusesAnotherKind) {
   const auto study = store.save(test::syntheticPerturbation());
   EXPECT_EQ(store.summary().kind, RunKind::kPerturbation);
   EXPECT_EQ(store.summary(calibration).kind, RunKind::kCalibration);
-  EXPECT_EQ(store.loadCalibration().name, test::syntheticRecord({.frames = 3}).name);
-  EXPECT_THAT(complaintOf([&] { store.loadCalibration(study); }),
+  EXPECT_EQ(store.load<CalibrationRecord>().name, test::syntheticRecord({.frames = 3}).name);
+  EXPECT_THAT(complaintOf([&] { store.load<CalibrationRecord>(study); }),
               HasSubstr("is of kind 'perturbation', expected 'calibration'"));
-  EXPECT_THAT(complaintOf([&] { store.loadComparison(); }), HasSubstr("no run of kind"));
+  EXPECT_THAT(complaintOf([&] { store.load<ComparisonRecord>(); }), HasSubstr("no run of kind"));
 }
 
 TEST_F(StoreTest, LeavesNothingPartialWhenAFolderIsMissing) {
@@ -386,7 +386,7 @@ TEST_F(StoreTest, RefusesDamagedRows) {
     std::filesystem::remove(file());
     Store(file()).save(test::syntheticTrajectories());
     change(damage);
-    return complaintOf([&] { Store(file()).loadTrajectory(); });
+    return complaintOf([&] { Store(file()).load<TrajectoryRecord>(); });
   };
   EXPECT_THAT(after("UPDATE documents SET json = substr(json, 1, 100)"), HasSubstr("damaged"));
   EXPECT_THAT(after("UPDATE documents SET json = replace(json, '\"status\": \"partial\"', "
@@ -436,7 +436,7 @@ TEST_F(StoreTest, KeepsAStudyWithItsFiguresAsRows) {
   const Store store(file());
   store.save(record);
   EXPECT_EQ(store.summary().kind, RunKind::kStudy);
-  EXPECT_EQ(documentOf(store.loadStudy()), documentOf(record));
+  EXPECT_EQ(documentOf(store.load<StudyRecord>()), documentOf(record));
   EXPECT_EQ(number("SELECT value FROM metrics WHERE stage = 'p01_free' AND name = 'capture_s'"),
             73.25);
   EXPECT_EQ(number("SELECT count(*) FROM metrics WHERE stage = 'p01_guided' AND name = "
@@ -461,7 +461,7 @@ TEST_F(StoreTest, BringsAStoreOfVersion1UpToDateWithItsRuns) {
   EXPECT_GT(study, run);
   EXPECT_EQ(number("PRAGMA user_version"), 2);
   EXPECT_EQ(store.document(run), document);
-  EXPECT_EQ(store.loadStudy(study).sessions.size(), 2U);
+  EXPECT_EQ(store.load<StudyRecord>(study).sessions.size(), 2U);
   EXPECT_EQ(number("SELECT count(*) FROM pragma_foreign_key_check"), 0);
 }
 

@@ -134,10 +134,10 @@ TEST(StudyPagesFromTheStore, AreTheSame) {
   store.save(test::syntheticTrajectories());
   store.save(test::syntheticComparison());
   store.save(test::syntheticUserStudy());
-  EXPECT_EQ(renderPerturbationPage(store.loadPerturbation()), perturbationPage());
-  EXPECT_EQ(renderTrajectoryPage(store.loadTrajectory()), trajectoryPage());
-  EXPECT_EQ(renderComparisonPage(store.loadComparison()), comparisonPage());
-  EXPECT_EQ(renderStudyPage(store.loadStudy()), userStudyPage());
+  EXPECT_EQ(renderPerturbationPage(store.load<PerturbationRecord>()), perturbationPage());
+  EXPECT_EQ(renderTrajectoryPage(store.load<TrajectoryRecord>()), trajectoryPage());
+  EXPECT_EQ(renderComparisonPage(store.load<ComparisonRecord>()), comparisonPage());
+  EXPECT_EQ(renderStudyPage(store.load<StudyRecord>()), userStudyPage());
   std::filesystem::remove(file);
 }
 

@@ -127,19 +127,15 @@ Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutco
 }
 
 Cell verdictCell(StopAudit::Verdict verdict) {
-  switch (verdict) {
-    case StopAudit::Verdict::kNotJudged:
-      return {"not judged", Cell::Kind::kTight, VerdictLevel::kCaution};
-    case StopAudit::Verdict::kNeverStopped:
-      return {"never stopped", Cell::Kind::kTight, VerdictLevel::kCaution};
-    case StopAudit::Verdict::kEarly:
-      return {"too early", Cell::Kind::kTight, VerdictLevel::kBad};
-    case StopAudit::Verdict::kLate:
-      return {"late", Cell::Kind::kTight, VerdictLevel::kCaution};
-    case StopAudit::Verdict::kRight:
-      return {"right", Cell::Kind::kTight, VerdictLevel::kGood};
-  }
-  return {kDash};
+  // In the order of the verdicts.
+  static constexpr std::pair<const char*, VerdictLevel> kCells[] = {
+      {"never stopped", VerdictLevel::kCaution},
+      {"too early", VerdictLevel::kBad},
+      {"late", VerdictLevel::kCaution},
+      {"right", VerdictLevel::kGood},
+      {"not judged", VerdictLevel::kCaution}};
+  const auto& [text, level] = kCells[static_cast<std::size_t>(verdict)];
+  return {text, Cell::Kind::kTight, level};
 }
 
 /// An entropy of 0 is one that is not known.

@@ -15,15 +15,10 @@ namespace {
 std::string metres(double value) { return fmt::format("{:.4f}", value); }
 
 Cell statusCell(const TrajectoryRun& run) {
-  switch (run.status) {
-    case RunStatus::kComplete:
-      return {"complete", Cell::Kind::kTight, VerdictLevel::kGood};
-    case RunStatus::kPartial:
-      return {"partial", Cell::Kind::kTight, VerdictLevel::kCaution};
-    case RunStatus::kFailed:
-      break;
-  }
-  return {"failed", Cell::Kind::kTight, VerdictLevel::kBad};
+  const VerdictLevel level = run.status == RunStatus::kComplete  ? VerdictLevel::kGood
+                             : run.status == RunStatus::kPartial ? VerdictLevel::kCaution
+                                                                 : VerdictLevel::kBad;
+  return {toString(run.status), Cell::Kind::kTight, level};
 }
 
 Cell nameCell(const std::string& name) { return tight(name.empty() ? kDash : name); }
