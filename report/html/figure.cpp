@@ -37,15 +37,18 @@ struct Summary {
 
 Summary summaryOf(const std::vector<double>& values) {
   std::vector<double> known;
-  for (const double v : values) {
-    if (std::isfinite(v)) known.push_back(v);
-  }
+  addFinite(values, known);
   if (known.empty()) return {0, 0, values.size(), false};
   return {quantile(known, 0.5), *std::max_element(known.begin(), known.end()),
           values.size() - known.size(), true};
 }
 
 }  // namespace
+
+void addFinite(const std::vector<double>& values, std::vector<double>& known) {
+  std::copy_if(values.begin(), values.end(), std::back_inserter(known),
+               [](double v) { return std::isfinite(v); });
+}
 
 std::string rangeText(double range_m) {
   return std::isinf(range_m) ? "at infinity" : fmt::format("at {:g} m", range_m);
@@ -107,10 +110,7 @@ Figure heatFigure(const HeatMap& plot, const std::string& id) {
 // leave one colour for all others.
 void scaleAlike(const std::vector<HeatMap*>& maps) {
   std::vector<double> known;
-  for (const HeatMap* map : maps) {
-    std::copy_if(map->values.begin(), map->values.end(), std::back_inserter(known),
-                 [](double v) { return std::isfinite(v); });
-  }
+  for (const HeatMap* map : maps) addFinite(map->values, known);
   // The floor keeps the scale of maps that are all zero from having no length.
   const double end = known.empty() ? 1 : std::max(1e-9, quantile(std::move(known), kColoured));
   for (HeatMap* map : maps) map->value_range = Range{0, end};

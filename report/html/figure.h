@@ -16,6 +16,9 @@ struct Figure {
   bool wide = false;  ///< takes the whole width of the page
 };
 
+/// Adds those of the values that are finite to `known`.
+void addFinite(const std::vector<double>& values, std::vector<double>& known);
+
 /// "at 1 m", "at infinity".
 std::string rangeText(double range_m);
 

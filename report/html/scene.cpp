@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "report/html/figure.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {
@@ -25,9 +26,7 @@ Colour timeColour(double unit) {  // pale blue to deep violet
 }
 
 SceneObject targetTags(const AprilGrid& grid) {
-  SceneObject object;
-  object.layer = "target";
-  object.colour = {36, 40, 46, 255};
+  SceneObject object{"target", {36, 40, 46, 255}};
   for (int tag = 0; tag < grid.tagCount(); ++tag) {
     const int base = static_cast<int>(object.points.size());
     for (int k = 0; k < 4; ++k) {
@@ -44,37 +43,31 @@ SceneObject targetBoard(const AprilGrid& grid) {
   // A white border as wide as a gap; a little behind the tags, which would flicker in its plane.
   const double m = grid.tag_size * grid.spacing;
   const double w = grid.width() + m, h = grid.height() + m, z = -0.004 * grid.width();
-  SceneObject object;
-  object.layer = "target";
-  object.colour = {255, 255, 255, 255};
-  object.points = {{-m, -m, z}, {w, -m, z}, {w, h, z}, {-m, h, z}};
-  object.polygons = {{0, 1, 2, 3}};
-  return object;
+  return {.layer = "target",
+          .colour = {255, 255, 255, 255},
+          .points = {{-m, -m, z}, {w, -m, z}, {w, h, z}, {-m, h, z}},
+          .polygons = {{0, 1, 2, 3}}};
 }
 
 SceneObject outline(const SceneObject& board) {
-  SceneObject object;
-  object.layer = board.layer;
-  object.points = board.points;
-  object.lines = {{0, 1, 2, 3, 0}};
-  object.colour = {150, 156, 166, 255};
-  return object;
+  return {.layer = board.layer,
+          .colour = {150, 156, 166, 255},
+          .points = board.points,
+          .lines = {{0, 1, 2, 3, 0}}};
 }
 
 SceneObject arrow(const std::string& layer, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                   const Colour& colour) {
-  SceneObject object;
-  object.layer = layer;
-  object.colour = colour;
-  object.width = 3;
   const Eigen::Vector3d d = to - from;
   // Any direction but the arrow's own: the barbs lie across both.
   const Eigen::Vector3d other =
       std::abs(d.normalized().z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
   const Eigen::Vector3d side = 0.08 * d.norm() * d.cross(other).normalized();
-  object.points = {from, to, to - 0.18 * d + side, to - 0.18 * d - side};
-  object.lines = {{0, 1}, {2, 1, 3}};
-  return object;
+  return {.layer = layer,
+          .colour = colour,
+          .width = 3,
+          .points = {from, to, to - 0.18 * d + side, to - 0.18 * d - side},
+          .lines = {{0, 1}, {2, 1, 3}}};
 }
 
 /// x red, y green, z blue.
@@ -109,10 +102,7 @@ Rig rigOf(const CalibrationRecord& record) {
 
 SceneObject frusta(const Rig& rig, std::size_t camera, const Scene& scene, double depth,
                    const std::vector<double>& rmse, const std::vector<double>& seconds) {
-  SceneObject object;
-  object.layer = "cam" + std::to_string(camera);
-  object.colour = seriesColour(camera);
-  object.width = 1;
+  SceneObject object{"cam" + std::to_string(camera), seriesColour(camera), 1};
   const CameraCalibration& calibration = rig.stage.cameras[camera];
   const std::size_t n = std::min(rig.T_FC0.size(), rmse.size());
   const std::size_t stride = std::max<std::size_t>(1, (n + kMostFrusta - 1) / kMostFrusta);
@@ -132,10 +122,7 @@ SceneObject frusta(const Rig& rig, std::size_t camera, const Scene& scene, doubl
 }
 
 SceneObject path(const std::vector<Transform>& poses) {
-  SceneObject object;
-  object.layer = "path";
-  object.colour = {120, 126, 136, 255};
-  object.width = 1;
+  SceneObject object{"path", {120, 126, 136, 255}, 1};
   const std::size_t stride = std::max<std::size_t>(1, (poses.size() + kMostPath - 1) / kMostPath);
   object.lines.emplace_back();
   for (std::size_t i = 0; i < poses.size(); i += stride) {
@@ -147,10 +134,7 @@ SceneObject path(const std::vector<Transform>& poses) {
 
 Range rmseRange(const std::vector<std::vector<double>>& rmse) {
   std::vector<double> known;
-  for (const auto& values : rmse) {
-    std::copy_if(values.begin(), values.end(), std::back_inserter(known),
-                 [](double v) { return std::isfinite(v); });
-  }
+  for (const auto& values : rmse) addFinite(values, known);
   if (known.empty()) return {0, 1};
   // A few bad views would pale the rest.
   const Range range{quantile(known, 0.02), quantile(known, 0.98)};

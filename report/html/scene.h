@@ -14,13 +14,13 @@ namespace plumbline::html_internal {
 /// Points with lines or polygons between them, in the target's frame F [m].
 struct SceneObject {
   std::string layer;  ///< shown and hidden together: "target", "cam0", "path", "rig", "gravity"
-  std::vector<Eigen::Vector3d> points;
-  std::vector<std::vector<int>> lines;     ///< indices of points
-  std::vector<std::vector<int>> polygons;  ///< indices of points
   Colour colour;
   double width = 1.5;  ///< of lines [px]
+  std::vector<Eigen::Vector3d> points = {};
+  std::vector<std::vector<int>> lines = {};     ///< indices of points
+  std::vector<std::vector<int>> polygons = {};  ///< indices of points
   /// Colours of the points by what they show ("rmse", "time"); empty: all have `colour`.
-  std::map<std::string, std::vector<Colour>> colours;
+  std::map<std::string, std::vector<Colour>> colours = {};
   std::vector<int> frames = {};  ///< of frusta, five points each: the frames they belong to
 };
 

@@ -55,10 +55,7 @@ void addBand(LinePlot& plot, const CounterfactualBand& band, BandColumn column, 
 
 Range rangeShown(const LinePlot& plot) {
   std::vector<double> values;
-  for (const Series& s : plot.series) {
-    std::copy_if(s.y.begin(), s.y.end(), std::back_inserter(values),
-                 [](double v) { return std::isfinite(v); });
-  }
+  for (const Series& s : plot.series) addFinite(s.y, values);
   if (values.empty()) return {0, 1};
   // Down to the least: what an order ends at is what is compared.
   const double low = *std::min_element(values.begin(), values.end());

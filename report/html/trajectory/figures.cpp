@@ -160,9 +160,7 @@ Range colourRange(const std::vector<TrajectoryRun>& runs, const TrajectoryRun& r
   for (const TrajectoryRun& other : runs) {
     if (other.sequence != run.sequence) continue;
     std::vector<double> known;
-    for (const double e : other.error_m) {
-      if (std::isfinite(e)) known.push_back(e);
-    }
+    addFinite(other.error_m, known);
     if (!known.empty()) range.max = std::max({range.max, 1e-9, quantile(known, 0.99)});
   }
   if (range.max == 0) range.max = 1;

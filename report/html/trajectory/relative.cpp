@@ -32,6 +32,10 @@ std::array<double, 5> medianOf(const std::vector<std::array<double, 5>>& all) {
 
 using Distance = std::pair<std::string, double>;  // unit, delta
 
+std::string lengthText(const Distance& distance) {
+  return fmt::format("{:g} {}", distance.second, distance.first);
+}
+
 /// Those that any run was evaluated over.
 std::vector<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
   std::vector<Distance> all;
@@ -48,22 +52,32 @@ std::vector<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
   return all;
 }
 
+/// Of the runs under a calibration, those over a distance.
+std::vector<const RelativeErrorRecord*> errorsOver(const std::vector<TrajectoryRun>& runs,
+                                                   const std::string& calibration,
+                                                   const Distance& distance) {
+  std::vector<const RelativeErrorRecord*> found;
+  for (const TrajectoryRun& run : runs) {
+    if (run.calibration != calibration) continue;
+    for (const RelativeErrorRecord& r : run.rpe) {
+      if (Distance(r.unit, r.delta) == distance) found.push_back(&r);
+    }
+  }
+  return found;
+}
+
 /// Boxes of every length and calibration; `what`: the translation [m] or the rotation [degree].
 BoxPlot relativeBoxes(const std::vector<TrajectoryRun>& runs,
                       SampleStatistics RelativeErrorRecord::*what) {
   BoxPlot plot;
   plot.series = calibrationsOf(runs);
-  for (const auto& [unit, delta] : distancesOf(runs)) {
+  for (const Distance& distance : distancesOf(runs)) {
     for (std::size_t k = 0; k < plot.series.size(); ++k) {
       std::vector<std::array<double, 5>> all;
-      for (const TrajectoryRun& run : runs) {
-        if (run.calibration != plot.series[k]) continue;
-        for (const RelativeErrorRecord& r : run.rpe) {
-          if (r.unit == unit && r.delta == delta && (r.*what).n > 0) all.push_back(fiveOf(r.*what));
-        }
+      for (const RelativeErrorRecord* r : errorsOver(runs, plot.series[k], distance)) {
+        if ((r->*what).n > 0) all.push_back(fiveOf(r->*what));
       }
-      if (all.empty()) continue;
-      plot.boxes.push_back({fmt::format("{:g} {}", delta, unit), medianOf(all), k});
+      if (!all.empty()) plot.boxes.push_back({lengthText(distance), medianOf(all), k});
     }
   }
   return plot;
@@ -75,20 +89,17 @@ std::vector<Cell> relativeRow(const std::vector<TrajectoryRun>& runs, const std:
   std::vector<double> metres, degrees;
   std::string pairs;
   std::size_t pieces = 0;
-  for (const TrajectoryRun& run : runs) {
-    if (run.calibration != name) continue;
-    for (const RelativeErrorRecord& r : run.rpe) {
-      if (Distance(r.unit, r.delta) != distance || r.translation_m.n == 0) continue;
-      // A run counts as one, however many pairs it has.
-      metres.push_back(r.translation_m.rmse);
-      degrees.push_back(r.rotation_deg.rmse);
-      pieces += r.translation_m.n;
-      pairs = r.pairs;
-    }
+  for (const RelativeErrorRecord* r : errorsOver(runs, name, distance)) {
+    if (r->translation_m.n == 0) continue;
+    // A run counts as one, however many pairs it has.
+    metres.push_back(r->translation_m.rmse);
+    degrees.push_back(r->rotation_deg.rmse);
+    pieces += r->translation_m.n;
+    pairs = r->pairs;
   }
   if (metres.empty()) return {};
-  return {words(name.empty() ? "\u2013" : name),
-          tight(fmt::format("{:g} {}", distance.second, distance.first)),
+  return {words(name.empty() ? kDash : name),
+          tight(lengthText(distance)),
           tight(pairs),
           number(metres.size()),
           number(grouped(pieces)),
@@ -117,16 +128,16 @@ Section relativeSection(const std::vector<TrajectoryRun>& runs) {
       "%, line at the median over the segments; for several runs the median of each of these."};
   section = withTable(std::move(section), relativeTable(runs));
   std::vector<Figure> figures;
-  BoxPlot translation = relativeBoxes(runs, &RelativeErrorRecord::translation_m);
-  BoxPlot rotation = relativeBoxes(runs, &RelativeErrorRecord::rotation_deg);
-  if (!translation.boxes.empty()) {
-    frameBoxes(translation, "Translation", "translation error [m]");
-    figures.push_back({toSvg(translation, "rpe-translation"), "", true});
-  }
-  if (!rotation.boxes.empty()) {
-    frameBoxes(rotation, "Rotation", "rotation error [\u00b0]");
-    figures.push_back({toSvg(rotation, "rpe-rotation"), "", true});
-  }
+  const auto add = [&](SampleStatistics RelativeErrorRecord::*what, const char* title,
+                       const char* label, const char* id) {
+    BoxPlot plot = relativeBoxes(runs, what);
+    if (plot.boxes.empty()) return;
+    frameBoxes(plot, title, label);
+    figures.push_back({toSvg(plot, id), "", true});
+  };
+  add(&RelativeErrorRecord::translation_m, "Translation", "translation error [m]",
+      "rpe-translation");
+  add(&RelativeErrorRecord::rotation_deg, "Rotation", "rotation error [\u00b0]", "rpe-rotation");
   return withFigures(std::move(section), std::move(figures));
 }
 
