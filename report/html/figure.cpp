@@ -39,15 +39,15 @@ Summary summaryOf(const std::vector<double>& values) {
   std::vector<double> known;
   addFinite(values, known);
   if (known.empty()) return {0, 0, values.size(), false};
-  return {quantile(known, 0.5), *std::max_element(known.begin(), known.end()),
-          values.size() - known.size(), true};
+  return {quantile(known, 0.5), *std::ranges::max_element(known), values.size() - known.size(),
+          true};
 }
 
 }  // namespace
 
 void addFinite(const std::vector<double>& values, std::vector<double>& known) {
-  std::copy_if(values.begin(), values.end(), std::back_inserter(known),
-               [](double v) { return std::isfinite(v); });
+  std::ranges::copy_if(values, std::back_inserter(known),
+                       [](double v) { return std::isfinite(v); });
 }
 
 std::string rangeText(double range_m) {
@@ -145,8 +145,8 @@ void magnifyAlike(const std::vector<VectorField*>& fields, double reach) {
 }
 
 std::string cutText(const VectorField& field) {
-  const auto cut = std::count_if(field.arrows.begin(), field.arrows.end(),
-                                 [&](const auto& a) { return lengthOf(a) > field.longest; });
+  const auto cut = std::ranges::count_if(
+      field.arrows, [&](const auto& a) { return lengthOf(a) > field.longest; });
   if (field.longest <= 0 || cut == 0) return "";
   return fmt::format(" {} arrow{} above {:.2g} px {} shortened to that length, in red.", cut,
                      cut == 1 ? "" : "s", field.longest, cut == 1 ? "is" : "are");

@@ -75,8 +75,8 @@ data findingRows(const std::vector<Finding>& findings) {
 /// has a subject.
 data subjectChips(const std::vector<Finding>& findings) {
   data chips{data::type::list};
-  if (std::all_of(findings.begin(), findings.end(),
-                  [](const Finding& f) { return f.subject == FindingSubject::kResult; })) {
+  if (std::ranges::all_of(findings,
+                          [](const Finding& f) { return f.subject == FindingSubject::kResult; })) {
     return chips;
   }
   // What is about the result as a whole is the badge's.
@@ -97,9 +97,8 @@ data subjectChips(const std::vector<Finding>& findings) {
 // A record without a headline says how many rules hold.
 std::string sentenceOf(const Verdict& verdict) {
   if (!verdict.headline.empty()) return verdict.headline;
-  const auto beyond =
-      std::count_if(verdict.findings.begin(), verdict.findings.end(),
-                    [](const Finding& f) { return f.level != VerdictLevel::kGood; });
+  const auto beyond = std::ranges::count_if(
+      verdict.findings, [](const Finding& f) { return f.level != VerdictLevel::kGood; });
   if (beyond == 0) return fmt::format("All {} rules are met.", verdict.findings.size());
   return fmt::format(
       "{} of {} rules {}; the evidence is below.", beyond, verdict.findings.size(),

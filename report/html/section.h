@@ -46,7 +46,7 @@ ReadableUnit readable(const std::string& unit);
 
 /// Index of the name; their number where it is not among them.
 inline std::size_t placeOf(const std::vector<std::string>& names, const std::string& name) {
-  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
 }
 
 /// The names of the rows, each once, in the order of their first.
@@ -107,8 +107,8 @@ struct NamedTransform {
 
 /// A part of a section: whatever is there, in the order of these fields.
 struct Block {
-  std::string heading;
-  std::string text;
+  std::string heading = {};
+  std::string text = {};
   std::optional<Table> table = {};
   std::vector<NamedTransform> matrices = {};
   std::vector<Figure> figures = {};
@@ -126,9 +126,10 @@ struct Section {
   std::vector<std::string> remarks = {};  ///< before the blocks
 };
 
-/// `section` with a block of the table alone; as it is where the table has no rows.
-inline Section withTable(Section section, Table table) {
-  if (!table.rows.empty()) section.blocks.push_back({"", "", std::move(table)});
+/// `section` with a block of the table; as it is where the table has no rows.
+inline Section withTable(Section section, Table table, const std::string& heading = "",
+                         const std::string& text = "") {
+  if (!table.rows.empty()) section.blocks.push_back({heading, text, std::move(table)});
   return section;
 }
 

@@ -15,7 +15,7 @@ TimeNs timeOrigin(const CalibrationRecord& record) {
   if (record.camera_imu && !record.camera_imu->frames.empty()) {
     first.push_back(record.camera_imu->frames.front().t);
   }
-  return first.empty() ? 0 : *std::min_element(first.begin(), first.end());
+  return first.empty() ? 0 : *std::ranges::min_element(first);
 }
 
 StageView cameraView(const CalibrationRecord& record) {

@@ -15,8 +15,7 @@ inline bool continuesCharacter(char c) { return (static_cast<unsigned char>(c) &
 
 /// Characters (code points) of a text in UTF-8: how wide it is, about.
 inline std::size_t characterCount(std::string_view text) {
-  return text.size() -
-         static_cast<std::size_t>(std::count_if(text.begin(), text.end(), continuesCharacter));
+  return text.size() - static_cast<std::size_t>(std::ranges::count_if(text, continuesCharacter));
 }
 
 /// The last characters of a text in UTF-8; all where it has no more.

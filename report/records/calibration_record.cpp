@@ -25,8 +25,8 @@ std::optional<double> component(const Transform& T, const std::string& suffix) {
 std::optional<double> intrinsicValue(const CameraCalibration& camera, const std::string& suffix) {
   const auto names =
       intrinsicParameters(camera.intrinsics.projection_model, camera.intrinsics.distortion_model);
-  const auto found = std::find_if(names.begin(), names.end(),
-                                  [&](const ParameterName& p) { return p.name == suffix; });
+  const auto found =
+      std::ranges::find_if(names, [&](const ParameterName& p) { return p.name == suffix; });
   const Eigen::VectorXd values = camera.intrinsics.stacked();
   const auto index = found - names.begin();
   if (found == names.end() || index >= values.size()) return std::nullopt;
@@ -70,7 +70,7 @@ std::optional<double> valueOf(const CalibrationRecord& record, const std::string
 std::optional<double> spreadOf(const std::optional<ResampleSpread>& spread,
                                const std::string& name) {
   if (!spread) return std::nullopt;
-  const auto found = std::find(spread->names.begin(), spread->names.end(), name);
+  const auto found = std::ranges::find(spread->names, name);
   if (found == spread->names.end()) return std::nullopt;
   return spread->std[found - spread->names.begin()];
 }
@@ -105,8 +105,8 @@ bool haveOneCure(const Finding& a, const Finding& b) {
 std::vector<std::vector<Finding>> findingsByCure(const std::vector<Finding>& findings) {
   std::vector<std::vector<Finding>> rows;
   for (const Finding& f : findings) {
-    const auto same = std::find_if(rows.begin(), rows.end(),
-                                   [&](const auto& row) { return haveOneCure(row.front(), f); });
+    const auto same =
+        std::ranges::find_if(rows, [&](const auto& row) { return haveOneCure(row.front(), f); });
     if (same == rows.end()) {
       rows.push_back({f});
     } else {
@@ -114,8 +114,8 @@ std::vector<std::vector<Finding>> findingsByCure(const std::vector<Finding>& fin
     }
   }
   // Stable: within a level the rules keep their order.
-  std::stable_sort(rows.begin(), rows.end(),
-                   [](const auto& a, const auto& b) { return a.front().level > b.front().level; });
+  std::ranges::stable_sort(
+      rows, [](const auto& a, const auto& b) { return a.front().level > b.front().level; });
   return rows;
 }
 
@@ -129,8 +129,8 @@ Verdict makeVerdict(std::vector<Finding> findings) {
 const Finding* gravest(const Verdict& verdict) {
   // A good verdict has findings of its level, too, but none to tell of.
   if (verdict.level == VerdictLevel::kGood) return nullptr;
-  const auto worst = std::find_if(verdict.findings.begin(), verdict.findings.end(),
-                                  [&](const Finding& f) { return f.level == verdict.level; });
+  const auto worst = std::ranges::find_if(
+      verdict.findings, [&](const Finding& f) { return f.level == verdict.level; });
   return worst == verdict.findings.end() ? nullptr : &*worst;
 }
 

@@ -9,14 +9,14 @@ std::vector<std::string> cameraNames(const std::vector<CalibrationScore>& scores
   std::vector<std::string> names;
   for (const CalibrationScore& score : scores) {
     for (const std::string& name : score.cameras) {
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     }
   }
   return names;
 }
 
 const ErrorStatistics* errorsOf(const CalibrationScore& score, const std::string& camera) {
-  const auto name = std::find(score.cameras.begin(), score.cameras.end(), camera);
+  const auto name = std::ranges::find(score.cameras, camera);
   const auto i = static_cast<std::size_t>(name - score.cameras.begin());
   const bool known = i < std::min(score.cameras.size(), score.per_camera.size());
   return known ? &score.per_camera[i] : nullptr;

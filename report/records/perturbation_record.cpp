@@ -21,8 +21,7 @@ std::optional<std::size_t> largestOtherChange(const std::vector<std::string>& pa
 }
 
 bool hasOffset(const PerturbationRecord& record) {
-  return std::find(record.parameters.begin(), record.parameters.end(), "time_offset") !=
-         record.parameters.end();
+  return std::ranges::find(record.parameters, "time_offset") != record.parameters.end();
 }
 
 }  // namespace plumbline

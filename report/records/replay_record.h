@@ -76,9 +76,8 @@ void fields(auto& v, OperatorCompliance& c) {
 /// What an operator can be judged by: one that was open when the frames ended was neither reached
 /// nor missed.
 inline int endedSuggestions(const OperatorCompliance& c) {
-  return static_cast<int>(
-      std::count_if(c.suggestions.begin(), c.suggestions.end(),
-                    [](const auto& s) { return s.end != SuggestionEvent::kNone; }));
+  return static_cast<int>(std::ranges::count_if(
+      c.suggestions, [](const auto& s) { return s.end != SuggestionEvent::kNone; }));
 }
 
 /// Was the guide's "finish" right? Judged by the held-out error of the batch over the views kept.

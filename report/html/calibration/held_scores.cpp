@@ -23,8 +23,8 @@ std::string rmseText(const ErrorStatistics* s) {
 }
 
 bool anyImu(const Scores& scores) {
-  return std::any_of(scores.begin(), scores.end(),
-                     [](const CalibrationScore& s) { return s.camera_imu.has_value(); });
+  return std::ranges::any_of(scores,
+                             [](const CalibrationScore& s) { return s.camera_imu.has_value(); });
 }
 
 std::vector<Cell> columnsOf(const std::vector<std::string>& cameras, bool with_imu) {

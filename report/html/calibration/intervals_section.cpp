@@ -43,12 +43,12 @@ std::vector<NamedGap> longestGaps(const std::vector<SampleIntervals>& sensors) {
   for (const SampleIntervals& s : sensors) {
     for (const SampleGap& gap : s.gaps) gaps.push_back({s.sensor, gap});
   }
-  std::stable_sort(gaps.begin(), gaps.end(), [](const NamedGap& a, const NamedGap& b) {
+  std::ranges::stable_sort(gaps, [](const NamedGap& a, const NamedGap& b) {
     return a.gap.duration_s > b.gap.duration_s;
   });
   gaps.resize(std::min(gaps.size(), kMostRows));
-  std::stable_sort(gaps.begin(), gaps.end(),
-                   [](const NamedGap& a, const NamedGap& b) { return a.gap.t < b.gap.t; });
+  std::ranges::stable_sort(gaps,
+                           [](const NamedGap& a, const NamedGap& b) { return a.gap.t < b.gap.t; });
   return gaps;
 }
 
@@ -138,11 +138,9 @@ Section intervalsSection(const CalibrationRecord& record) {
                   "By the sensors' own stamps. A gap is an interval above 1.5 times the median."};
   section.blocks.push_back({"", "", sensorTable(record.sample_intervals)});
   section = withFigures(std::move(section), intervalFigures(record));
-  const std::vector<NamedGap> gaps = longestGaps(record.sample_intervals);
-  if (!gaps.empty()) {
-    section.blocks.push_back({"The longest gaps", "", gapTable(gaps, timeOrigin(record))});
-  }
-  return section;
+  return withTable(std::move(section),
+                   gapTable(longestGaps(record.sample_intervals), timeOrigin(record)),
+                   "The longest gaps");
 }
 
 }  // namespace plumbline::html_internal

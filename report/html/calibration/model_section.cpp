@@ -35,8 +35,8 @@ std::string reasonText(const ModelChoice& choice) {
       break;
   }
   // One reason stands for both cases: where frames were predicted at all, models were compared.
-  const bool compared = std::any_of(choice.candidates.begin(), choice.candidates.end(),
-                                    [](const auto& c) { return std::isfinite(c.held_out_px); });
+  const bool compared = std::ranges::any_of(
+      choice.candidates, [](const auto& c) { return std::isfinite(c.held_out_px); });
   return fmt::format(
       "{}: {}; {}.", choice.camera, nameOf(choice),
       compared

@@ -122,9 +122,7 @@ std::string parametersLead(const CalibrationRecord& record) {
 /// A column that some parameter of the group needs, all of them have.
 Block parameterBlock(const std::string& heading, const std::vector<ParameterEstimate>& group,
                      bool held) {
-  const auto any = [&](const auto& known) {
-    return std::any_of(group.begin(), group.end(), known);
-  };
+  const auto any = [&](const auto& known) { return std::ranges::any_of(group, known); };
   // Values that were held have no interval: their deviations are not theirs.
   const bool interval =
       !held && any([](const ParameterEstimate& p) { return p.halfWidth90().has_value(); });
@@ -215,15 +213,13 @@ Section sceneSection(const CalibrationRecord& record) {
                         {"scene_layers", listOf(layers, [](const Pair& p) {
                            return object({{"layer", p.label}, {"label", p.value}});
                          })}});
-  Block block;
-  block.html = renderTemplate(embedded::scene(), values);
   return {"scene",
           "Scene",
           "The target and where the cameras were, in the target's frame. Drag to turn, scroll to "
           "zoom, shift-drag to move; click a camera to see its view. Keys: arrows turn, + and - "
           "zoom, page up and down select the view before and after, 0 resets. Good data cover all "
           "directions from the target: near and far, tilted about both axes, and rolled.",
-          {std::move(block)}};
+          {{.html = renderTemplate(embedded::scene(), values)}}};
 }
 
 /// In the order of the columns of timings().

@@ -190,16 +190,17 @@ Section targetSection(const AprilGrid& grid, const CameraStageResult& stage) {
   AprilGrid board = grid;
   board.shape = fit.shape;
   const std::vector<Eigen::Vector3d> points = cornerPoints(board);
-  Block block;
-  block.text = kTermsText + higherText(fit) + cornersText(fit);
-  block.table = termTable(fit);
-  block.figures = {
-      {toSvg(heightMap(grid, points), "target-height"),
-       "Mean height of each tag above the plane that fits the board best, seen from the front; all "
-       "degrees."},
-      {toSvg(displacementField(grid, points), "target-plane"),
-       "Displacement of the corners from the even grid of target.yaml, magnified; all degrees."}};
-  section.blocks.push_back(std::move(block));
+  section.blocks.push_back({"",
+                            kTermsText + higherText(fit) + cornersText(fit),
+                            termTable(fit),
+                            {},
+                            {{toSvg(heightMap(grid, points), "target-height"),
+                              "Mean height of each tag above the plane that fits the board best, "
+                              "seen from the front; all "
+                              "degrees."},
+                             {toSvg(displacementField(grid, points), "target-plane"),
+                              "Displacement of the corners from the even grid of target.yaml, "
+                              "magnified; all degrees."}}});
   return section;
 }
 

@@ -140,7 +140,7 @@ std::vector<Rejected> rejectedOf(const std::vector<ViewErrors>& views) {
       if (!r->used) list.push_back({i, r});
     }
   }
-  std::stable_sort(list.begin(), list.end(), [](const Rejected& a, const Rejected& b) {
+  std::ranges::stable_sort(list, [](const Rejected& a, const Rejected& b) {
     return a.corner->error.squaredNorm() > b.corner->error.squaredNorm();
   });
   return list;
@@ -188,9 +188,7 @@ Section viewsSection(const StageView& stage, const std::vector<Transform>& T_FC0
                         {"first", std::to_string(order.front())},
                         {"has_images", !images.empty()},
                         {"json", scriptJson(json.dump())}});
-  Block block;
-  block.html = renderTemplate(embedded::views(), values);
-  section.blocks.push_back(std::move(block));
+  section.blocks.push_back({.html = renderTemplate(embedded::views(), values)});
   section.blocks.push_back({"The worst views", "", worstTable(stage, views, order)});
   const std::vector<Rejected> rejected = rejectedOf(views);
   if (!rejected.empty()) section.blocks.push_back(rejectedBlock(stage, views, rejected));

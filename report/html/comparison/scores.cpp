@@ -50,9 +50,8 @@ Table scoresTable(const std::vector<CalibrationScore>& scores) {
 }
 
 bool anyHeldOut(const std::vector<CalibrationScore>& scores) {
-  return std::any_of(scores.begin(), scores.end(), [](const CalibrationScore& s) {
-    return s.held_out && s.reprojection.count > 0;
-  });
+  return std::ranges::any_of(
+      scores, [](const CalibrationScore& s) { return s.held_out && s.reprojection.count > 0; });
 }
 
 /// RMSE of a camera over some parts, weighted by corners; NaN where none has it.
@@ -180,20 +179,12 @@ Section scoresSection(const ComparisonRecord& record) {
                   "and gravity) are estimated. Corners and rule are the same for all, unlike the "
                   "in-sample errors that the tools report."};
   if (record.scores.empty()) return section;
-  Block block;
-  block.table = scoresTable(record.scores);
-  if (Figure bars = scoreBars(record.scores); !bars.svg.empty()) {
-    block.figures.push_back(std::move(bars));
-  }
-  section.blocks.push_back(std::move(block));
-  if (!record.paired.empty()) {
-    section.blocks.push_back(
-        {"Which predicts better, view by view",
-         "Mean over views of the difference in mean squared error; negative means that the first "
-         "one is better. The standard error is computed from blocks of consecutive views.",
-         pairedTable(record)});
-  }
-  return section;
+  section = withTable(std::move(section), scoresTable(record.scores));
+  section = withFigures(std::move(section), {scoreBars(record.scores)});
+  return withTable(
+      std::move(section), pairedTable(record), "Which predicts better, view by view",
+      "Mean over views of the difference in mean squared error; negative means that the first one "
+      "is better. The standard error is computed from blocks of consecutive views.");
 }
 
 Section entropySection(const ComparisonRecord& record) {
@@ -203,19 +194,14 @@ Section entropySection(const ComparisonRecord& record) {
                   "nats, for a corner noise of {:g} px; lower is better determined. Compare it "
                   "only under the same parameters, units and noise.",
                   record.assumptions.pixel_sigma_px)};
-  Table cameras = entropyTable(record.scores, &CalibrationScore::entropy_nats,
-                               &CalibrationScore::entropy_parameters);
-  Table imu = entropyTable(record.scores, &CalibrationScore::camera_imu_entropy_nats,
-                           &CalibrationScore::camera_imu_entropy_parameters);
-  if (!cameras.rows.empty()) {
-    section.blocks.push_back({"Cameras",
-                              "All corners have the same weight; poses are marginalised.",
-                              std::move(cameras)});
-  }
-  if (!imu.rows.empty()) {
-    section.blocks.push_back({"Camera-IMU", imuAssumed(record.assumptions), std::move(imu)});
-  }
-  return section;
+  section = withTable(std::move(section),
+                      entropyTable(record.scores, &CalibrationScore::entropy_nats,
+                                   &CalibrationScore::entropy_parameters),
+                      "Cameras", "All corners have the same weight; poses are marginalised.");
+  return withTable(std::move(section),
+                   entropyTable(record.scores, &CalibrationScore::camera_imu_entropy_nats,
+                                &CalibrationScore::camera_imu_entropy_parameters),
+                   "Camera-IMU", imuAssumed(record.assumptions));
 }
 
 }  // namespace plumbline::html_internal

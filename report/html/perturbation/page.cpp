@@ -32,8 +32,7 @@ struct CaseGroup {
 std::vector<CaseGroup> groupedCases(const PerturbationRecord& record) {
   std::vector<CaseGroup> groups;
   for (const PerturbationCase& c : record.cases) {
-    auto group = std::find_if(groups.begin(), groups.end(),
-                              [&](const CaseGroup& g) { return g.kind == c.kind; });
+    auto group = std::ranges::find_if(groups, [&](const CaseGroup& g) { return g.kind == c.kind; });
     if (group == groups.end()) group = groups.insert(groups.end(), {c.kind, {}});
     group->cases.push_back(&c);
   }
@@ -222,9 +221,8 @@ Figure changeFigure(const PerturbationRecord& record, const CaseGroup& group, st
       map.cell_labels.push_back(step == 1 ? changeText(map.values.back()) : "");
     }
   }
-  const bool any_failed =
-      std::any_of(group.cases.begin(), group.cases.end(),
-                  [](const PerturbationCase* c) { return !c->problem.empty(); });
+  const bool any_failed = std::ranges::any_of(
+      group.cases, [](const PerturbationCase* c) { return !c->problem.empty(); });
   return {toSvg(map, fmt::format("perturbation-changes-{}", index)),
           any_failed ? "Blank rows are cases that failed." : "", true};
 }
@@ -318,8 +316,8 @@ Section changeSection(const PerturbationRecord& record, const std::vector<CaseGr
   if (record.parameters.empty()) return section;
   for (const CaseGroup& group : groups) {
     // A map of blank rows would show nothing.
-    const bool any = std::any_of(group.cases.begin(), group.cases.end(),
-                                 [](const PerturbationCase* c) { return c->problem.empty(); });
+    const bool any = std::ranges::any_of(
+        group.cases, [](const PerturbationCase* c) { return c->problem.empty(); });
     if (!any) continue;
     section.blocks.push_back(figureBlock("", {changeFigure(record, group, section.blocks.size())}));
   }

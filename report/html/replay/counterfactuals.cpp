@@ -58,7 +58,7 @@ Range rangeShown(const LinePlot& plot) {
   for (const Series& s : plot.series) addFinite(s.y, values);
   if (values.empty()) return {0, 1};
   // Down to the least: what an order ends at is what is compared.
-  const double low = *std::min_element(values.begin(), values.end());
+  const double low = *std::ranges::min_element(values);
   const double high = std::max(quantile(values, kShownShare), low + 1e-9);
   return {low - 0.06 * (high - low), high + 0.06 * (high - low)};
 }
@@ -128,8 +128,8 @@ Figure bandFigure(const Bands& bands, const BandFigure& what) {
   }
   const Range shown = rangeShown(plot);
   plot.frame.y.range = shown;
-  const bool above = std::any_of(plot.series.begin(), plot.series.end(), [&](const Series& s) {
-    return std::any_of(s.y.begin(), s.y.end(), [&](double y) { return y > shown.max; });
+  const bool above = std::ranges::any_of(plot.series, [&](const Series& s) {
+    return std::ranges::any_of(s.y, [&](double y) { return y > shown.max; });
   });
   return {toSvg(plot, what.id), what.caption + kSeeds + (above ? kAbove : ""), true};
 }

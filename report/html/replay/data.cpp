@@ -213,8 +213,7 @@ std::vector<std::size_t> framesWithImages(const ReplayRecord& record) {
   std::vector<std::size_t> frames;
   for (std::size_t f = 0; f < record.frames.size(); ++f) {
     const auto& jpeg = record.frames[f].jpeg;
-    const bool any =
-        std::any_of(jpeg.begin(), jpeg.end(), [](const std::string& j) { return !j.empty(); });
+    const bool any = std::ranges::any_of(jpeg, [](const std::string& j) { return !j.empty(); });
     if (any) frames.push_back(f);
   }
   return frames;

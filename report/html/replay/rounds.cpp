@@ -95,7 +95,7 @@ std::vector<SuggestionOutcome> allOutcomes(const ReplayRecord& record) {
   std::vector<SuggestionOutcome> all = record.suggestions;
   for (const Decision& d : record.decisions) {
     const auto known = [&](const SuggestionOutcome& o) { return o.suggestion.id == d.opened->id; };
-    if (!d.opened || std::any_of(all.begin(), all.end(), known)) continue;
+    if (!d.opened || std::ranges::any_of(all, known)) continue;
     all.emplace_back().suggestion = *d.opened;
   }
   return all;

@@ -172,10 +172,8 @@ Section replayStagesSection(const ReplayRecord& record) {
     if (!s.problem.empty()) section.remarks.push_back(titleOf(s.stage) + ": " + s.problem);
   }
   section = withTable(std::move(section), stageTable(record));
-  Table batches = batchTable(record);
-  if (batches.rows.empty()) return section;
-  section.blocks.push_back({"Batch over the views kept, and over all", "", std::move(batches)});
-  return section;
+  return withTable(std::move(section), batchTable(record),
+                   "Batch over the views kept, and over all");
 }
 
 Section replaySuggestionsSection(const ReplayRecord& record) {

@@ -140,8 +140,8 @@ Section heldOutSection(const StudyRecord& record) {
   if (record.held_out.empty()) return section;
   const BoxPlot plot = groupedBoxes(record, record.held_out, &StudyHeldOut::recording,
                                     &StudyHeldOut::rmse_px, "{:.4f} px");
-  const auto missing = std::count_if(record.held_out.begin(), record.held_out.end(),
-                                     [](const StudyHeldOut& h) { return !isShown(h.rmse_px); });
+  const auto missing = std::ranges::count_if(
+      record.held_out, [](const StudyHeldOut& h) { return !isShown(h.rmse_px); });
   std::string caption = "A point is a calibration and links to it.";
   if (missing > 0) {
     caption += fmt::format(" {} of {} have no RMSE and are not included.", missing,

@@ -15,8 +15,7 @@ using namespace html_internal;
 
 template <class Holds>
 std::size_t count(const StudyRecord& record, const Holds& holds) {
-  return static_cast<std::size_t>(
-      std::count_if(record.sessions.begin(), record.sessions.end(), holds));
+  return static_cast<std::size_t>(std::ranges::count_if(record.sessions, holds));
 }
 
 std::vector<Card> cardsOf(const StudyRecord& record) {

@@ -71,8 +71,8 @@ Table methodsTable(const StudyRecord& record) {
                number("Good"), number("Caution"), number("Bad"), number("Median time [s]"),
                number("Median held-out RMSE [px]")}};
   const auto& methods = record.statistics.methods;
-  const bool guided = std::any_of(methods.begin(), methods.end(),
-                                  [](const StudyMethod& m) { return m.compliance.has_value(); });
+  const bool guided =
+      std::ranges::any_of(methods, [](const StudyMethod& m) { return m.compliance.has_value(); });
   if (guided) table.columns.push_back(number("Suggestions reached"));
   for (const StudyMethod& m : record.statistics.methods) {
     std::vector<Cell> row{{m.method}};
@@ -102,25 +102,20 @@ Section resultsSection(const StudyRecord& record) {
   // The sentences may hold it already.
   for (const StudyQuade& q : record.statistics.quade) {
     const auto& said = section.remarks;
-    if (std::find(said.begin(), said.end(), q.sentence) == said.end()) {
+    if (std::ranges::find(said, q.sentence) == said.end()) {
       section.remarks.push_back(q.sentence);
     }
   }
   section.blocks.push_back({"Methods", "", methodsTable(record)});
-  Table effects = effectsTable(record);
-  if (effects.rows.empty()) return section;
-  section.blocks.push_back(
-      {"Effects",
-       "Method against baseline: lengths, times and pixels as changes in percent (of logarithms), "
-       "others as differences. In a crossover the effect of the period is removed, the p-value "
-       "permutes the orders over the participants, and the interval contains the effects that this "
-       "test does not reject. Holm's correction is over the declared endpoints.",
-       std::move(effects)});
-  section.blocks.push_back(
-      {"Further intervals and tests",
-       "The same effects by the BCa bootstrap, and by signed ranks, which ignore the period.",
-       besideTable(record)});
-  return section;
+  section = withTable(
+      std::move(section), effectsTable(record), "Effects",
+      "Method against baseline: lengths, times and pixels as changes in percent (of logarithms), "
+      "others as differences. In a crossover the effect of the period is removed, the p-value "
+      "permutes the orders over the participants, and the interval contains the effects that this "
+      "test does not reject. Holm's correction is over the declared endpoints.");
+  return withTable(
+      std::move(section), besideTable(record), "Further intervals and tests",
+      "The same effects by the BCa bootstrap, and by signed ranks, which ignore the period.");
 }
 
 Section orderSection(const StudyRecord& record) {

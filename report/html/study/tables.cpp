@@ -57,7 +57,7 @@ std::string largestDifferences(const StudyOther& other) {
   std::vector<StudyDifference> all = other.differences;
   // Without a deviation of Plumbline's there is no order among units.
   std::erase_if(all, [](const StudyDifference& d) { return !d.sigmas; });
-  std::stable_sort(all.begin(), all.end(), [](const StudyDifference& a, const StudyDifference& b) {
+  std::ranges::stable_sort(all, [](const StudyDifference& a, const StudyDifference& b) {
     return std::abs(*a.sigmas) > std::abs(*b.sigmas);
   });
   std::string text;
@@ -133,8 +133,8 @@ Table alarmsTable(const StudyRecord& record) {
 Cell linkTo(const StudySession& s) { return {s.name, Cell::Kind::kTight, {}, s.page}; }
 
 const StudySession* sessionOf(const StudyRecord& record, const std::string& name) {
-  const auto found = std::find_if(record.sessions.begin(), record.sessions.end(),
-                                  [&](const StudySession& s) { return s.name == name; });
+  const auto found =
+      std::ranges::find_if(record.sessions, [&](const StudySession& s) { return s.name == name; });
   return found == record.sessions.end() ? nullptr : &*found;
 }
 
@@ -159,14 +159,10 @@ Section nightsSection(const StudyRecord& record) {
   Section section{"nights", "Nights and alarms",
                   "Figures of the same inputs and version must repeat; others are compared with "
                   "the nights before."};
-  Table alarms = alarmsTable(record);
-  if (!alarms.rows.empty()) section.blocks.push_back({"Alarms", "", std::move(alarms)});
+  section = withTable(std::move(section), alarmsTable(record), "Alarms");
   if (record.nights.empty()) return section;
-  Block nights{"Nights", "", nightsTable(record)};
-  Figure figure = nightsFigure(record);
-  if (!figure.svg.empty()) nights.figures.push_back(std::move(figure));
-  section.blocks.push_back(std::move(nights));
-  return section;
+  section = withTable(std::move(section), nightsTable(record), "Nights");
+  return withFigures(std::move(section), {nightsFigure(record)});
 }
 
 Section failuresSection(const StudyRecord& record) {
@@ -189,8 +185,8 @@ Section sessionsSection(const StudyRecord& record) {
   Table table{{words("Session"), words("Participant"), words("Method"), number("Period"),
                number("Time [s]"), number("Camera [px]"), number("Held out [px]"),
                number("Offset [ms]")}};
-  const bool guided = std::any_of(record.sessions.begin(), record.sessions.end(),
-                                  [](const StudySession& s) { return s.compliance.has_value(); });
+  const bool guided = std::ranges::any_of(
+      record.sessions, [](const StudySession& s) { return s.compliance.has_value(); });
   if (guided) table.columns.push_back(number("Suggestions reached"));
   table.columns.push_back(words("Verdict"));
   for (const StudySession& s : record.sessions) {

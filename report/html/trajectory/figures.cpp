@@ -100,9 +100,8 @@ Figure repeatsFigure(const std::vector<TrajectoryRun>& runs) {
     }
   };
   BoxPlot plot = boxesBySequence(runs, {0, 1, kLeastRepeats}, collect);
-  const bool any_box = std::any_of(plot.boxes.begin(), plot.boxes.end(), [](const BoxSummary& box) {
-    return std::isfinite(box.quantiles[2]);
-  });
+  const bool any_box = std::ranges::any_of(
+      plot.boxes, [](const BoxSummary& box) { return std::isfinite(box.quantiles[2]); });
   if (!any_box) return {};
   frameBoxes(plot, "RMSE of complete runs", "ATE RMSE [m]");
   const std::string few = plot.points.empty() ? "" : " Fewer than three runs are shown as points.";

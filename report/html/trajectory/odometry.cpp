@@ -164,15 +164,11 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
          orDash(o.frame_p99_ms, 1, "{:.1f}"), orDash(o.frame_max_ms, 1, "{:.1f}")});
   }
   section = withTable(std::move(section), withoutEmptyColumns(std::move(table)));
-  Table extrinsics = extrinsicsTable(runs);
-  if (extrinsics.rows.empty()) return section;
-  section.blocks.push_back(
-      {"Extrinsics, the odometry's hint",
-       "The change of T_SC0 (camera 0 in the IMU) that, with the hint of t_d, "
-       "lets the IMU predict the tracks best, with its standard deviations "
-       "where they are known. No evaluated run uses it; wrong intrinsics bias it.",
-       std::move(extrinsics)});
-  return section;
+  return withTable(
+      std::move(section), extrinsicsTable(runs), "Extrinsics, the odometry's hint",
+      "The change of T_SC0 (camera 0 in the IMU) that, with the hint of t_d, lets the IMU predict "
+      "the tracks best, with its standard deviations where they are known. No evaluated run uses "
+      "it; wrong intrinsics bias it.");
 }
 
 Section sensitivitySection(const std::vector<CalibrationSensitivity>& list) {

@@ -42,13 +42,13 @@ std::vector<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
   for (const TrajectoryRun& run : runs) {
     for (const RelativeErrorRecord& r : run.rpe) {
       // Lengths are those that were asked for, so that equal ones are equal to the last bit.
-      if (std::find(all.begin(), all.end(), Distance(r.unit, r.delta)) == all.end()) {
+      if (std::ranges::find(all, Distance(r.unit, r.delta)) == all.end()) {
         all.emplace_back(r.unit, r.delta);
       }
     }
   }
   // By unit, then by length.
-  std::sort(all.begin(), all.end());
+  std::ranges::sort(all);
   return all;
 }
 

@@ -77,9 +77,9 @@ Table sequencesTable(const TrajectoryStudy& study) {
     std::vector<std::optional<double>> medians;
     double least = std::numeric_limits<double>::infinity();
     for (const std::string& c : calibrations) {
-      const auto found = std::find_if(
-          study.summary.begin(), study.summary.end(),
-          [&](const RunsSummary& s) { return s.sequence == sequence && s.calibration == c; });
+      const auto found = std::ranges::find_if(study.summary, [&](const RunsSummary& s) {
+        return s.sequence == sequence && s.calibration == c;
+      });
       medians.push_back(found == study.summary.end() ? std::nullopt : found->ate_median_m);
       least = std::min(least, medians.back().value_or(least));
     }
@@ -103,8 +103,8 @@ Table remarksTable(const std::vector<TrajectoryRun>& runs) {
     std::vector<std::string> texts = run.remarks;
     if (!run.left_out.empty()) texts.push_back(run.left_out);
     for (const std::string& text : texts) {
-      auto known = std::find_if(remarks.begin(), remarks.end(),
-                                [&](const auto& remark) { return remark.first == text; });
+      auto known =
+          std::ranges::find_if(remarks, [&](const auto& remark) { return remark.first == text; });
       if (known == remarks.end()) known = remarks.insert(remarks.end(), {text, {}});
       known->second.push_back(runName(run));
     }
@@ -169,10 +169,7 @@ Section runsSection(const TrajectoryStudy& study) {
       {runs.size() > 1 ? "All runs" : "",
        "ATE is the distance between the aligned estimate and the truth at paired stamps.",
        runsTable(runs)});
-  if (Table remarks = remarksTable(runs); !remarks.rows.empty()) {
-    section.blocks.push_back({"Remarks", "", std::move(remarks)});
-  }
-  return section;
+  return withTable(std::move(section), remarksTable(runs), "Remarks");
 }
 
 }  // namespace plumbline::html_internal

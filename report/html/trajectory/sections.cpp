@@ -182,9 +182,8 @@ Section associationSection(const std::vector<TrajectoryRun>& runs) {
 Table withoutEmptyColumns(Table table) {
   // From the last: what is taken out moves those after it.
   for (std::size_t c = table.columns.size(); c-- > 0;) {
-    const bool empty = std::all_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
-      return row[c].text == kDash || row[c].text.empty();
-    });
+    const bool empty = std::ranges::all_of(
+        table.rows, [&](const auto& row) { return row[c].text == kDash || row[c].text.empty(); });
     if (!empty || table.rows.empty()) continue;
     const auto at = static_cast<std::ptrdiff_t>(c);
     table.columns.erase(table.columns.begin() + at);

@@ -117,8 +117,8 @@ double ChartPage::unitY(double value) const {
 }
 
 void ChartPage::place(const PageLayout& layout) {
-  const bool legend = std::any_of(layout.legend.begin(), layout.legend.end(),
-                                  [](const LegendEntry& e) { return !e.name.empty(); });
+  const bool legend =
+      std::ranges::any_of(layout.legend, [](const LegendEntry& e) { return !e.name.empty(); });
   const double x_labels = frame_.x.upright_labels ? widestLabel(x_ticks_) : 14;
   // Whole pixels, as VTK hands on clips in integers.
   // From the edge inwards: margin, the axis' title, the widest label, its distance from the axis.

@@ -91,8 +91,7 @@ std::vector<double> SvgDevice::toPage(const float* points, int n) const {
     page.push_back(height_ - (matrix_[3] * x + matrix_[4] * y + matrix_[5]));
   }
   // All or nothing: NaN is no number of SVG's, and what a browser makes of it is its own.
-  const bool finite =
-      std::all_of(page.begin(), page.end(), [](double v) { return std::isfinite(v); });
+  const bool finite = std::ranges::all_of(page, [](double v) { return std::isfinite(v); });
   return finite ? page : std::vector<double>();
 }
 
