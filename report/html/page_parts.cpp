@@ -66,15 +66,6 @@ void addStageCards(std::vector<Card>& cards, const std::string& stage, const Sta
        share(static_cast<std::size_t>(s.views_used), static_cast<std::size_t>(s.views_offered))});
 }
 
-void addNoise(std::vector<Pair>& rows, const ImuNoise& n) {
-  rows.push_back(
-      {"Gyroscope noise", fmt::format("{:.5g} rad/s/\u221aHz, walk {:.5g} rad/s\u00b2/\u221aHz",
-                                      n.gyro_density, n.gyro_random_walk)});
-  rows.push_back({"Accelerometer noise",
-                  fmt::format("{:.5g} m/s\u00b2/\u221aHz, walk {:.5g} m/s\u00b3/\u221aHz",
-                              n.accel_density, n.accel_random_walk)});
-}
-
 }  // namespace
 
 std::string groupOf(const std::string& parameter) {
@@ -185,8 +176,14 @@ std::vector<Pair> assumptionRows(const Assumptions& a) {
   std::vector<Pair> rows = {
       {"Corner noise", fmt::format("{:g} px per coordinate", a.pixel_sigma_px)}, {"Loss", a.loss}};
   if (a.imu_noise) {
+    const ImuNoise& n = *a.imu_noise;
     rows.push_back({"Gravity", fmt::format("{:g} m/s\u00b2", a.gravity_m_s2)});
-    addNoise(rows, *a.imu_noise);
+    rows.push_back(
+        {"Gyroscope noise", fmt::format("{:.5g} rad/s/\u221aHz, walk {:.5g} rad/s\u00b2/\u221aHz",
+                                        n.gyro_density, n.gyro_random_walk)});
+    rows.push_back({"Accelerometer noise",
+                    fmt::format("{:.5g} m/s\u00b2/\u221aHz, walk {:.5g} m/s\u00b3/\u221aHz",
+                                n.accel_density, n.accel_random_walk)});
   }
   return rows;
 }

@@ -60,7 +60,7 @@ std::vector<std::string> distinct(const Rows& rows, const Name& name) {
 }
 
 /// JSON as it may stand in a script element: nothing in it looks like the element's end.
-std::string scriptJson(const std::string& json);
+std::string scriptJson(std::string json);
 
 using internal::base64;
 
@@ -98,6 +98,15 @@ struct Table {
   std::vector<Cell> columns;  ///< names with the unit ("RMSE [px]"), and the kind of their cells
   std::vector<std::vector<Cell>> rows = {};
 };
+
+/// Takes columns out of the table.
+inline void eraseColumns(Table& table, std::ptrdiff_t first, std::ptrdiff_t count = 1) {
+  const auto erase = [&](std::vector<Cell>& row) {
+    row.erase(row.begin() + first, row.begin() + first + count);
+  };
+  erase(table.columns);
+  std::ranges::for_each(table.rows, erase);
+}
 
 struct NamedTransform {
   std::string name;

@@ -62,18 +62,12 @@ ReadableUnit readable(const std::string& unit) {
   return {unit, 1};
 }
 
-std::string scriptJson(const std::string& json) {
-  std::string text;
-  text.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<') {
-      // As JSON escapes it: "</script" would end the element.
-      text += "\\u003c";
-    } else {
-      text += c;
-    }
+std::string scriptJson(std::string json) {
+  // As JSON escapes it: "</script" would end the element.
+  for (std::size_t i = 0; (i = json.find('<', i)) != std::string::npos;) {
+    json.replace(i, 1, "\\u003c");
   }
-  return text;
+  return json;
 }
 
 }  // namespace plumbline::html_internal

@@ -13,7 +13,6 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/fields/calibration_fields.h"
 #include "report/records/calibration_record.h"
-#include "report/records/calibration_score.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {

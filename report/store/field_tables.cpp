@@ -123,18 +123,17 @@ std::string fieldTables() {
   // The covariances stand under `if (stage)`, which kAll does not open.
   calibration.camera.emplace();
   calibration.camera_imu.emplace();
-  walkFields(sink, calibration);
-  text += sink.take("calibration.json, evaluation.json");
-  walkFields(sink, ComparisonRecord());
-  text += sink.take("comparison.json");
-  walkFields(sink, PerturbationRecord());
-  text += sink.take("perturbation.json");
-  walkFields(sink, TrajectoryRecord());
-  text += sink.take("trajectory.json");
-  walkFields(sink, ReplayRecord());
-  text += sink.take("replay.json");
-  walkFields(sink, StudyRecord());
-  return text + sink.take("summary.json of a study");
+  const auto add = [&](const auto& record, const char* title) {
+    walkFields(sink, record);
+    text += sink.take(title);
+  };
+  add(calibration, "calibration.json, evaluation.json");
+  add(ComparisonRecord(), "comparison.json");
+  add(PerturbationRecord(), "perturbation.json");
+  add(TrajectoryRecord(), "trajectory.json");
+  add(ReplayRecord(), "replay.json");
+  add(StudyRecord(), "summary.json of a study");
+  return text;
 }
 
 }  // namespace plumbline

@@ -100,12 +100,10 @@ std::vector<RunSummary> listRuns(SQLite::Database& db) {
   SQLite::Statement query(db, "SELECT id, kind, name, date, verdict FROM runs ORDER BY id");
   std::vector<RunSummary> runs;
   while (query.executeStep()) {
-    RunSummary& run = runs.emplace_back();
-    run.id = query.getColumn(0).getInt64();
-    run.kind = json_fields::enumOrThrow<RunKind>(query.getColumn(1).getString());
-    run.name = query.getColumn(2).getString();
-    run.date = query.getColumn(3).getString();
-    run.verdict = json_fields::enumOrThrow<VerdictLevel>(query.getColumn(4).getString());
+    runs.push_back({query.getColumn(0).getInt64(),
+                    json_fields::enumOrThrow<RunKind>(query.getColumn(1).getString()),
+                    query.getColumn(2).getString(), query.getColumn(3).getString(),
+                    json_fields::enumOrThrow<VerdictLevel>(query.getColumn(4).getString())});
   }
   return runs;
 }

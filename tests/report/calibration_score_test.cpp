@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scores of sessions that order their cameras otherwise, or lack one: looked up by name.
-#include "report/records/calibration_score.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "report/records/calibration_record.h"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "report/records/calibration_score.h"
+#include "report/records/calibration_record.h"
 
 namespace plumbline::test {
 

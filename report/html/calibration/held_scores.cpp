@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
@@ -22,33 +23,7 @@ std::string rmseText(const ErrorStatistics* s) {
   return s != nullptr && s->count > 0 ? fmt::format("{:.4f}", s->rmse_px) : kDash;
 }
 
-bool anyImu(const Scores& scores) {
-  return std::ranges::any_of(scores,
-                             [](const CalibrationScore& s) { return s.camera_imu.has_value(); });
-}
-
-std::vector<Cell> columnsOf(const std::vector<std::string>& cameras, bool with_imu) {
-  std::vector<Cell> columns = {words("Recording"), words("Part"), words("Corners are"),
-                               number("RMSE [px]")};
-  for (const std::string& camera : cameras) columns.push_back(number(camera + " [px]"));
-  columns.push_back(number("Median [px]"));
-  columns.push_back(number("Corners"));
-  columns.push_back(number("Views used"));
-  if (!with_imu) return columns;
-  columns.push_back(number("With IMU [px]"));
-  columns.push_back(number("Gyro [mrad/s]"));
-  columns.push_back(number("Accel [m/s\u00b2]"));
-  return columns;
-}
-
-void addImuCells(const CalibrationScore& s, std::vector<Cell>& row) {
-  row.push_back(number(rmseText(s.camera_imu ? &*s.camera_imu : nullptr)));
-  row.push_back(orDash(s.gyro_rms_rad_s, 1e3, "{:.2f}"));
-  row.push_back(orDash(s.accel_rms_m_s2, 1, "{:.4f}"));
-}
-
-std::vector<Cell> rowOf(const CalibrationScore& s, const std::vector<std::string>& cameras,
-                        bool with_imu) {
+std::vector<Cell> rowOf(const CalibrationScore& s, const std::vector<std::string>& cameras) {
   const bool scored = s.reprojection.count > 0;
   // The other part of a fold is what its own calibration was estimated from.
   std::vector<Cell> row = {tight(s.session), tight(isWhole(s) ? "whole" : s.part),
@@ -57,22 +32,28 @@ std::vector<Cell> rowOf(const CalibrationScore& s, const std::vector<std::string
                                               : "calibrated on"),
                            number(rmseText(&s.reprojection))};
   for (const std::string& camera : cameras) row.push_back(number(rmseText(errorsOf(s, camera))));
-  row.push_back(number(scored ? fmt::format("{:.4f}", s.reprojection.median_px) : kDash));
-  row.push_back(number(scored ? grouped(s.reprojection.count) : kDash));
-  row.push_back(
-      number(s.views_offered > 0 ? fmt::format("{} of {}", s.views_used, s.views_offered) : kDash));
-  if (with_imu) addImuCells(s, row);
+  row.insert(
+      row.end(),
+      {number(scored ? fmt::format("{:.4f}", s.reprojection.median_px) : kDash),
+       number(scored ? grouped(s.reprojection.count) : kDash),
+       number(s.views_offered > 0 ? fmt::format("{} of {}", s.views_used, s.views_offered) : kDash),
+       number(rmseText(s.camera_imu ? &*s.camera_imu : nullptr)),
+       orDash(s.gyro_rms_rad_s, 1e3, "{:.2f}"), orDash(s.accel_rms_m_s2, 1, "{:.4f}")});
   return row;
 }
 
-Block blockOf(const std::string& heading, const std::string& text, const Scores& scores) {
-  const bool with_imu = anyImu(scores);
+Table scoresTable(const Scores& scores) {
   const std::vector<std::string> cameras = cameraNames(scores);
-  Block block{heading, text, Table{columnsOf(cameras, with_imu)}};
-  for (const CalibrationScore& s : scores) {
-    block.table->rows.push_back(rowOf(s, cameras, with_imu));
-  }
-  return block;
+  Table table{{words("Recording"), words("Part"), words("Corners are"), number("RMSE [px]")}};
+  for (const std::string& camera : cameras) table.columns.push_back(number(camera + " [px]"));
+  table.columns.insert(table.columns.end(), {number("Median [px]"), number("Corners"),
+                                             number("Views used"), number("With IMU [px]"),
+                                             number("Gyro [mrad/s]"), number("Accel [m/s\u00b2]")});
+  for (const CalibrationScore& s : scores) table.rows.push_back(rowOf(s, cameras));
+  const bool with_imu = std::ranges::any_of(
+      scores, [](const CalibrationScore& s) { return s.camera_imu.has_value(); });
+  if (!with_imu) eraseColumns(table, std::ssize(table.columns) - 3, 3);
+  return table;
 }
 
 /// RMSE per camera of whole recordings and of all folds together.
@@ -128,19 +109,13 @@ Section heldScoresSection(const HeldCalibration& held) {
           fmt::format("{}, {}: {}", s.session, isWhole(s) ? "whole" : s.part, s.problem));
     }
   }
-  if (const Scores own = chosen(held.scores, ScoredPart::kOwn); !own.empty()) {
-    section.blocks.push_back(blockOf("This recording", "", own));
-  }
-  if (const Scores others = chosen(held.scores, ScoredPart::kOthers); !others.empty()) {
-    section.blocks.push_back(blockOf("Other recordings", "", others));
-  }
-  if (const Scores folds = chosen(held.scores, ScoredPart::kFolds); !folds.empty()) {
-    section.blocks.push_back(
-        blockOf("K-fold validation",
-                "This recording recalibrated without one part at a time, with the same camera "
-                "models; each part is scored with the calibration that did not use it.",
-                folds));
-  }
+  const auto tableOf = [&](ScoredPart part) { return scoresTable(chosen(held.scores, part)); };
+  section = withTable(std::move(section), tableOf(ScoredPart::kOwn), "This recording");
+  section = withTable(std::move(section), tableOf(ScoredPart::kOthers), "Other recordings");
+  section = withTable(std::move(section), tableOf(ScoredPart::kFolds), "K-fold validation",
+                      "This recording recalibrated without one part at a time, with the same "
+                      "camera models; each part is scored with the calibration that did not use "
+                      "it.");
   return withFigures(std::move(section), {barsOf(held.scores)});
 }
 

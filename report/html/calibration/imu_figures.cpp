@@ -22,26 +22,12 @@ LinePlot overTime(const std::string& title, const std::string& label) {
   return plot;
 }
 
-/// Since `origin`.
-std::vector<double> secondsOf(const std::vector<const ImuIntervalResidual*>& intervals,
-                              TimeNs origin) {
-  std::vector<double> seconds;
-  for (const ImuIntervalResidual* r : intervals) seconds.push_back(secondsBetween(origin, r->t));
-  return seconds;
-}
-
-/// For secondsOf(), which also takes a selection.
-std::vector<const ImuIntervalResidual*> allOf(const CameraImuStageResult& stage) {
-  std::vector<const ImuIntervalResidual*> all;
-  for (const ImuIntervalResidual& r : stage.imu_residuals) all.push_back(&r);
-  return all;
-}
-
 /// Three standard deviations of the noisiest axis about zero.
 Band noiseBand(const CameraImuStageResult& stage, TimeNs origin,
                MeanReading ImuIntervalResidual::*sensor, double factor) {
-  Band band{"3\u03c3 of the samples' noise", secondsOf(allOf(stage), origin), {}, {}, kBandColour};
+  Band band{"3\u03c3 of the samples' noise", {}, {}, {}, kBandColour};
   for (const ImuIntervalResidual& r : stage.imu_residuals) {
+    band.x.push_back(secondsBetween(origin, r.t));
     // One band for all three axes, as wide as the noisiest needs.
     band.high.push_back(3 * factor * (r.*sensor).std.maxCoeff());
     band.low.push_back(-band.high.back());
@@ -151,7 +137,8 @@ Colour darker(const Colour& c) {
 Figure readingFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot plot,
                      MeanReading ImuIntervalResidual::*sensor, const std::string& id) {
   const auto shown = shownIntervals(stage, sensor);
-  const std::vector<double> seconds = secondsOf(shown, origin);
+  std::vector<double> seconds;
+  for (const ImuIntervalResidual* r : shown) seconds.push_back(secondsBetween(origin, r->t));
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const Colour colour = seriesColour(static_cast<std::size_t>(axis));
     // About the prediction: what the samples' noise lets a reading differ from it.

@@ -122,39 +122,33 @@ std::string parametersLead(const CalibrationRecord& record) {
 /// A column that some parameter of the group needs, all of them have.
 Block parameterBlock(const std::string& heading, const std::vector<ParameterEstimate>& group,
                      bool held) {
-  const auto any = [&](const auto& known) { return std::ranges::any_of(group, known); };
-  // Values that were held have no interval: their deviations are not theirs.
-  const bool interval =
-      !held && any([](const ParameterEstimate& p) { return p.halfWidth90().has_value(); });
-  const bool formal = any([](const ParameterEstimate& p) { return p.robust_std.has_value(); });
-  const bool spread = any([](const ParameterEstimate& p) { return p.resample_std.has_value(); });
-  Table table{{code("Parameter"), number("Estimate"), number("Std")}};
-  if (interval) table.columns.push_back(number("90 % interval, \u00b1"));
-  if (formal) table.columns.push_back(number("Formal std"));
-  table.columns.push_back(words("Unit"));
-  if (spread) {
-    table.columns.push_back(number("Bootstrap std"));
-    table.columns.push_back(number("Bootstrap / std"));
-  }
+  Table table{{code("Parameter"), number("Estimate"), number("Std"),
+               number("90 % interval, \u00b1"), number("Formal std"), words("Unit"),
+               number("Bootstrap std"), number("Bootstrap / std")}};
+  bool interval = false, formal = false, spread = false;
   for (const ParameterEstimate& p : group) {
     const ReadableUnit unit = readable(p.unit);
     const double std = p.shownStd();
     const auto deviation = [&](const std::optional<double>& value) {
       return number(value ? twoDigits(unit.factor * *value) : "");
     };
-    std::vector<Cell> row = {code(p.name),
-                             number(withPrecisionOf(unit.factor * p.value, unit.factor * std)),
-                             deviation(std)};
-    if (interval) row.push_back(deviation(p.halfWidth90()));
-    // Where there is a robust one, that has taken the formal one's place before.
-    if (formal) row.push_back(p.robust_std ? deviation(p.std) : number(""));
-    row.push_back({unit.unit});
-    if (spread) {
-      row.push_back(deviation(p.resample_std));
-      row.push_back(number(p.resample_std && std > 0 ? twoDigits(*p.resample_std / std) : ""));
-    }
-    table.rows.push_back(std::move(row));
+    // Values that were held have no interval: their deviations are not theirs.
+    const auto half = held ? std::nullopt : p.halfWidth90();
+    interval = interval || half;
+    formal = formal || p.robust_std;
+    spread = spread || p.resample_std;
+    table.rows.push_back(
+        {code(p.name), number(withPrecisionOf(unit.factor * p.value, unit.factor * std)),
+         deviation(std), deviation(half),
+         // Where there is a robust one, that has taken the formal one's place before.
+         deviation(p.robust_std ? std::optional(p.std) : std::nullopt), words(unit.unit),
+         deviation(p.resample_std),
+         number(p.resample_std && std > 0 ? twoDigits(*p.resample_std / std) : "")});
   }
+  // From the last: what is taken out moves those after it.
+  if (!spread) eraseColumns(table, 6, 2);
+  if (!formal) eraseColumns(table, 4);
+  if (!interval) eraseColumns(table, 3);
   return {heading, "", std::move(table)};
 }
 

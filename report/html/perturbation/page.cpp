@@ -252,46 +252,32 @@ std::string stdText(const PerturbationCase& c) {
   return c.time_offset_std_s ? twoDigits(1e3 * *c.time_offset_std_s) : kDash;
 }
 
-std::vector<Cell> offsetCells(const PerturbationCase& c, bool is_base) {
-  return {number(milliseconds(c)), number(stdText(c)),
-          number(is_base ? kDash : microseconds(c.offset_error_s, "{:+.4g}"))};
-}
-
-std::vector<Cell> solvedRow(const PerturbationRecord& record, const PerturbationCase& c,
-                            bool is_base) {
-  std::vector<Cell> row = {{is_base ? "as recorded" : labelOf(c)}};
-  if (hasOffset(record)) {
-    for (Cell& cell : offsetCells(c, is_base)) row.push_back(std::move(cell));
+std::vector<Cell> caseRow(const PerturbationRecord& record, const PerturbationCase& c,
+                          bool is_base) {
+  if (!is_base && !c.problem.empty()) {
+    std::vector<Cell> row(8, number(kDash));
+    row.front() = {labelOf(c)};
+    row.back() = {"failed: " + c.problem, Cell::Kind::kText, VerdictLevel::kBad};
+    return row;
   }
-  row.push_back(number("{:.4f}", c.rmse_px));
-  row.push_back(number(c.frames));
-  row.push_back(number(c.iterations));
-  row.push_back({is_base ? kDash : largestChange(record, c)});
-  return row;
-}
-
-std::vector<Cell> failedRow(const PerturbationRecord& record, const PerturbationCase& c) {
-  std::vector<Cell> row = {{labelOf(c)}};
-  // The offset's three columns, RMSE, frames and iterations.
-  for (int i = 0; i < (hasOffset(record) ? 6 : 3); ++i) row.push_back(number(kDash));
-  row.push_back({"failed: " + c.problem, Cell::Kind::kText, VerdictLevel::kBad});
-  return row;
+  return {{is_base ? "as recorded" : labelOf(c)},
+          number(milliseconds(c)),
+          number(stdText(c)),
+          number(is_base ? kDash : microseconds(c.offset_error_s, "{:+.4g}")),
+          number("{:.4f}", c.rmse_px),
+          number(c.frames),
+          number(c.iterations),
+          {is_base ? kDash : largestChange(record, c)}};
 }
 
 Table casesTable(const PerturbationRecord& record, const CaseGroup& group) {
-  Table table;
-  table.columns = {words("Change")};
-  const auto add = [&](std::initializer_list<Cell> more) {
-    table.columns.insert(table.columns.end(), more);
-  };
-  if (hasOffset(record))
-    add({number("Recovered offset [ms]"), number("Std [ms]"), number("Error [\u00b5s]")});
-  add({number("RMSE [px]"), number("Frames"), number("Iterations"), words("Largest other change")});
+  Table table{{words("Change"), number("Recovered offset [ms]"), number("Std [ms]"),
+               number("Error [\u00b5s]"), number("RMSE [px]"), number("Frames"),
+               number("Iterations"), words("Largest other change")}};
   // First of all what every case is compared with.
-  table.rows.push_back(solvedRow(record, record.base, true));
-  for (const PerturbationCase* c : group.cases) {
-    table.rows.push_back(c->problem.empty() ? solvedRow(record, *c, false) : failedRow(record, *c));
-  }
+  table.rows.push_back(caseRow(record, record.base, true));
+  for (const PerturbationCase* c : group.cases) table.rows.push_back(caseRow(record, *c, false));
+  if (!hasOffset(record)) eraseColumns(table, 1, 3);
   return table;
 }
 

@@ -69,21 +69,17 @@ Table besideTable(const StudyRecord& record) {
 Table methodsTable(const StudyRecord& record) {
   Table table{{words("Method"), number("Sessions"), number("Calibrated"), number("Gave up"),
                number("Good"), number("Caution"), number("Bad"), number("Median time [s]"),
-               number("Median held-out RMSE [px]")}};
+               number("Median held-out RMSE [px]"), number("Suggestions reached")}};
   const auto& methods = record.statistics.methods;
+  for (const StudyMethod& m : methods) {
+    table.rows.push_back(
+        {words(m.method), number(m.sessions), number(m.calibrated), number(m.gave_up),
+         number(m.good), number(m.caution), number(m.bad), orDash(m.median_capture_s, 1, "{:.1f}"),
+         orDash(m.median_held_out_px, 1, "{:.4f}"), orDash(m.compliance, 100, "{:.0f} %")});
+  }
   const bool guided =
       std::ranges::any_of(methods, [](const StudyMethod& m) { return m.compliance.has_value(); });
-  if (guided) table.columns.push_back(number("Suggestions reached"));
-  for (const StudyMethod& m : record.statistics.methods) {
-    std::vector<Cell> row{{m.method}};
-    for (const int n : {m.sessions, m.calibrated, m.gave_up, m.good, m.caution, m.bad}) {
-      row.push_back(number(n));
-    }
-    row.push_back(orDash(m.median_capture_s, 1, "{:.1f}"));
-    row.push_back(orDash(m.median_held_out_px, 1, "{:.4f}"));
-    if (guided) row.push_back(orDash(m.compliance, 100, "{:.0f} %"));
-    table.rows.push_back(std::move(row));
-  }
+  if (!guided) eraseColumns(table, 9);
   return table;
 }
 

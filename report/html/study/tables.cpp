@@ -184,20 +184,18 @@ Section failuresSection(const StudyRecord& record) {
 Section sessionsSection(const StudyRecord& record) {
   Table table{{words("Session"), words("Participant"), words("Method"), number("Period"),
                number("Time [s]"), number("Camera [px]"), number("Held out [px]"),
-               number("Offset [ms]")}};
-  const bool guided = std::ranges::any_of(
-      record.sessions, [](const StudySession& s) { return s.compliance.has_value(); });
-  if (guided) table.columns.push_back(number("Suggestions reached"));
-  table.columns.push_back(words("Verdict"));
+               number("Offset [ms]"), number("Suggestions reached"), words("Verdict")}};
   for (const StudySession& s : record.sessions) {
     Cell seconds = orDash(s.capture_s, 1, "{:.1f}");
     if (!s.finished) seconds.text += " (gave up)";
     table.rows.push_back({linkTo(s), words(s.participant), words(s.method), number(s.period),
                           std::move(seconds), orDash(s.camera_rmse_px, 1, "{:.4f}"),
-                          orDash(s.held_out_rmse_px, 1, "{:.4f}"), offsetCell(s)});
-    if (guided) table.rows.back().push_back(orDash(s.compliance, 100, "{:.0f} %"));
-    table.rows.back().push_back(verdictCell(s));
+                          orDash(s.held_out_rmse_px, 1, "{:.4f}"), offsetCell(s),
+                          orDash(s.compliance, 100, "{:.0f} %"), verdictCell(s)});
   }
+  const bool guided = std::ranges::any_of(
+      record.sessions, [](const StudySession& s) { return s.compliance.has_value(); });
+  if (!guided) eraseColumns(table, 8);
   return withTable({"sessions", "All sessions",
                     "A name links to the session's page; a click on a heading sorts."},
                    std::move(table));

@@ -184,10 +184,7 @@ Table withoutEmptyColumns(Table table) {
   for (std::size_t c = table.columns.size(); c-- > 0;) {
     const bool empty = std::ranges::all_of(
         table.rows, [&](const auto& row) { return row[c].text == kDash || row[c].text.empty(); });
-    if (!empty || table.rows.empty()) continue;
-    const auto at = static_cast<std::ptrdiff_t>(c);
-    table.columns.erase(table.columns.begin() + at);
-    for (auto& row : table.rows) row.erase(row.begin() + at);
+    if (empty && !table.rows.empty()) eraseColumns(table, static_cast<std::ptrdiff_t>(c));
   }
   return table;
 }
