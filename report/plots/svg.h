@@ -30,10 +30,6 @@ std::string toSvg(const BoxPlot& plot, const std::string& id);
 /// it; they go into the page once, after the plots.
 const std::string& plotScripts();
 
-}  // namespace plumbline
-
-namespace plumbline {
-
 /// About `target` ticks (0.6 to 1.5 times as many) at round numbers (1, 2 or 5 times a power of
 /// ten) inside [range.min, range.max], ascending, labelled with just the digits that tell them
 /// apart. range.min < range.max; target >= 2.

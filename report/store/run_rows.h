@@ -79,10 +79,6 @@ std::vector<RunSummary> listRuns(SQLite::Database& db);
 RunSummary chooseRun(SQLite::Database& db, std::optional<std::int64_t> wanted,
                      std::optional<RunKind> kind, const std::string& path);
 
-}  // namespace plumbline::store_internal
-
-namespace plumbline::store_internal {
-
 /// What the parts of a record that was read must agree on, and the sizes that pages are drawn from:
 /// a file that was damaged or made up is refused here, rather than drawn for ever. Each throws
 /// std::runtime_error.

@@ -38,7 +38,6 @@ struct PathSink {
 };
 
 struct ArrayWriter : PathSink {
-  explicit ArrayWriter(RunWriter& run) : out(run) {}
   RunWriter& out;
 
   template <class T>
@@ -48,7 +47,6 @@ struct ArrayWriter : PathSink {
 };
 
 struct ArrayReader : PathSink {
-  explicit ArrayReader(const RunReader& run) : in(run) {}
   const RunReader& in;
 
   template <class T>
@@ -104,7 +102,7 @@ std::int64_t Store::save(const Record& record) const {
     RunWriter run(db, kindOf(record), record.name, record.provenance, record.verdict);
     // Document and arrays bring the record back; metrics and parameters are for queries alone.
     run.document(documentOf(record));
-    ArrayWriter arrays(run);
+    ArrayWriter arrays{{}, run};
     walkFields(arrays, record);
     MetricSink sink;
     walkFields(sink, record);
@@ -128,7 +126,7 @@ Record Store::load(std::optional<std::int64_t> wanted) const {
     const RunReader run(db, chooseRun(db, wanted, kindOf(record), path_.string()).id);
     // First the document, whose optional parts say which arrays there are.
     fromJson(parsedDocument(run.document()), record);
-    ArrayReader arrays(run);
+    ArrayReader arrays{{}, run};
     walkFields(arrays, record);
     // Last, since what must agree lies partly in the document and partly in the arrays.
     checkRecord(record);

@@ -216,26 +216,25 @@ Section sceneSection(const CalibrationRecord& record) {
           {{.html = renderTemplate(embedded::scene(), values)}}};
 }
 
-/// In the order of the columns of timings().
-std::vector<Cell> timingRow(const std::string& stage, const StageSeconds& s) {
-  std::vector<Cell> row = {{stage}};
-  for (const double v :
-       {s.load, s.detect, s.initialise, s.solve, s.checks, s.covariance, s.total}) {
-    row.push_back(number("{:.3f}", v));
-  }
-  return row;
-}
+constexpr std::pair<const char*, double StageSeconds::*> kTimed[] = {
+    {"load", &StageSeconds::load},
+    {"detect", &StageSeconds::detect},
+    {"initialise", &StageSeconds::initialise},
+    {"solve", &StageSeconds::solve},
+    {"checks", &StageSeconds::checks},
+    {"covariance", &StageSeconds::covariance},
+    {"total", &StageSeconds::total}};
 
 std::vector<Block> timings(const CalibrationRecord& record) {
   Table table{{words("Stage")}};
-  for (const char* part :
-       {"load", "detect", "initialise", "solve", "checks", "covariance", "total"}) {
-    table.columns.push_back(number(part));
-  }
-  if (record.camera) table.rows.push_back(timingRow("cameras", record.camera->summary.seconds));
-  if (record.camera_imu) {
-    table.rows.push_back(timingRow("camera-IMU", record.camera_imu->summary.seconds));
-  }
+  for (const auto& [name, seconds] : kTimed) table.columns.push_back(number(name));
+  const auto add = [&](const char* stage, const StageSeconds& all) {
+    std::vector<Cell> row = {words(stage)};
+    for (const auto& [name, seconds] : kTimed) row.push_back(number("{:.3f}", all.*seconds));
+    table.rows.push_back(std::move(row));
+  };
+  if (record.camera) add("cameras", record.camera->summary.seconds);
+  if (record.camera_imu) add("camera-IMU", record.camera_imu->summary.seconds);
   if (table.rows.empty()) return {};
   return {{"Seconds", "", std::move(table)}};
 }

@@ -49,11 +49,6 @@ Table scoresTable(const std::vector<CalibrationScore>& scores) {
   return table;
 }
 
-bool anyHeldOut(const std::vector<CalibrationScore>& scores) {
-  return std::ranges::any_of(
-      scores, [](const CalibrationScore& s) { return s.held_out && s.reprojection.count > 0; });
-}
-
 /// RMSE of a camera over some parts, weighted by corners; NaN where none has it.
 double pooledRmse(const std::vector<CalibrationScore>& parts, const std::string& camera) {
   double squares = 0, count = 0;
@@ -71,7 +66,8 @@ double pooledRmse(const std::vector<CalibrationScore>& parts, const std::string&
 /// A bar a calibration and camera, pooled over the recordings.
 Figure scoreBars(const std::vector<CalibrationScore>& scores) {
   // Never both in one figure: in-sample errors beside held-out ones would look like better ones.
-  const bool held_out = anyHeldOut(scores);
+  const bool held_out = std::ranges::any_of(
+      scores, [](const CalibrationScore& s) { return s.held_out && s.reprojection.count > 0; });
   BarPlot plot;
   std::string without;
   plot.categories = cameraNames(scores);

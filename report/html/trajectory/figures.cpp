@@ -171,12 +171,13 @@ struct PairError {
   std::vector<double> TrajectoryRun::*values;
   const char* title;
   const char* label;
+  const char* id;
 };
 
-constexpr PairError kPositionError{&TrajectoryRun::error_m, "Position error over time",
-                                   "position error [m]"};
-constexpr PairError kRotationError{&TrajectoryRun::error_deg, "Rotation error over time",
-                                   "rotation error [\u00b0]"};
+constexpr PairError kPairErrors[] = {
+    {&TrajectoryRun::error_m, "Position error over time", "position error [m]", "error-time"},
+    {&TrajectoryRun::error_deg, "Rotation error over time", "rotation error [\u00b0]",
+     "rotation-time"}};
 
 Series timeSeries(const TrajectoryRun& run, const std::vector<double>& values, Colour colour,
                   TimeNs start) {
@@ -334,9 +335,8 @@ Section timeSection(const std::vector<TrajectoryRun>& runs) {
   std::vector<Figure> figures;
   std::size_t index = 0;
   for (const std::string& sequence : sequencesOf(runs)) {
-    for (const auto& [error, id] :
-         {std::pair(kPositionError, "error-time"), std::pair(kRotationError, "rotation-time")}) {
-      figures.push_back(timeFigure(runs, sequence, error, fmt::format("{}-{}", id, index)));
+    for (const PairError& error : kPairErrors) {
+      figures.push_back(timeFigure(runs, sequence, error, fmt::format("{}-{}", error.id, index)));
     }
     ++index;
   }
