@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -75,8 +77,19 @@ void fields(auto& v, PerturbationCase& c) {
 /// Place, among `parameters`, of the one other than the time offset that moved by most of its
 /// standard deviations: one whose change is not finite before all others; one that has no
 /// standard deviation does not count. Empty: there is none.
-std::optional<std::size_t> largestOtherChange(const std::vector<std::string>& parameters,
-                                              const PerturbationCase& c);
+inline std::optional<std::size_t> largestOtherChange(const std::vector<std::string>& parameters,
+                                                     const PerturbationCase& c) {
+  std::optional<std::size_t> worst;
+  for (std::size_t i = 0; i < std::min(parameters.size(), c.changes_sigma.size()); ++i) {
+    if (parameters[i] == "time_offset") continue;
+    // What has no value after the change has moved further than any number tells.
+    if (i < c.changes.size() && !std::isfinite(c.changes[i])) return i;
+    // Without a deviation of the base there is nothing to count in.
+    if (!std::isfinite(c.changes_sigma[i])) continue;
+    if (!worst || std::abs(c.changes_sigma[i]) > std::abs(c.changes_sigma[*worst])) worst = i;
+  }
+  return worst;
+}
 
 /// A parameter of a study.
 struct StudyParameter {
@@ -105,7 +118,9 @@ struct PerturbationRecord {
 };
 
 /// Whether time offsets were estimated: not by a study of cameras alone.
-bool hasOffset(const PerturbationRecord& record);
+inline bool hasOffset(const PerturbationRecord& record) {
+  return std::ranges::find(record.parameters, "time_offset") != record.parameters.end();
+}
 
 /// perturbation.json.
 template <class V>

@@ -94,9 +94,7 @@ Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::stri
   plot.frame = {
       name + ": errors", {"e_u [px]", shown_errors}, {"e_v [px]", shown_errors}, 440, 400, true};
   plot.count_label = "corners";
-  Series series;
-  series.colour = {0, 94, 162, 110};
-  series.width = 2;
+  Series series{"", {}, {}, {0, 94, 162, 110}, 2};
   std::size_t outside = 0;
   for (const auto& e : errors) {
     series.x.push_back(e.x());
@@ -239,10 +237,7 @@ Figure frameFigure(const StageView& stage) {
 }  // namespace
 
 Series normalCurve(const std::string& name, double deviation, double range, double area) {
-  Series curve;
-  curve.name = name;
-  curve.colour = {40, 44, 52, 255};
-  curve.dashed = true;
+  Series curve{name, {}, {}, {40, 44, 52, 255}, 1.4, true};
   for (int i = 0; i <= 120; ++i) {
     const double x = range * (i / 60.0 - 1);
     curve.x.push_back(x);

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "calibrator/base/time.h"
-#include "report/html/figure.h"
 #include "report/html/scene.h"
 #include "report/html/section.h"
 #include "report/records/calibration_record.h"

@@ -96,12 +96,7 @@ std::vector<AxisTick> decades(const BasinScale& scale, bool any_failed) {
 }
 
 Series markers(const std::string& name, Colour colour) {
-  Series series;
-  series.name = name;
-  series.colour = colour;
-  series.width = 7;
-  series.markers = true;
-  return series;
+  return {name, {}, {}, colour, 7, false, true};
 }
 
 /// Change of parameter i in standard deviations; of the time offset what was not injected.

@@ -181,9 +181,7 @@ constexpr PairError kPairErrors[] = {
 
 Series timeSeries(const TrajectoryRun& run, const std::vector<double>& values, Colour colour,
                   TimeNs start) {
-  Series series;
-  series.colour = colour;
-  series.width = 1.2;
+  Series series{"", {}, {}, colour, 1.2};
   for (std::size_t i = 0; i < run.t.size(); ++i) {
     series.x.push_back(secondsBetween(start, run.t[i]));
     series.y.push_back(values[i]);
