@@ -25,8 +25,7 @@ std::optional<double> component(const Transform& T, const std::string& suffix) {
 std::optional<double> intrinsicValue(const CameraCalibration& camera, const std::string& suffix) {
   const auto names =
       intrinsicParameters(camera.intrinsics.projection_model, camera.intrinsics.distortion_model);
-  const auto found =
-      std::ranges::find_if(names, [&](const ParameterName& p) { return p.name == suffix; });
+  const auto found = std::ranges::find(names, suffix, &ParameterName::name);
   const Eigen::VectorXd values = camera.intrinsics.stacked();
   const auto index = found - names.begin();
   if (found == names.end() || index >= values.size()) return std::nullopt;
@@ -129,8 +128,7 @@ Verdict makeVerdict(std::vector<Finding> findings) {
 const Finding* gravest(const Verdict& verdict) {
   // A good verdict has findings of its level, too, but none to tell of.
   if (verdict.level == VerdictLevel::kGood) return nullptr;
-  const auto worst = std::ranges::find_if(
-      verdict.findings, [&](const Finding& f) { return f.level == verdict.level; });
+  const auto worst = std::ranges::find(verdict.findings, verdict.level, &Finding::level);
   return worst == verdict.findings.end() ? nullptr : &*worst;
 }
 

@@ -3,13 +3,7 @@
 #include <typeindex>
 #include <vector>
 
-#include "report/records/calibration_record.h"
-#include "report/records/comparison_record.h"
 #include "report/records/field_walker.h"
-#include "report/records/perturbation_record.h"
-#include "report/records/replay_record.h"
-#include "report/records/study_record.h"
-#include "report/records/trajectory_record.h"
 #include "report/store/packed_fields.h"
 #include "report/store/run_rows.h"
 

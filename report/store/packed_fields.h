@@ -203,13 +203,6 @@ class Describer : public FieldsAlike<Describer> {
 
   template <class T>
   static std::string form();
-  template <class T>
-  static std::string fieldsOf() {
-    Describer inner;
-    T value{};
-    fields(inner, value);
-    return inner.text_;
-  }
 
  private:
   std::string text_;
@@ -239,7 +232,10 @@ std::string Describer::form() {
                elements(value));
     return "{" + text.substr(1) + "}";
   } else {
-    return "{" + fieldsOf<T>() + "}";
+    Describer inner;
+    T value{};
+    fields(inner, value);
+    return "{" + inner.text_ + "}";
   }
 }
 

@@ -9,12 +9,6 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 
 #include "calibrator/fields/json_fields.h"
-#include "report/records/calibration_record.h"
-#include "report/records/comparison_record.h"
-#include "report/records/perturbation_record.h"
-#include "report/records/replay_record.h"
-#include "report/records/study_record.h"
-#include "report/records/trajectory_record.h"
 #include "report/store/store.h"
 
 namespace plumbline::store_internal {

@@ -167,10 +167,8 @@ Figure readingFigure(const CameraImuStageResult& stage, TimeNs origin, LinePlot 
 
 /// Rules go by their names, which documents have too (evaluate/metrics/rules).
 const Finding* findingOf(const Verdict& verdict, const std::string& rule) {
-  for (const Finding& finding : verdict.findings) {
-    if (finding.rule == rule) return &finding;
-  }
-  return nullptr;
+  const auto found = std::ranges::find(verdict.findings, rule, &Finding::rule);
+  return found == verdict.findings.end() ? nullptr : &*found;
 }
 
 /// What the residuals say of the densities assumed, with what the verdict made of it.

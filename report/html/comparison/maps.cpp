@@ -43,35 +43,35 @@ Figure fieldFigure(const VectorField& plot, const std::string& id) {
                                        plot.magnification, cutText(plot))};
 }
 
-/// The maps of one kind as plots, those of points at one range on one scale.
-struct ScaledMaps {
-  std::vector<const ImageMap*> maps;
-  std::vector<HeatMap> heat;
-  std::vector<VectorField> fields;
+/// A map as plots.
+struct DrawnMap {
+  const ImageMap* map;
+  HeatMap heat;
+  VectorField field;
 };
 
-ScaledMaps scaled(const std::vector<ImageMap>& all, const std::string& label, bool titled) {
-  ScaledMaps out;
+/// The maps of one kind, those of points at one range on one scale.
+std::vector<DrawnMap> drawn(const std::vector<ImageMap>& all, const std::string& label,
+                            bool titled) {
+  std::vector<DrawnMap> out;
   for (const ImageMap& map : all) {
     if (!sound(map)) continue;
-    out.maps.push_back(&map);
     const std::string title =
         titled ? fmt::format("{}, {}, {}", map.label, map.camera, rangeText(map.range_m)) : "|d|";
-    out.heat.push_back(heatMap(map, title, label));
-    out.fields.push_back(fieldOf(map, "d"));
+    out.push_back({&map, heatMap(map, title, label), fieldOf(map, "d")});
   }
-  std::map<double, std::vector<std::size_t>> by_range;
-  for (std::size_t i = 0; i < out.maps.size(); ++i) by_range[out.maps[i]->range_m].push_back(i);
+  std::map<double, std::vector<DrawnMap*>> by_range;
+  for (DrawnMap& d : out) by_range[d.map->range_m].push_back(&d);
   // Only maps of one range are compared by their colours and arrows.
   for (const auto& [range, members] : by_range) {
     std::vector<HeatMap*> heat;
     std::vector<VectorField*> fields;
     double reach = 0;
-    for (const std::size_t i : members) {
-      heat.push_back(&out.heat[i]);
-      fields.push_back(&out.fields[i]);
+    for (DrawnMap* d : members) {
+      heat.push_back(&d->heat);
+      fields.push_back(&d->field);
       // By the widest spacing of arrows, as one magnification is that of all.
-      reach = std::max(reach, kReach * strideOf(*out.maps[i]) * stepX(*out.maps[i]));
+      reach = std::max(reach, kReach * strideOf(*d->map) * stepX(*d->map));
     }
     scaleAlike(heat);
     magnifyAlike(fields, reach);
@@ -94,15 +94,14 @@ std::string methodText(const ImageMap& map) {
   return map.method.empty() ? "" : "Method: " + map.method + ". ";
 }
 
-Block differenceBlock(const ScaledMaps& scaled, std::size_t i) {
-  const ImageMap& map = *scaled.maps[i];
-  Block block;
-  block.heading = fmt::format("{}: {}, {}", map.camera, map.label, rangeText(map.range_m));
-  block.text = methodText(map) + impliedText(map);
+Block differenceBlock(const DrawnMap& drawn, std::size_t i) {
+  const ImageMap& map = *drawn.map;
   const std::string id = fmt::format("difference-{}", i);
-  block.figures.push_back(heatFigure(scaled.heat[i], id));
-  if (!scaled.fields[i].arrows.empty()) {
-    block.figures.push_back(fieldFigure(scaled.fields[i], id + "-field"));
+  Block block{fmt::format("{}: {}, {}", map.camera, map.label, rangeText(map.range_m)),
+              methodText(map) + impliedText(map)};
+  block.figures.push_back(heatFigure(drawn.heat, id));
+  if (!drawn.field.arrows.empty()) {
+    block.figures.push_back(fieldFigure(drawn.field, id + "-field"));
   }
   return block;
 }
@@ -114,9 +113,8 @@ Section differenceSection(const ComparisonRecord& record) {
                   "Difference between the projections of one point under two calibrations, after "
                   "one rotation and translation aligned the camera frames: what remains is a real "
                   "difference of the lens models, not of conventions."};
-  const ScaledMaps maps = scaled(record.differences, "|d| [px]", false);
-  for (std::size_t i = 0; i < maps.maps.size(); ++i) {
-    section.blocks.push_back(differenceBlock(maps, i));
+  for (const DrawnMap& map : drawn(record.differences, "|d| [px]", false)) {
+    section.blocks.push_back(differenceBlock(map, section.blocks.size()));
   }
   return section;
 }
@@ -129,10 +127,9 @@ Section uncertaintySection(const ComparisonRecord& record) {
                   "noise only, not the error of a model that does not fit.",
                   record.assumptions.pixel_sigma_px)};
   std::vector<Figure> figures;
-  const ScaledMaps maps = scaled(record.uncertainties, "std [px]", true);
-  for (std::size_t i = 0; i < maps.maps.size(); ++i) {
-    Figure figure = heatFigure(maps.heat[i], fmt::format("uncertainty-{}", i));
-    figure.caption = methodText(*maps.maps[i]) + figure.caption;
+  for (const DrawnMap& map : drawn(record.uncertainties, "std [px]", true)) {
+    Figure figure = heatFigure(map.heat, fmt::format("uncertainty-{}", figures.size()));
+    figure.caption = methodText(*map.map) + figure.caption;
     figures.push_back(std::move(figure));
   }
   return withFigures(std::move(section), std::move(figures));

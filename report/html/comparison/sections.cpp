@@ -101,7 +101,7 @@ std::vector<Block> parameterBlocks(const std::vector<ComparedParameter>& paramet
   for (const ComparedParameter& p : parameters) {
     const std::string owner = groupOf(p.name);
     // What the first calibration lacks comes last, under the same heading.
-    auto block = std::ranges::find_if(blocks, [&](const Block& b) { return b.heading == owner; });
+    auto block = std::ranges::find(blocks, owner, &Block::heading);
     if (block == blocks.end()) {
       block = blocks.insert(block, {owner, "", Table{parameterColumns(labels, shown)}});
     }

@@ -32,7 +32,7 @@ struct CaseGroup {
 std::vector<CaseGroup> groupedCases(const PerturbationRecord& record) {
   std::vector<CaseGroup> groups;
   for (const PerturbationCase& c : record.cases) {
-    auto group = std::ranges::find_if(groups, [&](const CaseGroup& g) { return g.kind == c.kind; });
+    auto group = std::ranges::find(groups, c.kind, &CaseGroup::kind);
     if (group == groups.end()) group = groups.insert(groups.end(), {c.kind, {}});
     group->cases.push_back(&c);
   }

@@ -21,9 +21,10 @@ constexpr const char* kAbove = " The highest 5 % of the values are off-scale.";
 using Bands = std::vector<CounterfactualBand>;
 using BandColumn = std::vector<std::optional<Quartiles>> CounterfactualBand::*;
 
-/// One of the quartiles over the number of views; a gap where not every seed has a value.
-Series seriesOf(const CounterfactualBand& band, BandColumn column, double Quartiles::*part) {
-  Series series;
+/// `series` with one of the quartiles over the number of views; a gap where not every seed has a
+/// value.
+Series withQuartile(Series series, const CounterfactualBand& band, BandColumn column,
+                    double Quartiles::*part) {
   const auto& values = band.*column;
   for (std::size_t i = 0; i < std::min(band.views.size(), values.size()); ++i) {
     // Logarithmic, for errors fall by ratios of views.
@@ -36,21 +37,15 @@ Series seriesOf(const CounterfactualBand& band, BandColumn column, double Quarti
 /// The median over the seeds, between dashed lines at the quartiles.
 void addBand(LinePlot& plot, const CounterfactualBand& band, BandColumn column, std::size_t place) {
   const Colour colour = seriesColour(place);
-  // First, so that the median lies over them.
-  for (double Quartiles::*edge : {&Quartiles::lower, &Quartiles::upper}) {
-    if (band.seeds < 2) break;
-    Series line = seriesOf(band, column, edge);
-    line.colour = {colour.red, colour.green, colour.blue, 160};
-    line.width = 1;
-    line.dashed = true;
-    plot.series.push_back(std::move(line));
+  std::string name = band.strategy;
+  if (band.seeds > 1) {
+    name += fmt::format(" (median of {})", band.seeds);
+    // First, so that the median lies over them.
+    const Series dashed{"", {}, {}, {colour.red, colour.green, colour.blue, 160}, 1, true};
+    plot.series.push_back(withQuartile(dashed, band, column, &Quartiles::lower));
+    plot.series.push_back(withQuartile(dashed, band, column, &Quartiles::upper));
   }
-  Series middle = seriesOf(band, column, &Quartiles::median);
-  middle.name = band.strategy;
-  if (band.seeds > 1) middle.name += fmt::format(" (median of {})", band.seeds);
-  middle.colour = colour;
-  middle.width = 2;
-  plot.series.push_back(std::move(middle));
+  plot.series.push_back(withQuartile({name, {}, {}, colour, 2}, band, column, &Quartiles::median));
 }
 
 Range rangeShown(const LinePlot& plot) {

@@ -133,8 +133,7 @@ Table alarmsTable(const StudyRecord& record) {
 Cell linkTo(const StudySession& s) { return {s.name, Cell::Kind::kTight, {}, s.page}; }
 
 const StudySession* sessionOf(const StudyRecord& record, const std::string& name) {
-  const auto found =
-      std::ranges::find_if(record.sessions, [&](const StudySession& s) { return s.name == name; });
+  const auto found = std::ranges::find(record.sessions, name, &StudySession::name);
   return found == record.sessions.end() ? nullptr : &*found;
 }
 
@@ -193,8 +192,8 @@ Section sessionsSection(const StudyRecord& record) {
                           orDash(s.held_out_rmse_px, 1, "{:.4f}"), offsetCell(s),
                           orDash(s.compliance, 100, "{:.0f} %"), verdictCell(s)});
   }
-  const bool guided = std::ranges::any_of(
-      record.sessions, [](const StudySession& s) { return s.compliance.has_value(); });
+  const bool guided =
+      std::ranges::any_of(record.sessions, [](const auto& s) { return s.compliance.has_value(); });
   if (!guided) eraseColumns(table, 8);
   return withTable({"sessions", "All sessions",
                     "A name links to the session's page; a click on a heading sorts."},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Errors of relative motion by distance.
-#include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,19 +36,13 @@ std::string lengthText(const Distance& distance) {
   return fmt::format("{:g} {}", distance.second, distance.first);
 }
 
-/// Those that any run was evaluated over.
-std::vector<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
-  std::vector<Distance> all;
+/// Those that any run was evaluated over, by unit, then by length. Lengths are those that were
+/// asked for, so that equal ones are equal to the last bit.
+std::set<Distance> distancesOf(const std::vector<TrajectoryRun>& runs) {
+  std::set<Distance> all;
   for (const TrajectoryRun& run : runs) {
-    for (const RelativeErrorRecord& r : run.rpe) {
-      // Lengths are those that were asked for, so that equal ones are equal to the last bit.
-      if (std::ranges::find(all, Distance(r.unit, r.delta)) == all.end()) {
-        all.emplace_back(r.unit, r.delta);
-      }
-    }
+    for (const RelativeErrorRecord& r : run.rpe) all.emplace(r.unit, r.delta);
   }
-  // By unit, then by length.
-  std::ranges::sort(all);
   return all;
 }
 
