@@ -27,21 +27,6 @@ double roundedDown(double value) {
   return power;
 }
 
-/// Of the finite values of a map [px].
-struct Summary {
-  double median = 0, most = 0;
-  std::size_t undefined = 0;
-  bool any = false;
-};
-
-Summary summaryOf(const std::vector<double>& values) {
-  std::vector<double> known;
-  addFinite(values, known);
-  if (known.empty()) return {0, 0, values.size(), false};
-  return {quantile(known, 0.5), *std::ranges::max_element(known), values.size() - known.size(),
-          true};
-}
-
 }  // namespace
 
 void addFinite(const std::vector<double>& values, std::vector<double>& known) {
@@ -92,15 +77,16 @@ HeatMap heatMap(const ImageMap& map, const std::string& title, const std::string
 }
 
 Figure heatFigure(const HeatMap& plot, const std::string& id) {
-  const Summary s = summaryOf(plot.values);
-  std::string caption = s.any
-                            ? fmt::format("Median {:.3g} px, largest {:.3g} px.", s.median, s.most)
-                            : "Undefined over the whole image.";
-  if (s.any) caption += " Lines of equal value at the ticks of the scale." + clampText(plot);
-  if (s.any && s.undefined > 0) {
-    caption += fmt::format(
-        " Blank at {:.0f} % of the grid, where a model does not project.",
-        100.0 * static_cast<double>(s.undefined) / static_cast<double>(plot.values.size()));
+  std::vector<double> known;
+  addFinite(plot.values, known);
+  if (known.empty()) return {toSvg(plot, id), "Undefined over the whole image."};
+  std::string caption = fmt::format(
+      "Median {:.3g} px, largest {:.3g} px. Lines of equal value at the ticks of the scale.{}",
+      quantile(known, 0.5), *std::ranges::max_element(known), clampText(plot));
+  if (known.size() < plot.values.size()) {
+    const double undefined = static_cast<double>(plot.values.size() - known.size());
+    caption += fmt::format(" Blank at {:.0f} % of the grid, where a model does not project.",
+                           100.0 * undefined / static_cast<double>(plot.values.size()));
   }
   return {toSvg(plot, id), caption};
 }

@@ -45,12 +45,11 @@ std::string scaledSeconds(double seconds, double std) {
 }
 
 std::string grouped(std::size_t count) {
-  const std::string digits = std::to_string(count);
-  std::string text;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    // Counted from the end, where the groups begin.
-    if (i > 0 && (digits.size() - i) % 3 == 0) text += "\u2009";
-    text += digits[i];
+  std::string text = std::to_string(count);
+  // Counted from the end, where the groups begin.
+  for (std::size_t i = text.size(); i > 3;) {
+    i -= 3;
+    text.insert(i, "\u2009");
   }
   return text;
 }

@@ -26,11 +26,6 @@ bool drawable(const TrajectoryRun& run) {
          run.estimate_m.size() == run.t.size() && run.error_m.size() == run.t.size();
 }
 
-std::array<double, 5> quantilesOf(const std::vector<double>& values, double least, double most) {
-  return {quantile(values, least), quantile(values, 0.25), quantile(values, 0.5),
-          quantile(values, 0.75), quantile(values, most)};
-}
-
 /// How the values of a group become a box; fewer than `fewest` are points in its place.
 struct BoxRule {
   double least = 0, most = 1;  ///< quantiles of the whiskers
@@ -42,7 +37,8 @@ void addGroup(BoxPlot& plot, const BoxRule& rule, const std::string& name, std::
               const std::vector<double>& values) {
   BoxSummary box{name, {}, series};
   if (values.size() >= rule.fewest) {
-    box.quantiles = quantilesOf(values, rule.least, rule.most);
+    box.quantiles = {quantile(values, rule.least), quantile(values, 0.25), quantile(values, 0.5),
+                     quantile(values, 0.75), quantile(values, rule.most)};
   } else {
     box.quantiles.fill(std::nan(""));
     const auto x = static_cast<double>(plot.boxes.size());

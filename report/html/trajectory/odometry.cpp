@@ -12,18 +12,11 @@
 namespace plumbline::html_internal {
 namespace {
 
-/// With its deviation, or alone where that is not known.
-Cell hinted(double value, const std::optional<double>& deviation) {
-  if (!deviation) return number("{:.3g}", value);
-  return number("{} \u00b1 {}", withPrecisionOf(value, *deviation), twoDigits(*deviation));
-}
-
-/// The time offset that the odometry prefers, in ms.
-Cell hintCell(const OdometryRunRecord& o) {
-  if (!o.offset_hint_s) return number(kDash);
-  std::optional<double> deviation;
-  if (o.offset_hint_std_s) deviation = 1e3 * *o.offset_hint_std_s;
-  return hinted(1e3 * *o.offset_hint_s, deviation);
+/// In another unit; with its deviation, or alone where that is not known.
+Cell hinted(double value, const std::optional<double>& deviation, double factor) {
+  if (!deviation) return number("{:.3g}", factor * value);
+  const double std = factor * *deviation;
+  return number("{} \u00b1 {}", withPrecisionOf(factor * value, std), twoDigits(std));
 }
 
 /// What the odometry would change of T_SC0, by component.
@@ -41,8 +34,8 @@ Table extrinsicsTable(const std::vector<TrajectoryRun>& runs) {
       // A tangent of the pose (dt, da): metres, then radians.
       const double unit = i < 3 ? 1e3 : kDegrees;
       std::optional<double> deviation;
-      if (o.T_SC0_hint_std) deviation = unit * (*o.T_SC0_hint_std)[i];
-      row.push_back(hinted(unit * (*o.T_SC0_hint)[i], deviation));
+      if (o.T_SC0_hint_std) deviation = (*o.T_SC0_hint_std)[i];
+      row.push_back(hinted((*o.T_SC0_hint)[i], deviation, unit));
     }
     table.rows.push_back(std::move(row));
   }
@@ -160,7 +153,8 @@ Section selfSection(const std::vector<TrajectoryRun>& runs) {
         {words(runName(run)), orDash(o.stereo_px, 1, "{:.3f}"),
          orDash(o.innovation_px, 1, "{:.3f}"), orDash(o.closure_m, 1, "{:.4f}"),
          orDash(o.closure_deg, 1, "{:.3f}"), orDash(o.offset_calibrated_s, 1e3, "{:+.2f}"),
-         hintCell(o), orDash(o.frame_p50_ms, 1, "{:.1f}"), orDash(o.frame_p95_ms, 1, "{:.1f}"),
+         o.offset_hint_s ? hinted(*o.offset_hint_s, o.offset_hint_std_s, 1e3) : number(kDash),
+         orDash(o.frame_p50_ms, 1, "{:.1f}"), orDash(o.frame_p95_ms, 1, "{:.1f}"),
          orDash(o.frame_p99_ms, 1, "{:.1f}"), orDash(o.frame_max_ms, 1, "{:.1f}")});
   }
   section = withTable(std::move(section), withoutEmptyColumns(std::move(table)));
