@@ -24,8 +24,6 @@ std::string secondsText(const ReplayRecord& record, const std::optional<TimeNs>&
   return t ? secondsText(record, *t) : kDash;
 }
 
-std::string countText(int count) { return grouped(static_cast<std::size_t>(count)); }
-
 std::string titleOf(GuideStage stage) {
   return stage == GuideStage::kCamera ? "cameras" : "camera-IMU";
 }
@@ -40,7 +38,7 @@ std::string endText(const ReplayRecord& record, std::optional<TimeNs> finished,
 std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary& s) {
   std::vector<Cell> row = {tight(titleOf(s.stage))};
   const auto count = [&row](bool known, int n) {
-    row.push_back(number(known ? countText(n) : kDash));
+    row.push_back(number(known ? grouped(static_cast<std::size_t>(n)) : kDash));
   };
   // Of a stage that did not run there are no counts, rather than zeros.
   for (const int n : {s.frames_offered, s.frames_dropped, s.views_used}) count(s.ran, n);

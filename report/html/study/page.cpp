@@ -13,25 +13,20 @@ namespace {
 
 using namespace html_internal;
 
-template <class Holds>
-std::size_t count(const StudyRecord& record, const Holds& holds) {
-  return static_cast<std::size_t>(std::ranges::count_if(record.sessions, holds));
-}
-
 std::vector<Card> cardsOf(const StudyRecord& record) {
-  const auto failed =
-      count(record, [](const StudySession& s) { return s.status == StudyStatus::kFailed; });
+  const auto& sessions = record.sessions;
+  const auto failed = std::ranges::count(sessions, StudyStatus::kFailed, &StudySession::status);
   // Whoever gave up may still have a calibration: the two counts overlap.
-  const auto gave_up = count(record, [](const StudySession& s) { return !s.finished; });
+  const auto gave_up = std::ranges::count(sessions, false, &StudySession::finished);
   std::vector<Card> cards = {
-      {"Sessions", std::to_string(record.sessions.size()), "",
-       fmt::format("{} calibrated, {} failed", record.sessions.size() - failed, failed)},
+      {"Sessions", std::to_string(sessions.size()), "",
+       fmt::format("{} calibrated, {} failed", std::ssize(sessions) - failed, failed)},
       {"Sessions given up", std::to_string(gave_up), "",
        fmt::format("limit {:g} s", record.limit_s)}};
   for (const StudyMethod& m : record.statistics.methods) {
     if (!m.median_held_out_px) continue;
     // The median is over those with a score, so that is the number beside it.
-    const auto scored = count(record, [&](const StudySession& s) {
+    const auto scored = std::ranges::count_if(sessions, [&](const StudySession& s) {
       return s.method == m.method && s.held_out_rmse_px.has_value();
     });
     cards.push_back({"Held-out RMSE, " + m.method, fmt::format("{:.4f}", *m.median_held_out_px),
