@@ -91,8 +91,8 @@ class StoreTest : public ::testing::Test {
 };
 
 TEST_F(StoreTest, GivesBackACalibration) {
-  expectRoundTrips(test::syntheticRecord(), &Store::loadCalibration);
-  expectRoundTrips(test::syntheticRecord({.camera_imu = false}), &Store::loadCalibration);
+  expectRoundTrips(test::syntheticRecord(), &Store::load<CalibrationRecord>);
+  expectRoundTrips(test::syntheticRecord({.camera_imu = false}), &Store::load<CalibrationRecord>);
 }
 
 TEST_F(StoreTest, GivesBackACalibrationOfGivenCameras) {
@@ -102,19 +102,19 @@ TEST_F(StoreTest, GivesBackACalibrationOfGivenCameras) {
   record.held.emplace();
   record.held->file = "camchain.yaml";
   record.held->scores = test::syntheticComparison().scores;
-  expectRoundTrips(record, &Store::loadCalibration);
+  expectRoundTrips(record, &Store::load<CalibrationRecord>);
 }
 
 TEST_F(StoreTest, GivesBackAPerturbationStudy) {
-  expectRoundTrips(test::syntheticPerturbation(), &Store::loadPerturbation);
+  expectRoundTrips(test::syntheticPerturbation(), &Store::load<PerturbationRecord>);
 }
 
 TEST_F(StoreTest, GivesBackTrajectories) {
-  expectRoundTrips(test::syntheticTrajectories(), &Store::loadTrajectory);
+  expectRoundTrips(test::syntheticTrajectories(), &Store::load<TrajectoryRecord>);
 }
 
 TEST_F(StoreTest, GivesBackAComparison) {
-  expectRoundTrips(test::syntheticComparison(), &Store::loadComparison);
+  expectRoundTrips(test::syntheticComparison(), &Store::load<ComparisonRecord>);
 }
 
 // A paired prediction as it was written before there were intervals.
@@ -148,7 +148,7 @@ TEST(TrajectoryDocument, NoPairsHaveNoDifference) {
 
 TEST_F(StoreTest, GivesBackAReplayAndItsPage) {
   const ReplayRecord saved = test::syntheticReplay();
-  expectRoundTrips(saved, &Store::loadReplay);
+  expectRoundTrips(saved, &Store::load<ReplayRecord>);
   EXPECT_TRUE(renderReplayPage(Store(file()).load<ReplayRecord>()) == renderReplayPage(saved));
 }
 
@@ -169,7 +169,7 @@ TEST_F(StoreTest, KeepsSuggestionsWhoseGainIsUnbounded) {
   ReplayRecord record = test::syntheticReplay();
   ASSERT_FALSE(record.suggestions.empty());
   record.suggestions[0].suggestion.mi_nats = std::numeric_limits<double>::infinity();
-  expectRoundTrips(record, &Store::loadReplay);
+  expectRoundTrips(record, &Store::load<ReplayRecord>);
 }
 
 TEST_F(StoreTest, HasRowsThatAStudyCanQuery) {
