@@ -33,6 +33,23 @@ Table spreadTable(const StudyRecord& record) {
   return table;
 }
 
+/// Across the plot: what the sessions state, and the ends of the interval.
+void addLevels(LinePlot& plot, double low, double high, double right) {
+  for (const double level : {low, 1.0, high}) {
+    // A colour each, and one name for both ends: hover.js knows a series by its colour.
+    const bool stated = level == 1;
+    plot.series.push_back({stated         ? "stated deviation"
+                           : level == low ? "95 % interval"
+                                          : "",
+                           {-0.5, right},
+                           {level, level},
+                           stated ? Colour{90, 98, 110, 255} : Colour{150, 120, 80, 255},
+                           1.2,
+                           !stated,
+                           false});
+  }
+}
+
 Figure spreadFigure(const StudyRecord& record) {
   const auto& all = record.statistics.spread;
   const auto names = distinct(all, [](const StudySpread& s) { return s.parameter; });
@@ -61,19 +78,7 @@ Figure spreadFigure(const StudyRecord& record) {
   }
   if (std::isfinite(high)) top = std::max(top, high);
   const double right = static_cast<double>(names.size()) - 0.5;
-  for (const double level : {low, 1.0, high}) {
-    // A colour each, and one name for both ends: hover.js knows a series by its colour.
-    const bool stated = level == 1;
-    plot.series.push_back({stated         ? "stated deviation"
-                           : level == low ? "95 % interval"
-                                          : "",
-                           {-0.5, right},
-                           {level, level},
-                           stated ? Colour{90, 98, 110, 255} : Colour{150, 120, 80, 255},
-                           1.2,
-                           !stated,
-                           false});
-  }
+  addLevels(plot, low, high, right);
   for (std::size_t k = 0; k < record.methods.size(); ++k) {
     plot.series.push_back({record.methods[k], {}, {}, seriesColour(k), 2});
   }
