@@ -114,8 +114,7 @@ void setVerdict(data& page, const Verdict& verdict, const std::string& good_word
   page.set("verdict", good && word != "good" ? "neutral" : toString(verdict.level));
   page.set("verdict_word", std::string(1, static_cast<char>(word[0] - 'a' + 'A')) + word.substr(1));
   page.set("verdict_sentence", sentenceOf(verdict));
-  std::vector<Finding> concerns;
-  std::vector<Finding> holds;
+  std::vector<Finding> concerns, holds;
   for (const Finding& finding : verdict.findings) {
     (finding.level == VerdictLevel::kGood ? holds : concerns).push_back(finding);
   }

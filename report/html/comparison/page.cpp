@@ -37,10 +37,10 @@ Card significanceCard(const ComparisonRecord& record) {
 }
 
 std::vector<Card> cardsOf(const ComparisonRecord& record) {
-  std::size_t lint = 0;
+  std::ptrdiff_t lint = 0;
   for (const ComparedCalibration& c : record.calibrations) {
-    lint += static_cast<std::size_t>(std::ranges::count_if(
-        c.lint, [](const Finding& f) { return f.level != VerdictLevel::kGood; }));
+    lint += std::ranges::count_if(c.lint,
+                                  [](const Finding& f) { return f.level != VerdictLevel::kGood; });
   }
   std::vector<Card> cards = {{"Calibrations", std::to_string(record.calibrations.size()), "",
                               record.calibrations.empty()

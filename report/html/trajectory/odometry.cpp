@@ -21,11 +21,8 @@ Cell hinted(double value, const std::optional<double>& deviation, double factor)
 
 /// What the odometry would change of T_SC0, by component.
 Table extrinsicsTable(const std::vector<TrajectoryRun>& runs) {
-  Table table{{words("Run")}};
-  for (const char* axis : {"x", "y", "z"})
-    table.columns.push_back(number(std::string("t") + axis + " [mm]"));
-  for (const char* axis : {"x", "y", "z"})
-    table.columns.push_back(number(std::string("r") + axis + " [\u00b0]"));
+  Table table{{words("Run"), number("tx [mm]"), number("ty [mm]"), number("tz [mm]"),
+               number("rx [\u00b0]"), number("ry [\u00b0]"), number("rz [\u00b0]")}};
   for (const TrajectoryRun& run : runs) {
     if (!run.odometry || !run.odometry->T_SC0_hint) continue;
     const OdometryRunRecord& o = *run.odometry;
