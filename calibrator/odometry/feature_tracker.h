@@ -22,7 +22,7 @@ class ImagePyramid {
 
   bool empty() const { return levels_.empty(); }
   int levels() const { return static_cast<int>(levels_.size()); }
-  GrayImageView level(int k) const { return levels_[static_cast<std::size_t>(k)].view(); }
+  GrayImageView level(int k) const { return levels_[k].view(); }
 
  private:
   std::vector<GrayImage> levels_;

@@ -17,7 +17,7 @@ Window leavingPart(const Window& window, int leaving, const std::set<std::int64_
   part.frames = window.frames;
   part.prior = window.prior;
   for (int i = 0; i < static_cast<int>(part.frames.size()); ++i) {
-    OdometryFrame& frame = part.frames[static_cast<std::size_t>(i)];
+    OdometryFrame& frame = part.frames[i];
     // All other terms stay in the window: in the prior as well they would count twice.
     if (i != leaving && i != leaving - 1) frame.link.reset();
     if (i != leaving) frame.still = false;
@@ -47,7 +47,7 @@ std::vector<int> framesOf(const Window& part, int leaving) {
 
 /// Takes the frame out with all its sightings. The link that led to it leads nowhere now.
 void dropFrame(Window& window, int leaving) {
-  const std::int64_t serial = window.frames[static_cast<std::size_t>(leaving)].serial;
+  const std::int64_t serial = window.frames[leaving].serial;
   window.frames.erase(window.frames.begin() + leaving);
   if (leaving > 0) window.frames[static_cast<std::size_t>(leaving) - 1].link.reset();
   for (auto& [id, landmark] : window.landmarks) {
@@ -69,13 +69,13 @@ bool marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::i
   Eigen::Index leaves = 0;  // first row of the frame that leaves, among those used
   WindowPrior prior;
   for (const int frame : frames) {
-    if (frame == leaving) leaves = static_cast<Eigen::Index>(used.size());
+    if (frame == leaving) leaves = used.size();
     for (int k = 0; k < kState; ++k) {
       if (frame != leaving) keep.push_back(static_cast<int>(used.size()));
       used.push_back(kState * frame + k);
     }
     if (frame == leaving) continue;
-    OdometryFrame& kept = window.frames[static_cast<std::size_t>(frame)];
+    OdometryFrame& kept = window.frames[frame];
     if (!kept.first_estimate) kept.first_estimate = kept.state;
     prior.frames.push_back(kept.serial);
     prior.points.push_back(*kept.first_estimate);
@@ -94,11 +94,10 @@ bool marginaliseFrame(Window& window, std::int64_t serial, const std::set<std::i
     return false;
   }
   // The cost is about where the states are; the prior's points are their first estimates.
-  Eigen::VectorXd d(static_cast<Eigen::Index>(keep.size()));
+  Eigen::VectorXd d(keep.size());
   for (std::size_t i = 0; i < prior.frames.size(); ++i) {
     const int frame = window.indexOf(prior.frames[i]);
-    d.segment<kState>(kState * static_cast<Eigen::Index>(i)) =
-        boxminus(window.frames[static_cast<std::size_t>(frame)].state, prior.points[i]);
+    d.segment<kState>(kState * i) = boxminus(window.frames[frame].state, prior.points[i]);
   }
   prior.cost = remaining->at(-d);
   window.prior = std::move(prior);

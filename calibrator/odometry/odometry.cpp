@@ -167,7 +167,7 @@ void Odometry::rememberEpipolar(const FrameTracks& frame) {
     if (ray == first.end()) continue;
     const auto seen = rig_.sighting(p.camera, p.uv, 1);
     if (!seen) continue;
-    const Transform T_C1C0 = rig_.T_SC[static_cast<std::size_t>(p.camera)].inverse() * rig_.T_SC[0];
+    const Transform T_C1C0 = rig_.T_SC[p.camera].inverse() * rig_.T_SC[0];
     const Eigen::Vector3d normal = T_C1C0.t.cross(T_C1C0.R * ray->second);
     if (!(normal.norm() > 0)) continue;
     const Eigen::Vector3d n = normal.normalized();
@@ -221,7 +221,7 @@ void Odometry::gate() {
 bool Odometry::isKeyframe(const FrameTracks& frame) const {
   const int last = window_.indexOf(last_keyframe_);
   if (last < 0 || keyframe_rays_.empty()) return true;
-  const OdometryFrame& keyframe = window_.frames[static_cast<std::size_t>(last)];
+  const OdometryFrame& keyframe = window_.frames[last];
   if (secondsBetween(keyframe.t, frame.t) > options_.keyframe_interval_s) return true;
   const Eigen::Matrix3d& R_SC = rig_.T_SC[0].R;
   // The last keyframe to now, by the window up to its last frame and by the gyroscope from there;
@@ -353,7 +353,7 @@ bool Odometry::marginaliseOldest() {
   }
   // Not in frames that will be dropped: the prior would hold them in the window.
   const auto passes = [&](const LandmarkSighting& s) {
-    const OdometryFrame& frame = window_.frames[static_cast<std::size_t>(window_.indexOf(s.frame))];
+    const OdometryFrame& frame = window_.frames[window_.indexOf(s.frame)];
     return !frame.keyframe && !frame.first_estimate;
   };
   for (const std::int64_t id : leaving) std::erase_if(window_.landmarks[id].sightings, passes);

@@ -57,7 +57,7 @@ float sumOf(const Term& term) {
   std::array<float, 8> strands{};
   int i = 0;
   for (; i + 8 <= kPixels; i += 8) {
-    for (int k = 0; k < 8; ++k) strands[static_cast<std::size_t>(k)] += term(i + k);
+    for (int k = 0; k < 8; ++k) strands[k] += term(i + k);
   }
   float sum = 0;
   for (; i < kPixels; ++i) sum += term(i);

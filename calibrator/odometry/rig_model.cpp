@@ -16,7 +16,7 @@ RigModel RigModel::of(const Calibration& calibration, int cameras) {
   const auto all = static_cast<int>(calibration.cameras.size());
   const int used = cameras > 0 ? std::min(cameras, all) : all;
   for (int c = 0; c < used; ++c) {
-    const CameraCalibration& camera = calibration.cameras[static_cast<std::size_t>(c)];
+    const CameraCalibration& camera = calibration.cameras[c];
     rig.cameras.push_back(camera.intrinsics);
     rig.T_SC.push_back(calibration.imu->T_SC0 * camera.T_C0Ci);
   }
@@ -28,7 +28,7 @@ RigModel RigModel::of(const Calibration& calibration, int cameras) {
 
 std::optional<Sighting> RigModel::sighting(int camera, const Eigen::Vector2d& uv,
                                            double sigma_px) const {
-  const Intrinsics& intrinsics = cameras[static_cast<std::size_t>(camera)];
+  const Intrinsics& intrinsics = cameras[camera];
   const auto f = unproject(intrinsics, uv);
   if (!f) return std::nullopt;
   const auto projected = projectWithJacobians(intrinsics, *f);

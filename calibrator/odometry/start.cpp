@@ -90,7 +90,7 @@ class StartProblem {
 
   Row row(std::size_t k, const Sighting& seen, const SeenPoint& point) const {
     const Preintegration& m = motions_[k];
-    const Transform& T_SC = rig_.T_SC[static_cast<std::size_t>(seen.camera)];
+    const Transform& T_SC = rig_.T_SC[seen.camera];
     const double t = m.duration_s;
     const Eigen::Vector3d p = point.p.value_or(Eigen::Vector3d::Zero());
     const Eigen::Vector3d y = m.R.transpose() * (p - positionOf(k));  // in S_k

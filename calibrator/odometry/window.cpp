@@ -70,7 +70,7 @@ ImuState predicted(const ImuState& from, const ImuLink& link, double gravity_m_s
 
 std::optional<Eigen::Vector2d> sightingError(const Sighting& seen, const RigModel& rig,
                                              const Transform& T_WS, const Eigen::Vector3d& p_W) {
-  const Transform& T_SC = rig.T_SC[static_cast<std::size_t>(seen.camera)];
+  const Transform& T_SC = rig.T_SC[seen.camera];
   const Eigen::Vector3d p_S = T_WS.R.transpose() * (p_W - T_WS.t);
   const Eigen::Vector3d p_C = T_SC.R.transpose() * (p_S - T_SC.t);
   // [m]: what is nearer along the ray counts as behind.
@@ -83,7 +83,7 @@ std::optional<SightingResidual> sightingResidual(const Sighting& seen, const Rig
                                                  const Eigen::Vector3d& p_W) {
   const auto e = sightingError(seen, rig, T_WS, p_W);
   if (!e) return std::nullopt;
-  const Transform& T_SC = rig.T_SC[static_cast<std::size_t>(seen.camera)];
+  const Transform& T_SC = rig.T_SC[seen.camera];
   const Eigen::Vector3d arm = p_W - T_point.t;
   const Eigen::Matrix3d R_CW = (T_point.R * T_SC.R).transpose();
   const Eigen::Vector3d p_C = R_CW * arm - T_SC.R.transpose() * T_SC.t;
@@ -110,8 +110,7 @@ std::optional<Eigen::Vector3d> triangulated(const Window& window, const RigModel
   for (const LandmarkSighting& s : sightings) {
     const int frame = window.indexOf(s.frame);
     if (frame < 0) continue;
-    const Transform T_WC = window.frames[static_cast<std::size_t>(frame)].state.T_FS *
-                           rig.T_SC[static_cast<std::size_t>(s.seen.camera)];
+    const Transform T_WC = window.frames[frame].state.T_FS * rig.T_SC[s.seen.camera];
     const Eigen::Vector3d ray = T_WC.R * s.seen.f;
     if (first.isZero()) first = ray;
     // The angle to the first ray stands for those between all pairs.
@@ -128,7 +127,7 @@ std::optional<Eigen::Vector3d> triangulated(const Window& window, const RigModel
   for (const LandmarkSighting& s : sightings) {
     const int frame = window.indexOf(s.frame);
     if (frame < 0) continue;
-    const Transform& T_WS = window.frames[static_cast<std::size_t>(frame)].state.T_FS;
+    const Transform& T_WS = window.frames[frame].state.T_FS;
     const auto e = sightingError(s.seen, rig, T_WS, p);
     const double range = (p - T_WS.t).norm();
     if (!e || !(e->norm() < limits.max_error)) return std::nullopt;

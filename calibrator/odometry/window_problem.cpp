@@ -25,11 +25,10 @@ double weight(double s, double c) { return c > 0 ? 1 / (1 + s / (c * c)) : 1; }
 /// Displacements of the prior's frames from its points.
 Eigen::VectorXd displacements(const Window& window) {
   const WindowPrior& prior = window.prior;
-  Eigen::VectorXd d(static_cast<Eigen::Index>(kState * prior.frames.size()));
+  Eigen::VectorXd d(kState * prior.frames.size());
   for (std::size_t i = 0; i < prior.frames.size(); ++i) {
     const int frame = window.indexOf(prior.frames[i]);
-    d.segment<kState>(kState * static_cast<Eigen::Index>(i)) =
-        boxminus(window.frames[static_cast<std::size_t>(frame)].state, prior.points[i]);
+    d.segment<kState>(kState * i) = boxminus(window.frames[frame].state, prior.points[i]);
   }
   return d;
 }
@@ -121,14 +120,13 @@ void WindowProblem::addPrior() {
   if (prior.frames.empty()) return;
   const Eigen::VectorXd gradient = prior.cost.b + prior.cost.H * displacements(window_);
   for (std::size_t i = 0; i < prior.frames.size(); ++i) {
-    const Eigen::Index from = kState * static_cast<Eigen::Index>(i);
+    const Eigen::Index from = kState * i;
     const Eigen::Index row = kState * window_.indexOf(prior.frames[i]);
     b_.segment<kState>(row) += gradient.segment<kState>(from);
     for (std::size_t j = 0; j < prior.frames.size(); ++j) {
       const Eigen::Index col = kState * window_.indexOf(prior.frames[j]);
       if (col > row) continue;
-      H_.block<kState, kState>(row, col) +=
-          prior.cost.H.block<kState, kState>(from, kState * static_cast<Eigen::Index>(j));
+      H_.block<kState, kState>(row, col) += prior.cost.H.block<kState, kState>(from, kState * j);
     }
   }
 }
@@ -139,7 +137,7 @@ void WindowProblem::addImu() {
     const OdometryFrame& frame = window_.frames[i];
     if (!frame.link) continue;
     const LinkTerm term = linkTerm(*frame.link, frame, window_.frames[i + 1], gravity);
-    const Eigen::Index row = kState * static_cast<Eigen::Index>(i);
+    const Eigen::Index row = kState * i;
     H_.block<kState, kState>(row, row).noalias() += term.J_i.transpose() * term.J_i;
     H_.block<kState, kState>(row + kState, row).noalias() += term.J_j.transpose() * term.J_i;
     H_.block<kState, kState>(row + kState, row + kState).noalias() +=
@@ -153,7 +151,7 @@ void WindowProblem::addStill() {
   const double information = 1 / (model_.still_sigma_m_s * model_.still_sigma_m_s);
   for (std::size_t i = 0; i < window_.frames.size(); ++i) {
     if (!window_.frames[i].still) continue;
-    const Eigen::Index row = kState * static_cast<Eigen::Index>(i) + 6;
+    const Eigen::Index row = kState * i + 6;
     H_.block<3, 3>(row, row).diagonal().array() += information;
     b_.segment<3>(row) += information * window_.frames[i].state.v_F;
   }
@@ -165,7 +163,7 @@ void WindowProblem::addStill() {
 void WindowProblem::placeTerm(LandmarkTerm& term, const Landmark& landmark) const {
   const LandmarkSighting& first = landmark.sightings.front();
   const auto frame = static_cast<std::size_t>(window_.indexOf(first.frame));
-  const Transform& T_SC = rig_.T_SC[static_cast<std::size_t>(first.seen.camera)];
+  const Transform& T_SC = rig_.T_SC[first.seen.camera];
   term.p_W = *landmark.p_W;
   term.centre = window_.frames[frame].state.T_FS * T_SC.t;
   const Eigen::Vector3d arm = term.p_W - term.centre;
@@ -186,10 +184,10 @@ void WindowProblem::addLandmark(std::int64_t id, const Landmark& landmark) {
     term.frames.push_back(window_.indexOf(s.frame));
   std::sort(term.frames.begin(), term.frames.end());
   term.frames.erase(std::unique(term.frames.begin(), term.frames.end()), term.frames.end());
-  term.W.setZero(static_cast<Eigen::Index>(6 * term.frames.size()), 3);
+  term.W.setZero(6 * term.frames.size(), 3);
   for (const LandmarkSighting& s : landmark.sightings) {
     const int index = window_.indexOf(s.frame);
-    const OdometryFrame& frame = window_.frames[static_cast<std::size_t>(index)];
+    const OdometryFrame& frame = window_.frames[index];
     const auto r = sightingResidual(s.seen, rig_, frame.state.T_FS, frame.point().T_FS, term.p_W);
     // Behind the camera: costOf() charges for it, but it pulls at nothing.
     if (!r) continue;
@@ -230,8 +228,8 @@ bool WindowProblem::eliminate(double damping, Eigen::MatrixXd& H, Eigen::VectorX
       b.segment<6>(row).noalias() -= term.W.middleRows<6>(slot) * Vb;
       // Frames ascend: the lower triangle alone.
       for (std::size_t j = 0; j <= i; ++j) {
-        H.block<6, 6>(row, kState * term.frames[j]).noalias() -= WV.middleRows<6>(slot).lazyProduct(
-            term.W.middleRows<6>(static_cast<Eigen::Index>(6 * j)).transpose());
+        H.block<6, 6>(row, kState * term.frames[j]).noalias() -=
+            WV.middleRows<6>(slot).lazyProduct(term.W.middleRows<6>(6 * j).transpose());
       }
     }
   }
@@ -256,8 +254,7 @@ std::optional<double> WindowProblem::solve(double damping) {
     // x_l = -V^-1 (b_l + W' x), by the landmark's own 3 x 3 inverse.
     Eigen::Vector3d rhs = -term.b;
     for (std::size_t i = 0; i < term.frames.size(); ++i) {
-      rhs -= term.W.middleRows<6>(static_cast<Eigen::Index>(6 * i)).transpose() *
-             step_.segment<6>(kState * term.frames[i]);
+      rhs -= term.W.middleRows<6>(6 * i).transpose() * step_.segment<6>(kState * term.frames[i]);
     }
     term.step = term.V_inverse * rhs;
     decrement -= term.b.dot(term.step);
@@ -272,8 +269,7 @@ Trial WindowProblem::attempt() {
   for (std::size_t i = 0; i < window_.frames.size(); ++i) {
     // In the window itself, for costOf() reads it; afterwards all goes back.
     states_.push_back(window_.frames[i].state);
-    window_.frames[i].state = boxplus(
-        states_.back(), Vector15(step_.segment<kState>(kState * static_cast<Eigen::Index>(i))));
+    window_.frames[i].state = boxplus(states_.back(), Vector15(step_.segment<kState>(kState * i)));
   }
   for (const LandmarkTerm& term : terms_) {
     points_.push_back(term.p_W);

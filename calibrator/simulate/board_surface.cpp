@@ -22,7 +22,7 @@ BoardSurface::BoardSurface(const AprilGrid& board)
   for (int id = 0; id < board.cornerCount(); ++id) {
     const Eigen::Vector2d p = board.corner(id), at = (p - centre) / centre.norm();
     monomials.row(id) << 1, at.x(), at.y(), at.x() * at.x(), at.x() * at.y(), at.y() * at.y();
-    displacements.row(id) = points[static_cast<std::size_t>(id)].transpose();
+    displacements.row(id) = points[id].transpose();
     displacements.row(id).head<2>() -= p.transpose();
   }
   const Eigen::MatrixXd quadratic =

@@ -80,8 +80,8 @@ std::array<SamplePoint, kSamples> hammersley() {
   for (int i = 0; i < kSamples; ++i) {
     int reversed = 0;
     for (int bit = 0; bit < 6; ++bit) reversed |= ((i >> bit) & 1) << (5 - bit);
-    points[static_cast<std::size_t>(i)] = {(static_cast<float>(i) + 0.5F) / kSamples,
-                                           (static_cast<float>(reversed) + 0.5F) / kSamples};
+    points[i] = {(static_cast<float>(i) + 0.5F) / kSamples,
+                 (static_cast<float>(reversed) + 0.5F) / kSamples};
   }
   return points;
 }
@@ -172,7 +172,7 @@ TargetRenderer::Hit TargetRenderer::cast(const View& view, const Eigen::Vector3f
 std::vector<TargetRenderer::Hit> TargetRenderer::castRow(const View& view, int lattice_row) const {
   std::vector<Hit> row(static_cast<std::size_t>(width_ + 1));
   for (int x = 0; x <= width_; ++x) {
-    row[static_cast<std::size_t>(x)] = cast(view, view.R_FC * ray(x, lattice_row));
+    row[x] = cast(view, view.R_FC * ray(x, lattice_row));
   }
   return row;
 }
@@ -228,8 +228,7 @@ std::vector<float> TargetRenderer::illuminate(const Transform& T_FC) const {
     // Each lattice row serves two rows of pixels, and is cast once.
     std::vector<Hit> below = castRow(view, y + 1);
     for (int x = 0; x < width_; ++x, ++pixel) {
-      *pixel *= pixelLight(view, x, y, &above[static_cast<std::size_t>(x)],
-                           &below[static_cast<std::size_t>(x)]);
+      *pixel *= pixelLight(view, x, y, &above[x], &below[x]);
     }
     above = std::move(below);
   }

@@ -126,15 +126,14 @@ std::vector<Eigen::Vector3f> raysAt(const std::vector<Eigen::Vector3f>& corners,
 RoomTexture::RoomTexture(const Eigen::Vector3d& room_m, std::uint64_t seed)
     : half_((0.5 * room_m).cast<float>()) {
   for (int side = 0; side < 6; ++side) {
-    const auto [a, b] = kAcross[static_cast<std::size_t>(side / 2)];
-    sides_[static_cast<std::size_t>(side)] =
-        painted(room_m[a], room_m[b], seed, static_cast<std::uint64_t>(side));
+    const auto [a, b] = kAcross[side / 2];
+    sides_[side] = painted(room_m[a], room_m[b], seed, static_cast<std::uint64_t>(side));
   }
 }
 
 float RoomTexture::at(int side, const Eigen::Vector3f& p) const {
-  const GrayImage& image = sides_[static_cast<std::size_t>(side)];
-  const auto [a, b] = kAcross[static_cast<std::size_t>(side / 2)];
+  const GrayImage& image = sides_[side];
+  const auto [a, b] = kAcross[side / 2];
   const int last_x = image.width() - 1, last_y = image.height() - 1;
   const float u = std::clamp((p[a] + half_[a]) / kTexel, 0.0F, static_cast<float>(last_x));
   const float v = std::clamp((p[b] + half_[b]) / kTexel, 0.0F, static_cast<float>(last_y));
@@ -208,14 +207,13 @@ std::vector<Transform> exposurePoses(const SimulatedSession& session, int camera
   const double offset_s = session.truth.imu->timeOffset();
   const double middle_s = secondsBetween(session.start_ns, t) + offset_s;
   const MotionState m = session.trajectory.at(middle_s);
-  const Intrinsics& lens = session.truth.cameras[static_cast<std::size_t>(camera)].intrinsics;
+  const Intrinsics& lens = session.truth.cameras[camera].intrinsics;
   // At 2 m, as walls are on the way through the default room. It only chooses how many
   // sub-exposures there are: nearer ones blur a little more coarsely.
   const double blur_px = (m.omega_B.norm() + m.v_F.norm() / 2) * exposure_s * pixelsPerRadian(lens);
   // In fours, so that every place of the pixel (kPlaces) has as many sub-exposures.
   const int count = std::clamp(4 * static_cast<int>(std::ceil(blur_px / 4)), 4, 16);
-  const Transform T_SC =
-      session.truth.imu->T_SC0 * session.truth.cameras[static_cast<std::size_t>(camera)].T_C0Ci;
+  const Transform T_SC = session.truth.imu->T_SC0 * session.truth.cameras[camera].T_C0Ci;
   std::vector<Transform> poses;
   for (int k = 0; k < count; ++k) {
     // Middles of equal parts, so that their mean is the stamp's instant.

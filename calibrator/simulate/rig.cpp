@@ -9,7 +9,7 @@ namespace plumbline {
 namespace {
 
 Eigen::VectorXd vectorOf(std::initializer_list<double> values) {
-  Eigen::VectorXd v(static_cast<Eigen::Index>(values.size()));
+  Eigen::VectorXd v(values.size());
   Eigen::Index i = 0;
   for (const double value : values) v[i++] = value;
   return v;

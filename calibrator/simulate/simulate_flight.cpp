@@ -50,7 +50,7 @@ class Tracker {
     // Stream 0 is the luck's; the noise of camera c has stream c + 1.
     RandomStream luck(seed_, RandomPurpose::kTracks, {0, frame});
     std::erase_if(followed_, [&](const auto& track) {
-      return luck.uniform() < lost_ || !seen_[0][static_cast<std::size_t>(track.second)];
+      return luck.uniform() < lost_ || !seen_[0][track.second];
     });
     for (int p = 0; p < static_cast<int>(flight_.landmarks.size()); ++p) {
       // What was lost may begin again at once, as another track.
@@ -58,7 +58,7 @@ class Tracker {
       // Begun anywhere, so that not the same few points are followed by all flights' frames.
       const int point =
           static_cast<int>((static_cast<std::size_t>(p) + 37 * frame) % flight_.landmarks.size());
-      if (seen_[0][static_cast<std::size_t>(point)] && !isFollowed(point)) begin(point);
+      if (seen_[0][point] && !isFollowed(point)) begin(point);
     }
     for (std::size_t camera = 0; camera < seen_.size(); ++camera) write(camera, frame);
   }
@@ -97,7 +97,7 @@ class Tracker {
     ImageView view{flight_.recording.frame_stamps[frame], {}};
     RandomStream noise(seed_, RandomPurpose::kTracks, {camera + 1, frame});
     for (const auto& [id, point] : followed_) {
-      const auto& exact = seen_[camera][static_cast<std::size_t>(point)];
+      const auto& exact = seen_[camera][point];
       if (!exact) continue;
       const double n_u = noise.normal(), n_v = noise.normal();
       const bool anywhere = noise.uniform() < options_.outlier_share;

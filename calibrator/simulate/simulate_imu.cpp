@@ -47,8 +47,8 @@ TriadSequence triadSequence(const TriadNoise& noise, std::uint64_t seed, const S
       const Eigen::Vector3d n = noise.white_sigma * white.normalVector();
       const std::int64_t position = range.before + direction * j;
       if (position < 0 || (j == 0 && direction < 0)) continue;  // 0 belongs to the forward pass
-      s.white[static_cast<std::size_t>(position)] = n;
-      s.bias[static_cast<std::size_t>(position)] = bias;
+      s.white[position] = n;
+      s.bias[position] = bias;
     }
   }
   return s;

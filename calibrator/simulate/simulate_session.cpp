@@ -70,7 +70,7 @@ std::vector<TimeNs> nominalStamps(double rate_hz, const SimulationOptions& o) {
 
 /// Adds the stream of camera `index`, the poses behind its views and what faults struck of it.
 void simulateCamera(SimulatedSession& s, int index, const SimulationOptions& o) {
-  const CameraCalibration& camera = s.truth.cameras[static_cast<std::size_t>(index)];
+  const CameraCalibration& camera = s.truth.cameras[index];
   CameraStream stream = emptyStream(camera);
   const ViewFaults faulty(s, index, o);
   std::vector<Transform> poses;
@@ -108,7 +108,7 @@ MotionState SimulatedSession::motionAtCameraTime(TimeNs t_cam) const {
 
 Transform SimulatedSession::cameraPose(int camera, TimeNs t_cam) const {
   const Transform T_FC0 = motionAtCameraTime(t_cam).T_FB * truth.imu->T_SC0;
-  return T_FC0 * truth.cameras[static_cast<std::size_t>(camera)].T_C0Ci;
+  return T_FC0 * truth.cameras[camera].T_C0Ci;
 }
 
 ImuState SimulatedSession::stateAt(TimeNs t_cam) const {

@@ -29,7 +29,7 @@ std::optional<TagCorners> projectTag(const Resolution& resolution, const Project
   for (int k = 0; k < 4; ++k) {
     const auto uv = project(4 * tag + k);
     if (!uv || !isInside(*uv, resolution, o.border_px)) return std::nullopt;
-    corners[static_cast<std::size_t>(k)] = *uv;
+    corners[k] = *uv;
   }
   for (std::size_t k = 0; k < 4; ++k) {
     if ((corners[(k + 1) % 4] - corners[k]).norm() < o.min_tag_px) return std::nullopt;
@@ -62,16 +62,14 @@ std::vector<Corner> visibleCorners(const Resolution& resolution, const CornerPro
   AprilGrid board = o.target;
   const double tag_edge = std::exchange(board.shape.terms[kTargetTerms - 1], 0);
   const std::vector<Eigen::Vector3d> points = cornerPoints(board);
-  const auto exact = [&](int corner_id) {
-    return project(corner_id, points[static_cast<std::size_t>(corner_id)]);
-  };
+  const auto exact = [&](int corner_id) { return project(corner_id, points[corner_id]); };
   const auto projection = [&](int corner_id) {
     if (tag_edge == 0) return exact(corner_id);
     const int k = corner_id % 4;
     // Half a unit outwards along x and y: an edge grows by what its two ends move.
     const Eigen::Vector3d outward(k == 1 || k == 2 ? 0.5 : -0.5, k == 2 || k == 3 ? 0.5 : -0.5, 0);
     const double wider = tag_edge * edgeScaleOf(exact, corner_id - k, tag_edge / board.tag_size);
-    const Eigen::Vector3d& p = points[static_cast<std::size_t>(corner_id)];
+    const Eigen::Vector3d& p = points[corner_id];
     return project(corner_id, p + wider * outward);
   };
   std::vector<Corner> corners;
@@ -79,7 +77,7 @@ std::vector<Corner> visibleCorners(const Resolution& resolution, const CornerPro
     const auto seen = projectTag(resolution, projection, tag, o);
     if (!seen) continue;
     for (int k = 0; k < 4; ++k) {
-      corners.push_back({4 * tag + k, (*seen)[static_cast<std::size_t>(k)]});
+      corners.push_back({4 * tag + k, (*seen)[k]});
     }
   }
   return corners;

@@ -79,7 +79,7 @@ std::optional<TagImage> GridSearch::lookFor(int tag_id, const LocalMap& map) con
   for (int k = 0; k < 4; ++k) {
     const std::optional<Eigen::Vector2d> uv = map.predict(4 * tag_id + k, -1);
     if (!uv) return std::nullopt;
-    tag.uv[static_cast<std::size_t>(k)] = *uv;
+    tag.uv[k] = *uv;
   }
   if (shortestEdge(tag.uv) < options_.min_edge_px || signedDoubleArea(tag.uv) <= 0) {
     return std::nullopt;
@@ -106,8 +106,8 @@ void GridSearch::grow() {
       if (has(id)) continue;
       const int neighbours = neighboursOf(id);
       // Again only once more neighbours are known: at most eight times, so that it ends.
-      if (neighbours <= tried_with[static_cast<std::size_t>(id)]) continue;
-      tried_with[static_cast<std::size_t>(id)] = neighbours;
+      if (neighbours <= tried_with[id]) continue;
+      tried_with[id] = neighbours;
       if (const std::optional<TagImage> tag = lookFor(id, known)) {
         insert(*tag);
         grown = true;

@@ -49,7 +49,7 @@ CellGrays sampleCells(const GrayImageView& image, const Eigen::Matrix3d& H, int 
 
 /// Undoes part of the blur: v + strength * (4 v - its four neighbours), for the payload's cells.
 double sharpened(const CellGrays& grays, int cells, int col, int row, double strength) {
-  const auto at = [&](int x, int y) { return grays[static_cast<std::size_t>(y * cells + x)]; };
+  const auto at = [&](int x, int y) { return grays[y * cells + x]; };
   const double v = at(col, row);
   const double around = at(col - 1, row) + at(col + 1, row) + at(col, row - 1) + at(col, row + 1);
   return v + strength * (4 * v - around);
@@ -60,8 +60,7 @@ Eigen::Vector3d blackPlane(const CellGrays& grays, int cells) {
   GrayPlane plane;
   for (int i = 0; i < cells; ++i) {
     for (const auto& [x, y] : {std::pair{i, 0}, {i, cells - 1}, {0, i}, {cells - 1, i}}) {
-      plane.add((x + 0.5) / cells, (y + 0.5) / cells,
-                grays[static_cast<std::size_t>(y * cells + x)]);
+      plane.add((x + 0.5) / cells, (y + 0.5) / cells, grays[y * cells + x]);
     }
   }
   return plane.solve();

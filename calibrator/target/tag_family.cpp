@@ -66,7 +66,7 @@ AxisPosition locateOnAxis(double coordinate, double tag_size, double gap, int ta
 std::uint64_t tagPayload(int tag_id) {
   static const PayloadTable table = buildPayloads();
   assert(tag_id >= 0 && tag_id < kFamilySize);
-  return table[static_cast<std::size_t>(tag_id)];
+  return table[tag_id];
 }
 
 bool cellIsBlack(int tag_id, int col, int row, int border_bits) {

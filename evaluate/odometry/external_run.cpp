@@ -279,10 +279,10 @@ void addRefined(const OdometryPlan& plan, const OdometryRequest& request, const 
     if (moved) r.offset_hint_std_s = moved->value();
   }
   if (run.T_SC0.empty() || request.hint != HintKind::kExtrinsics) return;
-  Eigen::MatrixXd changes(6, static_cast<Eigen::Index>(run.T_SC0.size()));
+  Eigen::MatrixXd changes(6, run.T_SC0.size());
   for (Eigen::Index i = 0; i < changes.cols(); ++i) {
     // In the left tangent at what was calibrated, as the built-in odometry's hint.
-    changes.col(i) = boxminus(run.T_SC0[static_cast<std::size_t>(i)], used.T_SC0);
+    changes.col(i) = boxminus(run.T_SC0[i], used.T_SC0);
   }
   r.T_SC0_hint = Vector6d(changes.rightCols<1>());
   if (const auto moved = movedAtLast(changes)) r.T_SC0_hint_std = Vector6d(*moved);

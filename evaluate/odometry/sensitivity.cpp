@@ -48,7 +48,7 @@ class Moves {
   }
 
   const std::vector<Eigen::VectorXd>& all() const { return moves_; }
-  double step(std::size_t i) const { return steps_[static_cast<Eigen::Index>(i)]; }
+  double step(std::size_t i) const { return steps_[i]; }
   /// Places among all(); 0: not moved.
   std::size_t plus(std::size_t i) const { return plus_[i]; }
   std::size_t minus(std::size_t i) const { return minus_[i]; }
@@ -102,11 +102,10 @@ std::optional<SensitivitySteps> deviationSteps(const Calibration& calibration,
                                                const std::map<std::string, double>& deviations) {
   const std::vector<CalibrationParameter> list = namedParameters(calibration);
   SensitivitySteps steps;
-  steps.steps = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(list.size()),
-                                          std::numeric_limits<double>::quiet_NaN());
+  steps.steps = Eigen::VectorXd::Constant(list.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < list.size(); ++i) {
     const auto found = deviations.find(list[i].name);
-    if (found != deviations.end()) steps.steps[static_cast<Eigen::Index>(i)] = found->second;
+    if (found != deviations.end()) steps.steps[i] = found->second;
   }
   if (!steps.steps.array().isFinite().any()) return std::nullopt;
   return steps;

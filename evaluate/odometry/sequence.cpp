@@ -63,8 +63,7 @@ void readTracks(const SessionFolder& folder, OdometrySequence& sequence) {
   for (const FrameTracks& frame : sequence.tracks) {
     std::vector<bool> seen(folder.cameras.size());
     seen[0] = true;
-    for (const TrackPoint& point : frame.points)
-      seen[static_cast<std::size_t>(point.camera)] = true;
+    for (const TrackPoint& point : frame.points) seen[point.camera] = true;
     for (std::size_t c = 0; c < seen.size(); ++c) {
       if (seen[c]) sequence.images[c].push_back({frame.t, ""});
     }

@@ -44,7 +44,7 @@ class Judge {
  private:
   double secondsAt(int frame) const {
     const auto& views = operated_.session.cameras.front().views;
-    return secondsBetween(views.front().t, views[static_cast<std::size_t>(frame)].t);
+    return secondsBetween(views.front().t, views[frame].t);
   }
   int frames() const { return static_cast<int>(operated_.session.cameras.front().views.size()); }
   /// Stages last sums of frames' periods, beside which stamps are rounded: to the nearest frame.
@@ -128,8 +128,7 @@ class Judge {
     for (std::size_t c = 0; c < session.cameras.size(); ++c) {
       session.cameras[c].views.clear();
       const auto& all = operated_.session.cameras[c].views;
-      for (const int k : frames)
-        session.cameras[c].views.push_back(all[static_cast<std::size_t>(k)]);
+      for (const int k : frames) session.cameras[c].views.push_back(all[k]);
     }
     if (session.imu) {
       const auto& views = session.cameras.front().views;

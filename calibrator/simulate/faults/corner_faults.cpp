@@ -48,11 +48,11 @@ bool swapIds(ImageView& view, const AprilGrid& target, const Fault& fault, Rando
     const auto step =
         1 + static_cast<std::ptrdiff_t>(choice * static_cast<double>(seen.size() - 1));
     const auto place = (own - seen.begin() + step) % static_cast<std::ptrdiff_t>(seen.size());
-    const int other = seen[static_cast<std::size_t>(place)];
-    std::swap(id_of_tag[static_cast<std::size_t>(tag)], id_of_tag[static_cast<std::size_t>(other)]);
+    const int other = seen[place];
+    std::swap(id_of_tag[tag], id_of_tag[other]);
   }
   for (Corner& corner : view.corners) {
-    corner.id = 4 * id_of_tag[static_cast<std::size_t>(corner.id / 4)] + corner.id % 4;
+    corner.id = 4 * id_of_tag[corner.id / 4] + corner.id % 4;
   }
   // Ids ascend in every view, with wrong ids as well.
   std::sort(view.corners.begin(), view.corners.end(),
@@ -76,7 +76,7 @@ void disturbViews(CameraStream& stream, const std::vector<FaultyFrame>& frames, 
   const double period_s = framePeriod(frames);
   for (const NumberedFault& f : faultsOf(o.faults, {kFalseCorners, kSwappedIds, kFrozen})) {
     if (f->camera.value_or(index) != index) continue;
-    auto& stamps = injected[static_cast<std::size_t>(f.fault - o.faults.data())].stamps;
+    auto& stamps = injected[f.fault - o.faults.data()].stamps;
     for (std::size_t k = 0; k < frames.size(); ++k) {
       ImageView& view = stream.views[k];
       RandomStream random = f.random(o.seed, camera, frames[k].number);

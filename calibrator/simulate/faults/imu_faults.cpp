@@ -184,7 +184,7 @@ std::vector<std::vector<TimeNs>> disturbSamples(ImuRecording& recording,
   for (const NumberedFault& f : faultsOf(faults, {kClip, kGyroClip})) clip(samples, *f.fault);
   std::vector<std::vector<std::int64_t>> struck(faults.size());
   for (const NumberedFault& f : faultsOf(faults, {kSpike, kAccelSpike})) {
-    struck[static_cast<std::size_t>(f.fault - faults.data())] = spike(samples, f, timing);
+    struck[f.fault - faults.data()] = spike(samples, f, timing);
   }
   // After the spikes: one within a gap is not told, for its sample is gone.
   for (const NumberedFault& f : faultsOf(faults, {kGap})) {

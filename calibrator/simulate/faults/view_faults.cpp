@@ -173,7 +173,7 @@ std::vector<Corner> ViewFaults::corners(const FaultyFrame& frame) const {
   if (T_BC.t.z() <= 0) return {};
   const std::vector<double> shifts = blurShifts(frame);
   const auto projection = [&](int id, const Vector3d& p_B) {
-    return seeInRow(boardCorner(id, p_B), frame.t_s + shifts[static_cast<std::size_t>(id)]);
+    return seeInRow(boardCorner(id, p_B), frame.t_s + shifts[id]);
   };
   return visibleCorners(intrinsics.resolution, projection, options_);
 }
