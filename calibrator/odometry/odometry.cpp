@@ -100,38 +100,43 @@ void Odometry::lose(TimeNs t, OdometryLoss cause) {
 /// Adds a frame at the IMU's prediction. False where there is none.
 bool Odometry::append(const FrameTracks& tracks) {
   OdometryFrame& last = window_.frames.back();
-  last.link = imuLink(samples_, rig_, last.t, tracks.t, biasOf(last.state), options_.max_imu_gap_s);
+  last.link = linkBetween(last.t, tracks.t, biasOf(last.state));
   if (!last.link) {
     lose(tracks.t, OdometryLoss::kImuGap);
     return false;
   }
-  OdometryFrame frame;
-  frame.serial = next_serial_++;
-  frame.t = tracks.t;
-  frame.state = predicted(last.state, *last.link, rig_.gravity_m_s2);
-  frame.keyframe = isKeyframe(tracks);
-  frame.still = stands();
-  window_.frames.push_back(frame);
-  addSightings(tracks, frame.serial);
-  pose_of_[frame.serial] = result_.poses.size();
-  result_.poses.push_back({frame.t, frame.state, Matrix6d::Zero(), frame.keyframe});
+  addFrame(tracks, predicted(last.state, *last.link, rig_.gravity_m_s2), isKeyframe(tracks),
+           stands());
   return true;
 }
 
-void Odometry::addSightings(const FrameTracks& tracks, std::int64_t serial) {
-  const bool keyframe = window_.frames.back().keyframe;
+void Odometry::addFrame(const FrameTracks& tracks, const ImuState& state, bool keyframe,
+                        bool still) {
+  OdometryFrame frame;
+  frame.serial = next_serial_++;
+  frame.t = tracks.t;
+  frame.state = state;
+  frame.keyframe = keyframe;
+  frame.still = still;
+  window_.frames.push_back(frame);
+  pose_of_[frame.serial] = result_.poses.size();
+  result_.poses.push_back({frame.t, state, Matrix6d::Zero(), keyframe});
   if (keyframe) {
     keyframe_rays_.clear();
-    last_keyframe_ = serial;
+    last_keyframe_ = frame.serial;
   }
   for (const TrackPoint& p : tracks.points) {
     const auto seen = rig_.sighting(p.camera, p.uv, options_.pixel_sigma);
     if (!seen) continue;
     Landmark& landmark = window_.landmarks[p.id];
-    landmark.sightings.push_back({serial, *seen});
-    landmark.last_frame = serial;
+    landmark.sightings.push_back({frame.serial, *seen});
+    landmark.last_frame = frame.serial;
     if (keyframe && p.camera == 0) keyframe_rays_[p.id] = seen->f;
   }
+}
+
+std::optional<ImuLink> Odometry::linkBetween(TimeNs from, TimeNs to, const ImuBias& bias) const {
+  return imuLink(samples_, rig_, from, to, bias, options_.max_imu_gap_s);
 }
 
 /// Of the newest frame, which stands where the IMU predicts it.
@@ -191,8 +196,7 @@ void Odometry::optimise(int iterations) {
     const bool far = (frame.state.gyro_bias - frame.link->at.gyro).norm() > kRelinkGyro ||
                      (frame.state.accel_bias - frame.link->at.accel).norm() > kRelinkAccel;
     if (!far) continue;
-    auto link = imuLink(samples_, rig_, frame.link->from, frame.link->to, biasOf(frame.state),
-                        options_.max_imu_gap_s);
+    auto link = linkBetween(frame.link->from, frame.link->to, biasOf(frame.state));
     if (link) frame.link = std::move(link);
   }
   WindowProblem problem(window_, rig_, options_.model);
@@ -202,20 +206,14 @@ void Odometry::optimise(int iterations) {
   minimise(problem, minimiser);
 }
 
-/// Drops the sightings that do not fit. Landmarks that are left with one lose their place, those
-/// that are left with none go.
+/// Drops the sightings that do not fit.
 void Odometry::gate() {
-  for (auto& entry : window_.landmarks) {
-    Landmark& landmark = entry.second;
-    if (!landmark.p_W) continue;
-    std::erase_if(landmark.sightings, [&](const LandmarkSighting& s) {
-      const auto frame = static_cast<std::size_t>(window_.indexOf(s.frame));
-      const auto e = sightingError(s.seen, rig_, window_.frames[frame].state.T_FS, *landmark.p_W);
-      return !e || !(e->norm() < options_.gate);
-    });
-    if (landmark.sightings.size() < 2) landmark.p_W.reset();
-  }
-  std::erase_if(window_.landmarks, [](const auto& l) { return l.second.sightings.empty(); });
+  window_.dropSightings([&](const Landmark& landmark, const LandmarkSighting& s) {
+    if (!landmark.p_W) return false;
+    const Transform& T_WS = window_.frame(s.frame).state.T_FS;
+    const auto e = sightingError(s.seen, rig_, T_WS, *landmark.p_W);
+    return !e || !(e->norm() < options_.gate);
+  });
 }
 
 bool Odometry::isKeyframe(const FrameTracks& frame) const {
@@ -297,7 +295,7 @@ void Odometry::rememberCovariances() {
   for (std::size_t i = 0; i < window_.frames.size(); ++i) {
     const auto pose = pose_of_.find(window_.frames[i].serial);
     if (pose == pose_of_.end()) continue;
-    const auto row = static_cast<Eigen::Index>(kState * i);
+    const Eigen::Index row = kState * i;
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(cost.H.rows(), 6);
     // Six columns of the inverse, those of the pose.
     unit.middleRows<6>(row).setIdentity();
@@ -314,54 +312,37 @@ bool Odometry::shrink() {
     // The prior speaks of frames with a first estimate: they leave by marginalisation alone.
     if (frame.keyframe || frame.first_estimate) {
       ++i;
-    } else {
-      dropFrame(static_cast<int>(i));
+      continue;
     }
+    // The IMU is integrated over it, its sightings are given up.
+    OdometryFrame& before = window_.frames[i - 1];
+    before.link = linkBetween(before.t, window_.frames[i + 1].t, biasOf(before.state));
+    window_.dropFrame(i);
   }
-  while (window_.frames.size() > static_cast<std::size_t>(options_.keyframes) + recent) {
-    if (!marginaliseOldest()) return false;
+  while (window_.frames.size() > options_.keyframes + recent) {
+    if (!dropOldest()) return false;
   }
   return true;
 }
 
-/// A frame that is no keyframe: the IMU is integrated over it, its sightings are given up.
-void Odometry::dropFrame(int index) {
-  const auto i = static_cast<std::size_t>(index);
-  const OdometryFrame& before = window_.frames[i - 1];
-  auto link = imuLink(samples_, rig_, before.t, window_.frames[i + 1].t, biasOf(before.state),
-                      options_.max_imu_gap_s);
-  const std::int64_t serial = window_.frames[i].serial;
-  window_.frames[i - 1].link = std::move(link);
-  window_.frames.erase(window_.frames.begin() + index);
-  for (auto& [id, landmark] : window_.landmarks) {
-    std::erase_if(landmark.sightings, [&](const LandmarkSighting& s) { return s.frame == serial; });
-    if (landmark.sightings.size() < 2) landmark.p_W.reset();
-  }
-  std::erase_if(window_.landmarks, [](const auto& l) { return l.second.sightings.empty(); });
-}
-
 /// With it go the landmarks that it saw and that are no longer tracked: nothing will be added to
 /// what they say. Those that are tracked lose its sighting.
-bool Odometry::marginaliseOldest() {
+bool Odometry::dropOldest() {
   const std::int64_t oldest = window_.frames.front().serial;
   const std::int64_t newest = window_.frames.back().serial;
   std::set<std::int64_t> leaving;
-  for (const auto& [id, landmark] : window_.landmarks) {
+  for (auto& [id, landmark] : window_.landmarks) {
     const bool sees = std::any_of(landmark.sightings.begin(), landmark.sightings.end(),
                                   [&](const LandmarkSighting& s) { return s.frame == oldest; });
-    if (sees && landmark.last_frame < newest) leaving.insert(id);
+    if (!sees || landmark.last_frame >= newest) continue;
+    leaving.insert(id);
+    // Not in frames that will be dropped: the prior would hold them in the window.
+    std::erase_if(landmark.sightings, [&](const LandmarkSighting& s) {
+      const OdometryFrame& frame = window_.frame(s.frame);
+      return !frame.keyframe && !frame.first_estimate;
+    });
   }
-  // Not in frames that will be dropped: the prior would hold them in the window.
-  const auto passes = [&](const LandmarkSighting& s) {
-    const OdometryFrame& frame = window_.frames[window_.indexOf(s.frame)];
-    return !frame.keyframe && !frame.first_estimate;
-  };
-  for (const std::int64_t id : leaving) std::erase_if(window_.landmarks[id].sightings, passes);
-  const bool determined = marginaliseFrame(window_, oldest, leaving, rig_, options_.model);
-  for (auto& [id, landmark] : window_.landmarks) {
-    if (landmark.sightings.size() < 2) landmark.p_W.reset();
-  }
-  return determined;
+  return marginaliseOldest(window_, leaving, rig_, options_.model);
 }
 
 OdometryResult Odometry::result() const {

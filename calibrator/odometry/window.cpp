@@ -17,6 +17,22 @@ int Window::indexOf(std::int64_t serial) const {
   return at != frames.end() && at->serial == serial ? static_cast<int>(at - frames.begin()) : -1;
 }
 
+void Window::dropSightings(
+    const std::function<bool(const Landmark&, const LandmarkSighting&)>& drop) {
+  for (auto& entry : landmarks) {
+    Landmark& landmark = entry.second;
+    std::erase_if(landmark.sightings, [&](const LandmarkSighting& s) { return drop(landmark, s); });
+    if (landmark.sightings.size() < 2) landmark.p_W.reset();
+  }
+  std::erase_if(landmarks, [](const auto& l) { return l.second.sightings.empty(); });
+}
+
+void Window::dropFrame(std::size_t index) {
+  const std::int64_t serial = frames[index].serial;
+  frames.erase(frames.begin() + index);
+  dropSightings([&](const Landmark&, const LandmarkSighting& s) { return s.frame == serial; });
+}
+
 namespace {
 
 /// Whether a pause of more than max_gap_s lies between the samples about [from, to], or they do not
@@ -108,9 +124,7 @@ std::optional<Eigen::Vector3d> triangulated(const Window& window, const RigModel
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   double least_cosine = 1;
   for (const LandmarkSighting& s : sightings) {
-    const int frame = window.indexOf(s.frame);
-    if (frame < 0) continue;
-    const Transform T_WC = window.frames[frame].state.T_FS * rig.T_SC[s.seen.camera];
+    const Transform T_WC = window.frame(s.frame).state.T_FS * rig.T_SC[s.seen.camera];
     const Eigen::Vector3d ray = T_WC.R * s.seen.f;
     if (first.isZero()) first = ray;
     // The angle to the first ray stands for those between all pairs.
@@ -125,9 +139,7 @@ std::optional<Eigen::Vector3d> triangulated(const Window& window, const RigModel
   // deviations of its sightings.
   const Eigen::Vector3d p = A.ldlt().solve(b);
   for (const LandmarkSighting& s : sightings) {
-    const int frame = window.indexOf(s.frame);
-    if (frame < 0) continue;
-    const Transform& T_WS = window.frames[frame].state.T_FS;
+    const Transform& T_WS = window.frame(s.frame).state.T_FS;
     const auto e = sightingError(s.seen, rig, T_WS, p);
     const double range = (p - T_WS.t).norm();
     if (!e || !(e->norm() < limits.max_error)) return std::nullopt;

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/odometry/window_problem.h"
-
+// WindowProblem, and how the oldest frame becomes part of the prior.
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
+
+#include "calibrator/odometry/window.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kLeastInverseRange = 1e-4;  // [1/m]: what is farther does not show its distance
 constexpr double kRange = 0.05;              // [m]: nothing is nearer
-
-using Vector15 = Vector15d;
-
-Gravity gravityOf(const RigModel& rig) { return {-Eigen::Vector3d::UnitZ(), rig.gravity_m_s2}; }
 
 /// rho(s) = c^2 log(1 + s / c^2) and its derivative, s = |e|^2.
 double loss(double s, double c) { return c > 0 ? c * c * std::log1p(s / (c * c)) : s; }
@@ -27,22 +25,21 @@ Eigen::VectorXd displacements(const Window& window) {
   const WindowPrior& prior = window.prior;
   Eigen::VectorXd d(kState * prior.frames.size());
   for (std::size_t i = 0; i < prior.frames.size(); ++i) {
-    const int frame = window.indexOf(prior.frames[i]);
-    d.segment<kState>(kState * i) = boxminus(window.frames[frame].state, prior.points[i]);
+    d.segment<kState>(kState * i) = boxminus(window.frame(prior.frames[i]).state, prior.points[i]);
   }
   return d;
 }
 
 struct LinkTerm {
-  Eigen::Matrix<double, 15, 1> r;  ///< whitened: motion, walk of the biases
+  Vector15d r;  ///< whitened: motion, walk of the biases
   Eigen::Matrix<double, 15, 15> J_i, J_j;
 };
 
-Eigen::Matrix<double, 15, 1> linkError(const ImuLink& link, const ImuState& i, const ImuState& j,
-                                       const Gravity& gravity) {
+Vector15d linkError(const ImuLink& link, const ImuState& i, const ImuState& j,
+                    const Gravity& gravity) {
   const ImuResidual residual = imuResidual(motionAt(link, i), i, j, gravity);
   const Vector6d walk = biasWalkResidual(i, j);
-  Eigen::Matrix<double, 15, 1> r;
+  Vector15d r;
   r << link.weight.sqrt_information * residual.r, link.weight.gyro_walk * walk.head<3>(),
       link.weight.accel_walk * walk.tail<3>();
   return r;
@@ -68,30 +65,34 @@ LinkTerm linkTerm(const ImuLink& link, const OdometryFrame& i, const OdometryFra
 }  // namespace
 
 WindowProblem::WindowProblem(Window& window, const RigModel& rig, const WindowModel& model)
-    : window_(window), rig_(rig), model_(model), cost_(costOf(window)) {}
+    : window_(window),
+      rig_(rig),
+      model_(model),
+      gravity_{-Eigen::Vector3d::UnitZ(), rig.gravity_m_s2},
+      cost_(costNow()) {}
 
-double WindowProblem::costOf(const Window& window) const {
+double WindowProblem::costNow() const {
   double sum = 0;
-  if (!window.prior.frames.empty()) {
-    const Eigen::VectorXd d = displacements(window);
-    sum += window.prior.cost.c + window.prior.cost.b.dot(d) + 0.5 * d.dot(window.prior.cost.H * d);
+  if (!window_.prior.frames.empty()) {
+    const QuadraticCost& prior = window_.prior.cost;
+    const Eigen::VectorXd d = displacements(window_);
+    sum += prior.c + prior.b.dot(d) + 0.5 * d.dot(prior.H * d);
   }
-  const Gravity gravity = gravityOf(rig_);
-  for (std::size_t i = 0; i < window.frames.size(); ++i) {
-    const OdometryFrame& frame = window.frames[i];
+  for (std::size_t i = 0; i < window_.frames.size(); ++i) {
+    const OdometryFrame& frame = window_.frames[i];
     if (frame.still) {
       sum +=
           0.5 * frame.state.v_F.squaredNorm() / (model_.still_sigma_m_s * model_.still_sigma_m_s);
     }
-    if (!frame.link || i + 1 == window.frames.size()) continue;
-    sum += 0.5 *
-           linkError(*frame.link, frame.state, window.frames[i + 1].state, gravity).squaredNorm();
+    if (!frame.link || i + 1 == window_.frames.size()) continue;
+    const ImuState& next = window_.frames[i + 1].state;
+    sum += 0.5 * linkError(*frame.link, frame.state, next, gravity_).squaredNorm();
   }
-  for (const auto& [id, landmark] : window.landmarks) {
+  for (const auto& [id, landmark] : window_.landmarks) {
     if (!isUsed(landmark)) continue;
     for (const LandmarkSighting& s : landmark.sightings) {
-      const auto index = static_cast<std::size_t>(window.indexOf(s.frame));
-      const auto e = sightingError(s.seen, rig_, window.frames[index].state.T_FS, *landmark.p_W);
+      const Transform& T_WS = window_.frame(s.frame).state.T_FS;
+      const auto e = sightingError(s.seen, rig_, T_WS, *landmark.p_W);
       // Behind the camera: as bad as a far outlier, so that steps that turn points round are dear.
       sum += 0.5 * loss(e ? e->squaredNorm() : 1e6, model_.cauchy);
     }
@@ -100,7 +101,7 @@ double WindowProblem::costOf(const Window& window) const {
 }
 
 void WindowProblem::linearise() {
-  const auto n = static_cast<Eigen::Index>(kState * window_.frames.size());
+  const std::size_t n = kState * window_.frames.size();
   H_.setZero(n, n);
   b_.setZero(n);
   terms_.clear();
@@ -132,11 +133,10 @@ void WindowProblem::addPrior() {
 }
 
 void WindowProblem::addImu() {
-  const Gravity gravity = gravityOf(rig_);
   for (std::size_t i = 0; i + 1 < window_.frames.size(); ++i) {
     const OdometryFrame& frame = window_.frames[i];
     if (!frame.link) continue;
-    const LinkTerm term = linkTerm(*frame.link, frame, window_.frames[i + 1], gravity);
+    const LinkTerm term = linkTerm(*frame.link, frame, window_.frames[i + 1], gravity_);
     const Eigen::Index row = kState * i;
     H_.block<kState, kState>(row, row).noalias() += term.J_i.transpose() * term.J_i;
     H_.block<kState, kState>(row + kState, row).noalias() += term.J_j.transpose() * term.J_i;
@@ -162,10 +162,9 @@ void WindowProblem::addStill() {
 /// derivative by it. dp/du = range * tangents, dp/drho = -range^2 u.
 void WindowProblem::placeTerm(LandmarkTerm& term, const Landmark& landmark) const {
   const LandmarkSighting& first = landmark.sightings.front();
-  const auto frame = static_cast<std::size_t>(window_.indexOf(first.frame));
   const Transform& T_SC = rig_.T_SC[first.seen.camera];
   term.p_W = *landmark.p_W;
-  term.centre = window_.frames[frame].state.T_FS * T_SC.t;
+  term.centre = window_.frame(first.frame).state.T_FS * T_SC.t;
   const Eigen::Vector3d arm = term.p_W - term.centre;
   const double range = std::max(arm.norm(), kRange);
   term.direction = arm / range;
@@ -189,13 +188,13 @@ void WindowProblem::addLandmark(std::int64_t id, const Landmark& landmark) {
     const int index = window_.indexOf(s.frame);
     const OdometryFrame& frame = window_.frames[index];
     const auto r = sightingResidual(s.seen, rig_, frame.state.T_FS, frame.point().T_FS, term.p_W);
-    // Behind the camera: costOf() charges for it, but it pulls at nothing.
+    // Behind the camera: costNow() charges for it, but it pulls at nothing.
     if (!r) continue;
     // Re-weighted squares, by rho' at the present error.
     const double w = weight(r->e.squaredNorm(), model_.cauchy);
     const Eigen::Matrix<double, 2, 3> J = r->J_point * term.D;
     const auto place = std::lower_bound(term.frames.begin(), term.frames.end(), index);
-    const auto slot = static_cast<Eigen::Index>(6 * (place - term.frames.begin()));
+    const Eigen::Index slot = 6 * (place - term.frames.begin());
     const Eigen::Index row = kState * index;
     H_.block<6, 6>(row, row) += w * r->J_pose.transpose() * r->J_pose;
     b_.segment<6>(row) += w * r->J_pose.transpose() * r->e;
@@ -223,7 +222,7 @@ bool WindowProblem::eliminate(double damping, Eigen::MatrixXd& H, Eigen::VectorX
     const Eigen::Matrix<double, Eigen::Dynamic, 3> WV = term.W * term.V_inverse;
     const Eigen::Vector3d Vb = term.V_inverse * term.b;
     for (std::size_t i = 0; i < term.frames.size(); ++i) {
-      const auto slot = static_cast<Eigen::Index>(6 * i);
+      const Eigen::Index slot = 6 * i;
       const Eigen::Index row = kState * term.frames[i];
       b.segment<6>(row).noalias() -= term.W.middleRows<6>(slot) * Vb;
       // Frames ascend: the lower triangle alone.
@@ -267,9 +266,9 @@ Trial WindowProblem::attempt() {
   states_.clear();
   points_.clear();
   for (std::size_t i = 0; i < window_.frames.size(); ++i) {
-    // In the window itself, for costOf() reads it; afterwards all goes back.
+    // In the window itself, for costNow() reads it; afterwards all goes back.
     states_.push_back(window_.frames[i].state);
-    window_.frames[i].state = boxplus(states_.back(), Vector15(step_.segment<kState>(kState * i)));
+    window_.frames[i].state = boxplus(states_.back(), Vector15d(step_.segment<kState>(kState * i)));
   }
   for (const LandmarkTerm& term : terms_) {
     points_.push_back(term.p_W);
@@ -281,7 +280,7 @@ Trial WindowProblem::attempt() {
         term.direction + tangentBasis(term.direction) * term.step.head<2>();
     window_.landmarks.at(term.id).p_W = term.centre + towards / inverse_range;
   }
-  trial_cost_ = costOf(window_);
+  trial_cost_ = costNow();
   // Back: accept() is told whether the trial is kept.
   for (std::size_t i = 0; i < states_.size(); ++i) std::swap(states_[i], window_.frames[i].state);
   for (std::size_t i = 0; i < terms_.size(); ++i) {
@@ -307,6 +306,72 @@ QuadraticCost WindowProblem::reduced() {
   for (const LandmarkTerm& term : terms_) out.c -= 0.5 * term.b.dot(term.V_inverse * term.b);
   out.H.triangularView<Eigen::StrictlyUpper>() = out.H.transpose();
   return out;
+}
+
+namespace {
+
+/// The part of the window that leaves: all its frames (so that indices stay), the link of the
+/// oldest one, the landmarks that go, the prior.
+Window leavingPart(const Window& window, const std::set<std::int64_t>& landmarks) {
+  Window part;
+  part.frames = window.frames;
+  part.prior = window.prior;
+  for (std::size_t i = 1; i < part.frames.size(); ++i) {
+    // All other terms stay in the window: in the prior as well they would count twice.
+    part.frames[i].link.reset();
+    part.frames[i].still = false;
+  }
+  for (const std::int64_t id : landmarks) {
+    const auto landmark = window.landmarks.find(id);
+    if (landmark != window.landmarks.end()) part.landmarks.insert(*landmark);
+  }
+  return part;
+}
+
+/// Which frames have terms in `part`; the oldest always.
+std::set<int> framesOf(const Window& part) {
+  std::set<int> frames{0};
+  for (const std::int64_t serial : part.prior.frames) frames.insert(part.indexOf(serial));
+  if (part.frames.size() > 1 && part.frames[0].link) frames.insert(1);
+  for (const auto& [id, landmark] : part.landmarks) {
+    if (!isUsed(landmark)) continue;
+    for (const LandmarkSighting& s : landmark.sightings) frames.insert(part.indexOf(s.frame));
+  }
+  return frames;
+}
+
+}  // namespace
+
+bool marginaliseOldest(Window& window, const std::set<std::int64_t>& landmarks, const RigModel& rig,
+                       const WindowModel& model) {
+  Window part = leavingPart(window, landmarks);
+  const std::set<int> frames = framesOf(part);
+  const QuadraticCost all = WindowProblem(part, rig, model).reduced();
+  std::vector<int> used;
+  WindowPrior prior;
+  for (const int frame : frames) {
+    for (int k = 0; k < kState; ++k) used.push_back(kState * frame + k);
+    if (frame == 0) continue;
+    OdometryFrame& kept = window.frames[frame];
+    if (!kept.first_estimate) kept.first_estimate = kept.state;
+    prior.frames.push_back(kept.serial);
+    prior.points.push_back(*kept.first_estimate);
+  }
+  std::optional<QuadraticCost> remaining;
+  if (all.H.size() > 0) {
+    QuadraticCost cost{all.H(used, used), all.b(used), all.c};
+    // What the states alone cannot tell (a velocity without a link) must not stop the elimination.
+    cost.H.diagonal().head<kState>().array() += 1e-6;
+    std::vector<int> keep(used.size() - kState);
+    std::iota(keep.begin(), keep.end(), kState);
+    remaining = marginalised(cost, keep);
+  }
+  for (const std::int64_t id : landmarks) window.landmarks.erase(id);
+  window.dropFrame(0);
+  window.prior = remaining ? std::move(prior) : WindowPrior();
+  // The cost is about where the states are; the prior's points are their first estimates.
+  if (remaining) window.prior.cost = remaining->at(-displacements(window));
+  return remaining.has_value();
 }
 
 }  // namespace plumbline

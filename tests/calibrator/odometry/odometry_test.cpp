@@ -273,7 +273,7 @@ Window windowOfTwo(const Eigen::Matrix<double, 15, 15>& H) {
 TEST(Marginalise, AFrameThatNothingLinksTellsNothingOfTheOthers) {
   const RigModel rig = RigModel::of(simulatedRig("euroc").calibration);
   Window window = windowOfTwo(Eigen::Matrix<double, 15, 15>::Identity());
-  ASSERT_TRUE(marginaliseFrame(window, 0, {}, rig, {}));
+  ASSERT_TRUE(marginaliseOldest(window, {}, rig, {}));
   EXPECT_EQ(window.prior.frames, std::vector<std::int64_t>{1});
   EXPECT_EQ(window.prior.cost.H.norm(), 0);
 }
@@ -283,7 +283,7 @@ TEST(Marginalise, SaysThatThePriorIsLost) {
   Eigen::Matrix<double, 15, 15> H = Eigen::Matrix<double, 15, 15>::Identity();
   H.topLeftCorner<2, 2>().setConstant(1e12);  // two coordinates that are known by their sum alone
   Window window = windowOfTwo(H);
-  EXPECT_FALSE(marginaliseFrame(window, 0, {}, rig, {}));
+  EXPECT_FALSE(marginaliseOldest(window, {}, rig, {}));
   EXPECT_TRUE(window.prior.frames.empty());
 }
 
