@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/simulate/render.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +15,42 @@
 #include "calibrator/target/tag_family.h"
 
 namespace plumbline {
+
+// The corners' displacements are a quadratic's values, so that least squares finds it exactly. A
+// grid too small to tell some of its terms (one tag) has none of them: the shortest solution.
+BoardSurface::BoardSurface(const AprilGrid& board)
+    : centre_(static_cast<float>(0.5 * board.width()), static_cast<float>(0.5 * board.height())),
+      unit_(centre_.norm()) {
+  AprilGrid printed = board;
+  // Only what is printed: tag_edge is how a detector errs.
+  printed.shape.terms[kTargetTerms - 1] = 0;
+  printed.shape.higher.reset();
+  printed.shape.corners.reset();  // of a detector, not printed
+  const std::vector<Eigen::Vector3d> points = cornerPoints(printed);
+  const Eigen::Vector2d centre(0.5 * board.width(), 0.5 * board.height());
+  Eigen::MatrixXd monomials(board.cornerCount(), 6), displacements(board.cornerCount(), 3);
+  for (int id = 0; id < board.cornerCount(); ++id) {
+    const Eigen::Vector2d p = board.corner(id), at = (p - centre) / centre.norm();
+    monomials.row(id) << 1, at.x(), at.y(), at.x() * at.x(), at.x() * at.y(), at.y() * at.y();
+    displacements.row(id) = points[id].transpose();
+    displacements.row(id).head<2>() -= p.transpose();
+  }
+  const auto fitted = [&](const Eigen::MatrixXd& terms) {
+    const Eigen::MatrixXd found = terms.completeOrthogonalDecomposition().solve(displacements);
+    return Eigen::MatrixXf(found.transpose().cast<float>());
+  };
+  polynomial_ = fitted(monomials);
+  if (!board.shape.higher) return;
+  // Of degree 4 and less, so that this fit is exact as well.
+  const HigherBasis basis(board);
+  Eigen::MatrixXd quartics(board.cornerCount(), 15);
+  for (int id = 0; id < board.cornerCount(); ++id) {
+    const Eigen::Vector2d at = (board.corner(id) - centre) / centre.norm();
+    quartics.row(id) = quartic(at.cast<float>()).cast<double>().transpose();
+    displacements.row(id) = basis.displacement(id, *board.shape.higher).transpose();
+  }
+  higher_ = fitted(quartics);
+}
 
 GridPattern::GridPattern(const AprilGrid& grid, double margin_m)
     : tag_size_(grid.tag_size),
@@ -69,14 +106,10 @@ constexpr int kSamples = 64;
 constexpr int kBoardSteps = 3;
 constexpr float kFarAway = 1e6F;  // of rays along the wall: no target there
 
-struct SamplePoint {
-  float u = 0;  ///< place in the pixel's square, in (0, 1)
-  float v = 0;
-};
-
-/// Hammersley's set: any edge parallel to a side is resolved to 1/64 of a pixel.
-std::array<SamplePoint, kSamples> hammersley() {
-  std::array<SamplePoint, kSamples> points;
+/// Hammersley's set in the pixel's square, (0, 1) along both sides: any edge parallel to a side is
+/// resolved to 1/64 of a pixel.
+std::array<Eigen::Vector2f, kSamples> hammersley() {
+  std::array<Eigen::Vector2f, kSamples> points;
   for (int i = 0; i < kSamples; ++i) {
     int reversed = 0;
     for (int bit = 0; bit < 6; ++bit) reversed |= ((i >> bit) & 1) << (5 - bit);
@@ -125,11 +158,6 @@ std::vector<float> vignettingGain(const Resolution& size, double vignetting) {
   }
   return gain;
 }
-
-struct TargetRenderer::View {
-  Eigen::Matrix3f R_FC;
-  Eigen::Vector3f c_F;  // the camera's centre
-};
 
 void RenderOptions::check() const {
   requireWithin(0, 255, "render.black_level", black_level);
@@ -198,15 +226,15 @@ float TargetRenderer::pixelLight(const View& view, int x, int y, const Hit* abov
 }
 
 float TargetRenderer::mixedLight(const View& view, int x, int y, float light) const {
-  static const std::array<SamplePoint, kSamples> points = hammersley();
+  static const auto points = hammersley();
   const Eigen::Vector3f n = view.R_FC * ray(x, y);
   const Eigen::Vector3f right = view.R_FC * ray(x + 1, y) - n;
   const Eigen::Vector3f down = view.R_FC * ray(x, y + 1) - n;
   const Eigen::Vector3f twist = view.R_FC * ray(x + 1, y + 1) - n - right - down;
   std::array<int, 3> count{};
-  for (const SamplePoint& s : points) {
+  for (const Eigen::Vector2f& s : points) {
     // Bilinear between the rays of the pixel's four corners.
-    const Hit hit = cast(view, n + s.u * right + s.v * (down + s.u * twist));
+    const Hit hit = cast(view, n + s.x() * right + s.y() * (down + s.x() * twist));
     ++count[static_cast<std::size_t>(pattern_.surface(hit.cell))];
   }
   // In the order of Surface.
@@ -267,35 +295,29 @@ void convolveRow(const float* padded, const std::vector<float>& kernel, int coun
   }
 }
 
+constexpr int kDrawBits = 12;  // that choose one of the table's draws
+using NormalTable = std::array<float, 1 << kDrawBits>;
+
 /// 4096 draws from a standard normal, shifted and scaled to mean 0 and variance 1: with it a
 /// pixel's noise costs a look-up.
-class NormalTable {
- public:
-  NormalTable() {
-    RandomStream random(0, RandomPurpose::kImageNoise);
-    double sum = 0;
-    double sum2 = 0;
-    std::array<double, kSize> draws{};
-    for (double& x : draws) {
-      x = random.normal();
-      sum += x;
-      sum2 += x * x;
-    }
-    const double mean = sum / kSize;
-    // Exact moments: a bias of the table would be one of every image.
-    const double scale = 1 / std::sqrt(sum2 / kSize - mean * mean);
-    for (std::size_t i = 0; i < kSize; ++i) {
-      values_[i] = static_cast<float>((draws[i] - mean) * scale);
-    }
+NormalTable normalTable() {
+  RandomStream random(0, RandomPurpose::kImageNoise);
+  double sum = 0, sum2 = 0;
+  std::array<double, 1 << kDrawBits> draws{};
+  for (double& x : draws) {
+    x = random.normal();
+    sum += x;
+    sum2 += x * x;
   }
-  float at(std::uint64_t bits) const { return values_[bits % kSize]; }
-
-  static constexpr int kBits = 12;
-
- private:
-  static constexpr std::size_t kSize = std::size_t{1} << kBits;
-  std::array<float, kSize> values_{};
-};
+  const double mean = sum / draws.size();
+  // Exact moments: a bias of the table would be one of every image.
+  const double scale = 1 / std::sqrt(sum2 / draws.size() - mean * mean);
+  NormalTable table;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    table[i] = static_cast<float>((draws[i] - mean) * scale);
+  }
+  return table;
+}
 
 }  // namespace
 
@@ -330,22 +352,16 @@ std::vector<float> gaussianBlur(const std::vector<float>& light, int width, int 
 
 GrayImage exposeSensor(const std::vector<float>& light, int width, int height, double noise_sigma,
                        std::uint64_t seed, std::uint64_t image) {
-  static const NormalTable table;
-  constexpr int kDrawsPerOutput = 64 / NormalTable::kBits;
+  static const NormalTable table = normalTable();
+  constexpr int kDrawsPerOutput = 64 / kDrawBits;  // five of 12 bits
   RandomStream random(seed, RandomPurpose::kImageNoise, {image});
   const auto sigma = static_cast<float>(noise_sigma);
   GrayImage out(width, height);
   std::uint64_t bits = 0;
-  int left = 0;
   for (std::size_t i = 0; i < light.size(); ++i) {
-    if (left == 0) {
-      bits = random.bits();
-      // Five draws of 12 bits from 64.
-      left = kDrawsPerOutput;
-    }
-    const float value = light[i] + sigma * table.at(bits);
-    bits >>= NormalTable::kBits;
-    --left;
+    if (i % kDrawsPerOutput == 0) bits = random.bits();
+    const float value = light[i] + sigma * table[bits % table.size()];
+    bits >>= kDrawBits;
     // Rounds: what is cast is not negative.
     out.data()[i] = static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
   }

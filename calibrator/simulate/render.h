@@ -143,7 +143,11 @@ class TargetRenderer {
     float x = 0, y = 0;  // [m]
     GridPattern::Cell cell;
   };
-  struct View;  // a camera's pose, prepared for casting rays
+  /// A camera's pose, prepared for casting rays.
+  struct View {
+    Eigen::Matrix3f R_FC;
+    Eigen::Vector3f c_F;  // the camera's centre
+  };
 
   Hit cast(const View& view, const Eigen::Vector3f& n) const;  // n: a ray in F
   std::vector<Hit> castRow(const View& view, int lattice_row) const;

@@ -58,7 +58,9 @@ class Tracker {
       // Begun anywhere, so that not the same few points are followed by all flights' frames.
       const int point =
           static_cast<int>((static_cast<std::size_t>(p) + 37 * frame) % flight_.landmarks.size());
-      if (seen_[0][point] && !isFollowed(point)) begin(point);
+      if (!seen_[0][point] || isFollowed(point)) continue;
+      followed_[static_cast<int>(flight_.landmark_of.size())] = point;
+      flight_.landmark_of.push_back(point);
     }
     for (std::size_t camera = 0; camera < seen_.size(); ++camera) write(camera, frame);
   }
@@ -85,11 +87,6 @@ class Tracker {
   bool isFollowed(int point) const {
     return std::any_of(followed_.begin(), followed_.end(),
                        [&](const auto& track) { return track.second == point; });
-  }
-
-  void begin(int point) {
-    followed_[static_cast<int>(flight_.landmark_of.size())] = point;
-    flight_.landmark_of.push_back(point);
   }
 
   void write(std::size_t camera, std::size_t frame) {
@@ -152,9 +149,7 @@ SimulatedFlight simulateFlight(const SimulatedRig& rig, const SimulationOptions&
       .recording = simulateMotion(rig, AnalyticTrajectory(motion), gravity_F, simulation),
       .rests = motion.rests(),
       .turns = motion.turns(),
-      .landmarks = pointsOnWalls(flight.room_m, tracks.landmarks, flight.seed),
-      .landmark_of = {},
-      .length_m = 0};
+      .landmarks = pointsOnWalls(flight.room_m, tracks.landmarks, flight.seed)};
   out.recording.session.target.rows = out.recording.session.target.cols = 0;  // there is none
   addStreams(out.recording);
   Tracker tracker(out, tracks, simulation.seed);

@@ -32,7 +32,7 @@ struct SimulatedFlight {
   std::vector<std::pair<double, double>> rests;  ///< [s], as FlightMotion::rests()
   int turns = 0;                                 ///< as FlightMotion::turns()
   std::vector<Eigen::Vector3d> landmarks;        ///< in F [m]
-  std::vector<int> landmark_of;                  ///< of each track id
+  std::vector<int> landmark_of = {};             ///< of each track id
   double length_m = 0;                           ///< of the way, first to last frame
 };
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibrator/simulate/faults/recording_faults.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/simulate_session.h"
 
@@ -18,16 +19,13 @@ struct SampleRange {
 
 /// One triad of sensors: how noisy it is and where its random numbers come from.
 struct TriadNoise {
-  RandomPurpose white_purpose = RandomPurpose::kGyroNoise;
-  RandomPurpose walk_purpose = RandomPurpose::kGyroWalk;
-  double white_sigma = 0;  ///< of a sample
-  double walk_sigma = 0;   ///< of a step between samples
-  Eigen::Vector3d initial_bias = Eigen::Vector3d::Zero();
+  RandomPurpose white_purpose, walk_purpose;
+  double white_sigma, walk_sigma;  ///< of a sample, of a step between samples
+  Eigen::Vector3d initial_bias;
 };
 
 struct TriadSequence {
-  std::vector<Eigen::Vector3d> white;
-  std::vector<Eigen::Vector3d> bias;
+  std::vector<Eigen::Vector3d> white, bias;
 };
 
 /// Noise of all samples. Numbers are drawn outwards from sample 0, forwards and backwards from a
@@ -61,10 +59,8 @@ SampleRange sampleRange(const ImuCalibration& imu, const SimulationOptions& o) {
   // t_imu = t_cam + t_d: a negative offset asks for earlier samples, a positive one for later ones.
   const double before = o.imu_margin_s + std::max(0.0, -imu.timeOffset());
   const double after = o.duration_s + o.imu_margin_s + std::max(0.0, imu.timeOffset());
-  SampleRange range;
-  range.before = static_cast<std::int64_t>(std::ceil(before * rate));
-  range.after = static_cast<std::int64_t>(std::ceil(after * rate));
-  return range;
+  return {static_cast<std::int64_t>(std::ceil(before * rate)),
+          static_cast<std::int64_t>(std::ceil(after * rate))};
 }
 
 }  // namespace

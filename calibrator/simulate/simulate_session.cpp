@@ -7,7 +7,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/option_check.h"
-#include "calibrator/simulate/faults/view_faults.h"
+#include "calibrator/simulate/faults/recording_faults.h"
 
 namespace plumbline {
 namespace {
@@ -151,17 +151,12 @@ SimulatedSession simulateMotion(const SimulatedRig& rig, AnalyticTrajectory traj
   // Here, for only the rig tells which cameras a fault can name.
   check(o.faults, {o.duration_s, static_cast<int>(truth.cameras.size())});
   const double camera_rate_hz = o.camera_rate_hz.value_or(rig.camera_rate_hz);
-  SimulatedSession s{.session = {},
-                     .truth = std::move(truth),
+  SimulatedSession s{.truth = std::move(truth),
                      .trajectory = std::move(trajectory),
                      .start_ns = o.start_ns,
                      .gravity_F = gravity_F,
-                     .biases = {},
                      .camera_rate_hz = camera_rate_hz,
-                     .frame_stamps = nominalStamps(camera_rate_hz, o),
-                     .states = {},
-                     .faults = {},
-                     .view_poses = {}};
+                     .frame_stamps = nominalStamps(camera_rate_hz, o)};
   s.session.name = "simulated-" + rig.name;
   SimulatedImu imu = simulateImu(s.trajectory, *s.truth.imu, gravity_F, o);
   if (imu.samples.empty()) {

@@ -13,7 +13,6 @@
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
 #include "calibrator/simulate/faults/fault.h"
-#include "calibrator/simulate/faults/imu_faults.h"
 #include "calibrator/simulate/rig.h"
 #include "calibrator/simulate/trajectory.h"
 
@@ -55,19 +54,19 @@ struct SimulationOptions {
 
 /// A recording whose truth is known.
 struct SimulatedSession {
-  Session session;
+  Session session = {};
   Calibration truth;  ///< of the rig, with the rates and time offset that were simulated
   AnalyticTrajectory trajectory;
-  TimeNs start_ns = 0;          ///< IMU-clock stamp at which trajectory.at(0) holds
-  Eigen::Vector3d gravity_F;    ///< [m/s^2], pointing down
-  std::vector<ImuBias> biases;  ///< one per session.imu->samples
+  TimeNs start_ns = 0;               ///< IMU-clock stamp at which trajectory.at(0) holds
+  Eigen::Vector3d gravity_F;         ///< [m/s^2], pointing down
+  std::vector<ImuBias> biases = {};  ///< one per session.imu->samples
   double camera_rate_hz = 0;
   std::vector<TimeNs> frame_stamps;   ///< nominal stamps, camera clock, dropped frames included
-  std::vector<ImuState> states;       ///< the truth at frame_stamps
-  std::vector<InjectedFault> faults;  ///< those of the options, with what they struck
+  std::vector<ImuState> states = {};  ///< the truth at frame_stamps
+  std::vector<InjectedFault> faults = {};  ///< those of the options, with what they struck
   /// Per camera and view: the camera in the target's frame, both as they really stood when the
   /// image was exposed. Without faults cameraPose().
-  std::vector<std::vector<Transform>> view_poses;
+  std::vector<std::vector<Transform>> view_poses = {};
 
   /// Motion of S at an instant of the IMU's clock.
   MotionState motionAtImuTime(TimeNs t_imu) const;
@@ -102,6 +101,12 @@ SimulatedSession simulateMotion(const SimulatedRig& rig, AnalyticTrajectory traj
 
 /// The stream of a camera without views, as its calibration describes it.
 CameraStream emptyStream(const CameraCalibration& camera);
+
+/// What samples and their biases are, and become.
+struct ImuRecording {
+  std::vector<ImuSample> samples;
+  std::vector<ImuBias> biases;  ///< one per sample
+};
 
 /// IMU samples with the biases that are in them.
 struct SimulatedImu : ImuRecording {

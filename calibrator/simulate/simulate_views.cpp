@@ -9,17 +9,10 @@
 #include "calibrator/camera/camera.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/simulate_session.h"
+#include "calibrator/target/tag_image.h"
 
 namespace plumbline {
 namespace {
-
-using TagCorners = std::array<Eigen::Vector2d, 4>;
-
-/// By the centres of the outermost pixels, (0, 0) and (width - 1, height - 1).
-bool isInside(const Eigen::Vector2d& uv, const Resolution& size, double border) {
-  return uv.x() >= border && uv.y() >= border && uv.x() <= size.width - 1 - border &&
-         uv.y() <= size.height - 1 - border;
-}
 
 /// The four corners of a tag in the image; empty where a detector would not see the tag.
 template <class Projection>

@@ -11,33 +11,23 @@
 namespace plumbline {
 namespace {
 
-/// Draws channels one after the other from the trajectory's stream of random numbers.
-class ChannelMaker {
- public:
-  ChannelMaker(std::uint64_t seed, double pace)
-      : random_(seed, RandomPurpose::kTrajectory), pace_(pace) {}
-
-  /// Reaches mean +- amplitude (+-10 %), slowest term at base_hz (+-10 %) times the pace. The terms
-  /// are no multiples of each other, nor are the channels: the motion does not repeat.
-  SumOfSinusoids channel(double mean, double amplitude, double base_hz) {
-    constexpr std::array<double, SumOfSinusoids::kTerms> kShare{0.6, 0.3, 0.1};
-    constexpr std::array<double, SumOfSinusoids::kTerms> kHarmonic{1.0, 1.9, 3.1};
-    SumOfSinusoids s;
-    s.mean = mean;
-    const double scale = amplitude * random_.uniform(0.9, 1.1);
-    for (int i = 0; i < SumOfSinusoids::kTerms; ++i) {
-      const double hz = base_hz * kHarmonic[i] * random_.uniform(0.9, 1.1) * pace_;
-      s.amplitude[i] = scale * kShare[i];
-      s.omega[i] = 2 * std::numbers::pi * hz;
-      s.phase[i] = random_.uniform(0, 2 * std::numbers::pi);
-    }
-    return s;
+/// Reaches mean +- amplitude (+-10 %), slowest term at base_hz (+-10 %) times the pace. The terms
+/// are no multiples of each other, nor are the channels: the motion does not repeat.
+SumOfSinusoids wandering(RandomStream& random, double pace, double mean, double amplitude,
+                         double base_hz) {
+  constexpr std::array<double, SumOfSinusoids::kTerms> kShare{0.6, 0.3, 0.1};
+  constexpr std::array<double, SumOfSinusoids::kTerms> kHarmonic{1.0, 1.9, 3.1};
+  SumOfSinusoids s;
+  s.mean = mean;
+  const double scale = amplitude * random.uniform(0.9, 1.1);
+  for (int i = 0; i < SumOfSinusoids::kTerms; ++i) {
+    const double hz = base_hz * kHarmonic[i] * random.uniform(0.9, 1.1) * pace;
+    s.amplitude[i] = scale * kShare[i];
+    s.omega[i] = 2 * std::numbers::pi * hz;
+    s.phase[i] = random.uniform(0, 2 * std::numbers::pi);
   }
-
- private:
-  RandomStream random_;
-  double pace_;
-};
+  return s;
+}
 
 /// The lens without the polynomials of its distortion; an equidistant one's first term, the angle
 /// itself, stays.
@@ -95,16 +85,18 @@ AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedR
   const Eigen::Vector2d centre(0.5 * target.width(), 0.5 * target.height());
   // In this order: the channels draw from one stream, and another one in between would change all
   // that follow.
-  ChannelMaker make(options.seed, options.pace);
-
-  distance_ = make.channel(1.4 * near, 0.45 * near, 0.17);
-  aim_x_ = make.channel(centre.x(), 0.15 * target.width(), 0.13);
-  aim_y_ = make.channel(centre.y(), 0.15 * target.height(), 0.11);
-  azimuth_ = make.channel(0, 0.62, 0.21);
-  elevation_ = make.channel(0, 0.52, 0.27);
-  pan_ = make.channel(0, 0.60 * halfAngle(camera, 0), 0.23);
-  tilt_ = make.channel(0, 0.55 * halfAngle(camera, 1), 0.19);
-  roll_ = make.channel(0, 0.75, 0.31);
+  RandomStream random(options.seed, RandomPurpose::kTrajectory);
+  const auto channel = [&](double mean, double amplitude, double base_hz) {
+    return wandering(random, options.pace, mean, amplitude, base_hz);
+  };
+  distance_ = channel(1.4 * near, 0.45 * near, 0.17);
+  aim_x_ = channel(centre.x(), 0.15 * target.width(), 0.13);
+  aim_y_ = channel(centre.y(), 0.15 * target.height(), 0.11);
+  azimuth_ = channel(0, 0.62, 0.21);
+  elevation_ = channel(0, 0.52, 0.27);
+  pan_ = channel(0, 0.60 * halfAngle(camera, 0), 0.23);
+  tilt_ = channel(0, 0.55 * halfAngle(camera, 1), 0.19);
+  roll_ = channel(0, 0.75, 0.31);
   T_BS_ = T_C0B.inverse() * T_C0S;
   if (kind_ == MotionKind::kFull) return;
 
@@ -112,10 +104,10 @@ AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedR
   const bool translates = moves && kind_ != MotionKind::kPureRotation;
   // Channels without motion keep their draws, at amplitude 0: kinds of one seed share their phases.
   const double reach = translates ? 0.2 * near : 0;
-  angle_ = make.channel(0.1, moves ? 0.4 : 0, 0.27);
-  x_ = make.channel(0, reach, 0.23);
-  y_ = make.channel(0, reach, 0.19);
-  z_ = make.channel(0, reach, 0.29);
+  angle_ = channel(0.1, moves ? 0.4 : 0, 0.27);
+  x_ = channel(0, reach, 0.23);
+  y_ = channel(0, reach, 0.19);
+  z_ = channel(0, reach, 0.29);
   // At rest the rig's centre stands squarely before the target's.
   const Transform T_FRig(facingTarget(), {centre.x(), centre.y(), 1.3 * near});
   const bool by_camera = kind_ == MotionKind::kFrontoParallel;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibrator/target/payload.h"
 #include "calibrator/target/quad_finder.h"
 
 namespace plumbline {
@@ -112,9 +111,7 @@ std::optional<Eigen::Vector2d> CornerRefiner::step(const Patch& patch, const Win
 
 std::optional<Eigen::Vector2d> CornerRefiner::refine(const GrayImageView& image,
                                                      const CornerWindow& window) {
-  const bool inside = window.start.x() >= 0 && window.start.y() >= 0 &&
-                      window.start.x() <= image.width - 1 && window.start.y() <= image.height - 1;
-  if (!inside) return std::nullopt;
+  if (!isInside(window.start, {image.width, image.height})) return std::nullopt;
   // The image of a disc under the edges' axes A is x' (A A')^-1 x <= 1, whose extent in x and y is
   // the root of the diagonal; the other term keeps it from degenerating.
   const Eigen::Matrix2d shape = window.axes * window.axes.transpose() +

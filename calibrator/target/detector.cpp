@@ -8,7 +8,6 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/option_check.h"
 #include "calibrator/target/grid_search.h"
-#include "calibrator/target/quad_finder.h"
 
 namespace plumbline {
 namespace {
@@ -73,12 +72,6 @@ struct AprilGridDetector::Parts {
   QuadFinder finder;
   CornerRefiner refiner;
 
-  Parts(const AprilGrid& the_grid, const DetectorOptions& the_options)
-      : grid(the_grid),
-        options(the_options),
-        finder({grid.tagCount(), options.border_bits, options.max_hamming, options.decimation,
-                options.min_contrast}) {}
-
   /// Grows the grid from the largest consistent set of squares that leads anywhere.
   Detection searchFrom(std::vector<TagImage> squares, const GrayImageView& image);
 };
@@ -121,7 +114,7 @@ Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
 AprilGridDetector::AprilGridDetector(const AprilGrid& grid, const DetectorOptions& options) {
   checkGrid(grid);
   options.check();
-  parts_ = std::make_unique<Parts>(grid, options);
+  parts_.reset(new Parts{grid, options, QuadFinder(grid, options), {}});
 }
 AprilGridDetector::~AprilGridDetector() = default;
 AprilGridDetector::AprilGridDetector(AprilGridDetector&&) noexcept = default;

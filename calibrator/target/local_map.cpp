@@ -9,55 +9,31 @@
 namespace plumbline {
 namespace {
 
-/// First and second moments of points, from which a line is fitted.
-struct LineMoments {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-  void add(const Eigen::Vector2d& p) {
-    n += 1;
-    x += p.x();
-    y += p.y();
-    xx += p.x() * p.x();
-    xy += p.x() * p.y();
-    yy += p.y() * p.y();
-  }
-};
-
-/// Sums over lines: squared distances across and along them.
-struct Straightness {
-  double across = 0;
-  double along = 0;
-
-  void add(const LineMoments& m) {
-    if (m.n < 4) return;  // two tags: their four points
-    const double xx = m.xx - m.x * m.x / m.n;
-    const double xy = m.xy - m.x * m.y / m.n;
-    const double yy = m.yy - m.y * m.y / m.n;
-    // The eigenvalues of the scatter are (xx + yy -+ spread) / 2: least squares across and along.
-    const double spread = std::hypot(xx - yy, 2 * xy);
-    across += std::max(0.0, 0.5 * (xx + yy - spread));
-    along += 0.5 * (xx + yy + spread);
-  }
-};
+/// 1, x, y, x x, x y, y y: summed over points, their number and first and second moments.
+Vector6 products(const Eigen::Vector2d& p) {
+  Vector6 m;
+  m << 1, p.x(), p.y(), p.x() * p.x(), p.x() * p.y(), p.y() * p.y();
+  return m;
+}
 
 struct LinePoint {
-  Eigen::Vector2d d;     ///< relative to the centre, in units of the radius
-  std::size_t row_line;  ///< line along x that the corner lies on
-  std::size_t column_line;
+  Eigen::Vector2d d;                 ///< relative to the centre, in units of the radius
+  std::array<std::size_t, 2> lines;  ///< along x and along y, that the corner lies on
 };
 
-/// Every row of tags has two lines, along the bottoms and the tops of its tags; every column two,
-/// along their left and right edges.
+/// Every row of tags has two lines, along the bottoms and the tops of its tags; behind those every
+/// column has two, along their left and right edges.
 std::vector<LinePoint> linePoints(const AprilGrid& grid, const std::vector<TagImage>& tags,
                                   const DivisionDistortion& distortion) {
   std::vector<LinePoint> points;
   for (const TagImage& tag : tags) {
-    const auto row = static_cast<std::size_t>(tag.id / grid.cols);
-    const auto col = static_cast<std::size_t>(tag.id % grid.cols);
+    const std::size_t row = tag.id / grid.cols, col = grid.rows + tag.id % grid.cols;
     for (std::size_t k = 0; k < 4; ++k) {
       if (!tag.located[k]) continue;
       points.push_back({(tag.uv[k] - distortion.centre) / distortion.radius,
-                        2 * row + (k >= 2 ? 1 : 0), 2 * col + (k == 1 || k == 2 ? 1 : 0)});
+                        {2 * row + (k >= 2 ? 1 : 0), 2 * col + (k == 1 || k == 2 ? 1 : 0)}});
     }
   }
   return points;
@@ -66,17 +42,23 @@ std::vector<LinePoint> linePoints(const AprilGrid& grid, const std::vector<TagIm
 /// See estimateDistortion(): the share of the squared lengths that lies across the lines; infinite
 /// where no line counts.
 double bending(const AprilGrid& grid, const std::vector<LinePoint>& points, double lambda) {
-  std::vector<LineMoments> rows(2 * static_cast<std::size_t>(grid.rows));
-  std::vector<LineMoments> columns(2 * static_cast<std::size_t>(grid.cols));
+  std::vector<Vector6> lines(2 * (grid.rows + grid.cols), Vector6::Zero());
   for (const LinePoint& point : points) {
-    const Eigen::Vector2d straight = point.d / (1 + lambda * point.d.squaredNorm());
-    rows[point.row_line].add(straight);
-    columns[point.column_line].add(straight);
+    const Vector6 m = products(point.d / (1 + lambda * point.d.squaredNorm()));
+    for (const std::size_t line : point.lines) lines[line] += m;
   }
-  Straightness sum;
-  for (const LineMoments& line : rows) sum.add(line);
-  for (const LineMoments& line : columns) sum.add(line);
-  return sum.along > 0 ? sum.across / sum.along : HUGE_VAL;
+  double across = 0, along = 0;
+  for (const Vector6& m : lines) {
+    if (m[0] < 4) continue;  // two tags: their four points
+    const double xx = m[3] - m[1] * m[1] / m[0];
+    const double xy = m[4] - m[1] * m[2] / m[0];
+    const double yy = m[5] - m[2] * m[2] / m[0];
+    // The eigenvalues of the scatter are (xx + yy -+ spread) / 2: least squares across and along.
+    const double spread = std::hypot(xx - yy, 2 * xy);
+    across += std::max(0.0, 0.5 * (xx + yy - spread));
+    along += 0.5 * (xx + yy + spread);
+  }
+  return along > 0 ? across / along : HUGE_VAL;
 }
 
 }  // namespace
@@ -143,11 +125,8 @@ constexpr int kHeardTags = 2;
 class HomographyFit {
  public:
   void add(const Eigen::Vector2d& xy, const Eigen::Vector2d& uv, double weight) {
-    const double x = xy.x(), y = xy.y();
-    Vector6 products;
-    products << 1, x, y, x * x, x * y, y * y;
     const Eigen::RowVector4d weights(1, uv.x(), uv.y(), uv.squaredNorm());
-    sums_.noalias() += products.lazyProduct(weight * weights);
+    sums_.noalias() += products(xy).lazyProduct(weight * weights);
   }
 
   Matrix8 normal() const {
@@ -166,8 +145,6 @@ class HomographyFit {
   }
 
  private:
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-
   /// Sum of (1, x, y) (1, x, y)' under one of the weights.
   Eigen::Matrix3d secondMoments(int weight) const {
     const auto m = sums_.col(weight);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/target/payload.h"
-
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <bit>
 #include <vector>
+
+#include "calibrator/target/tag_image.h"
 
 namespace plumbline {
 namespace {
@@ -74,10 +74,7 @@ Eigen::Vector3d whitePlane(const GrayImageView& image, const Eigen::Matrix3d& H,
     for (const auto& [x, y] :
          {std::pair{along, -out}, {along, 1 + out}, {-out, along}, {1 + out, along}}) {
       const Eigen::Vector2d at = mapPoint(H, x, y);
-      if (at.x() < 0 || at.y() < 0 || at.x() > image.width - 1 || at.y() > image.height - 1) {
-        continue;
-      }
-      plane.add(x, y, sampleBilinear(image, at));
+      if (isInside(at, {image.width, image.height})) plane.add(x, y, sampleBilinear(image, at));
     }
   }
   return plane.solve();
@@ -88,11 +85,7 @@ Eigen::Vector3d whitePlane(const GrayImageView& image, const Eigen::Matrix3d& H,
 bool payloadInside(const GrayImageView& image, const Eigen::Matrix3d& H, double margin) {
   for (const double x : {margin, 1 - margin}) {
     for (const double y : {margin, 1 - margin}) {
-      const Eigen::Vector2d at = mapPoint(H, x, y);
-      if (!(at.x() >= 0 && at.y() >= 0 && at.x() <= image.width - 1 &&
-            at.y() <= image.height - 1)) {
-        return false;
-      }
+      if (!isInside(mapPoint(H, x, y), {image.width, image.height})) return false;
     }
   }
   return true;

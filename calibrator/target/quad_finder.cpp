@@ -15,9 +15,9 @@ struct QuadFinder::Library {
   apriltag_family_t* family = tag36h11_create();
   apriltag_detector_t* detector = apriltag_detector_create();
 
-  explicit Library(const Options& options) {
+  Library(const AprilGrid& grid, const DetectorOptions& options) {
     const int wider = options.border_bits - 1;
-    family->ncodes = static_cast<std::uint32_t>(options.tag_count);
+    family->ncodes = static_cast<std::uint32_t>(grid.tagCount());
     family->width_at_border += 2 * wider;
     family->total_width += 2 * wider;
     for (std::uint32_t i = 0; i < family->nbits; ++i) {
@@ -39,7 +39,8 @@ struct QuadFinder::Library {
   Library& operator=(const Library&) = delete;
 };
 
-QuadFinder::QuadFinder(const Options& options) : library_(std::make_unique<Library>(options)) {}
+QuadFinder::QuadFinder(const AprilGrid& grid, const DetectorOptions& options)
+    : library_(std::make_unique<Library>(grid, options)) {}
 QuadFinder::~QuadFinder() = default;
 
 void dilate(const GrayImageView& image, int size, GrayImage& out) {

@@ -6,24 +6,15 @@
 #include <optional>
 #include <vector>
 
-#include "calibrator/base/image.h"
 #include "calibrator/target/tag_image.h"
 
 namespace plumbline {
 
-/// The AprilTag library, set up for tags 0 ... tag_count - 1 of tag36h11 with a border of
-/// `border_bits` cells and for grids whose small squares touch the tags. Not for two threads at
-/// once: it keeps the library's state and a buffer.
+/// The AprilTag library, set up for a grid's tags of tag36h11, whose small squares touch the tags.
+/// Not for two threads at once: it keeps the library's state and a buffer.
 class QuadFinder {
  public:
-  struct Options {
-    int tag_count = 36;
-    int border_bits = 2;
-    int max_hamming = 2;
-    double decimation = 2.0;
-    int min_contrast = 12;
-  };
-  explicit QuadFinder(const Options& options);
+  QuadFinder(const AprilGrid& grid, const DetectorOptions& options);
   ~QuadFinder();
   QuadFinder(const QuadFinder&) = delete;
   QuadFinder& operator=(const QuadFinder&) = delete;

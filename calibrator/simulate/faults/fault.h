@@ -120,12 +120,12 @@ struct FaultDescription {
   FaultKind kind;
   const char* name;  ///< "accel-scale"
   FaultValue value;
-  FaultValue extent;
-  TakesInstant instant = TakesInstant::kNo;
   FaultKey key = FaultKey::kNone;
-  InImages images = InImages::kYes;
   const char* example = "";   ///< "accel-scale=1.01,z"
   const char* sentence = "";  ///< what is wrong then
+  TakesInstant instant = TakesInstant::kNo;
+  InImages images = InImages::kYes;
+  FaultValue extent = {};
 };
 
 /// The table, in the order of FaultKind.

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/simulate/faults/imu_faults.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "calibrator/base/transform.h"
+#include "calibrator/simulate/faults/recording_faults.h"
 
 namespace plumbline {
 namespace {
@@ -143,17 +142,14 @@ ImuFaults::ImuFaults(const std::vector<Fault>& faults)
   }
 }
 
-Transform ImuFaults::slipped(double t_s) const {
+MotionState ImuFaults::motion(const AnalyticTrajectory& trajectory, double t_s) const {
+  const MotionState m = trajectory.at(t_s);
+  if (slips_.empty()) return m;
   Transform T_SSlipped;
   for (const NumberedFault& slip : slips_) {
     if (t_s >= slip->at_s) T_SSlipped.R *= expSO3(slip->value * direction(*slip.fault));
   }
-  return T_SSlipped;
-}
-
-MotionState ImuFaults::motion(const AnalyticTrajectory& trajectory, double t_s) const {
-  const MotionState m = trajectory.at(t_s);
-  return slips_.empty() ? m : attached(m, slipped(t_s));
+  return attached(m, T_SSlipped);
 }
 
 ImuReading ImuFaults::read(const AnalyticTrajectory& trajectory, const Vector3d& gravity_F,

@@ -4,10 +4,122 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/simulate/motion.h"
 
 namespace plumbline {
+namespace {
+
+/// Geometric: a step of clumsiness is a factor, and nothing becomes negative.
+double between(double skilled, double clumsy, double clumsiness) {
+  return skilled * std::pow(clumsy / skilled, clumsiness);
+}
+
+}  // namespace
+
+void OperatorSkill::check() const {
+  requireWithin(0, 10, "skill.reaction_s", reaction_s);
+  requireWithin(1e-3, 10, "skill.speed_m_s", speed_m_s);
+  requireWithin(1e-3, kFastestTurn_rad_s, "skill.turn_rad_s", turn_rad_s);
+  requireWithin(0, 1, "skill.position_error_m", position_error_m);
+  requireWithin(0, 1, "skill.angle_error_rad", angle_error_rad);
+  requireWithin(1e-3, 100, "skill.correction_s", correction_s);
+  requireWithin(0, 1, "skill.overshoot", overshoot);
+  requireWithin(0, 0.1, "skill.tremor_m", tremor_m);
+  requireWithin(0, 0.1, "skill.tremor_rad", tremor_rad);
+  requireWithin(0, kFarthestReach_rad, "skill.reach_rad", reach_rad);
+  requireWithin(0, 3, "skill.roll_rad", roll_rad);
+  requireWithin(0.02, std::numbers::pi, "skill.off_axis_rad", off_axis_rad);
+  requireWithin(0.1, 10, "skill.haste", haste);
+  requireWithin(0, 10, "skill.fatigue_per_min", fatigue_per_min);
+  requireWithin(0, 1, "skill.compliance", compliance);
+  requireWithin(0, 1e5, "skill.patience_s", patience_s);
+}
+
+OperatorSkill handSkill(double c) {
+  OperatorSkill skill;
+  skill.reaction_s = between(0.3, 0.9, c);
+  skill.speed_m_s = between(0.55, 0.25, c);
+  skill.turn_rad_s = between(1.2, 0.6, c);
+  skill.position_error_m = between(0.02, 0.09, c);
+  skill.angle_error_rad = between(0.02, 0.1, c);
+  skill.correction_s = between(0.7, 2.2, c);
+  skill.tremor_m = between(2e-4, 8e-4, c);
+  skill.tremor_rad = between(8e-4, 3e-3, c);
+  skill.reach_rad = between(0.75, 0.3, c);
+  skill.roll_rad = between(0.7, 0.15, c);
+  skill.haste = between(1.9, 1.2, c);
+  return skill;
+}
+
+OperatorSkill personSkill(double c) {
+  OperatorSkill skill = handSkill(c);
+  // Linear: no factor leads away from zero, which is what the most skilled ignores of suggestions.
+  skill.overshoot = 0.03 + 0.12 * c;
+  skill.fatigue_per_min = 0.02 + 0.13 * c;
+  skill.off_axis_rad = 0.6 - 0.2 * c;
+  skill.compliance = 1 - 0.25 * c;
+  return skill;
+}
+
+namespace {
+
+// A dance: to and fro so often along and about each axis, at this multiple of the distance at which
+// the board fills the image, so far about x and y (and along z over that distance), and about z.
+constexpr int kTimes = 3;
+constexpr int kAxes = 6;
+constexpr double kDanceDistance = 1.25;
+constexpr double kSwing_rad = 0.35;
+constexpr double kAdvance = 0.3;
+constexpr double kRoll_rad = 0.9;
+
+}  // namespace
+
+OwnViews::OwnViews(const OperatorSkill& skill, const AprilGrid& target, double distance_m)
+    : skill_(skill),
+      centre_(0.5 * target.width(), 0.5 * target.height(), 0),
+      distance_m_(distance_m) {}
+
+Transform OwnViews::next(RandomStream& random) {
+  const int turn = taken_++;
+  const bool dances = skill_.own_views == OwnViewsKind::kDance && turn < 2 * kTimes * kAxes;
+  return dances ? danced(turn) : around(random);
+}
+
+Transform OwnViews::around(RandomStream& random) const {
+  const double azimuth = random.uniform(-1, 1) * skill_.reach_rad;
+  const double elevation = random.uniform(-1, 1) * skill_.reach_rad;
+  const double distance = random.uniform(0.85, 1.7) * distance_m_;
+  const double roll = random.uniform(-1, 1) * skill_.roll_rad;
+  // Aims up to three tenths of half the board off its centre, so that it moves across the image.
+  const Eigen::Vector3d aside(random.uniform(-0.3, 0.3) * centre_.x(),
+                              random.uniform(-0.3, 0.3) * centre_.y(), 0);
+  const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                                  std::cos(azimuth) * std::cos(elevation));
+  Transform view = lookingAt(centre_ + distance * direction, centre_ + aside);
+  view.R *= expSO3({0, 0, roll});
+  return view;
+}
+
+/// Pitch, yaw, roll, then along x, y, z; the far end and the near end of each by turns.
+Transform OwnViews::danced(int turn) const {
+  const int axis = turn / (2 * kTimes);
+  const double side = turn % 2 == 0 ? 1 : -1;
+  const double distance = kDanceDistance * distance_m_;
+  Transform view = lookingAt(centre_ + Eigen::Vector3d(0, 0, distance), centre_);
+  if (axis < 3) {
+    const double angle = axis == 2 ? kRoll_rad : kSwing_rad;
+    // About the camera's axes, where it stands.
+    view.R *= expSO3(side * angle * Eigen::Vector3d::Unit(axis));
+  } else {
+    const double size[] = {centre_.x(), centre_.y(), kAdvance * distance};
+    // Along F's axes, which are the camera's up to signs while it faces the board.
+    view.t[axis - 3] += side * size[axis - 3];
+  }
+  return view;
+}
+
 namespace {
 
 constexpr double kArrived_m = 0.08, kArrived_rad = 0.12;  // an own view is left from here on

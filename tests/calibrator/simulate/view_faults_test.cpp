@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Each fault of cameras, target and frames is found again in the corners by a formula of its own.
-#include "calibrator/simulate/faults/view_faults.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +9,7 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/simulate/faults/recording_faults.h"
 #include "tests/calibrator/simulate/fault_recordings.h"
 
 namespace plumbline {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/target/payload.h"
-
 #include <Eigen/LU>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/target/tag_family.h"
+#include "calibrator/target/tag_image.h"
 
 namespace plumbline {
 namespace {
