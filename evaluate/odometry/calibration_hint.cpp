@@ -27,19 +27,12 @@ constexpr double kMostFactor = 3;       // by which one round may change a step
 constexpr double kFittingFactor = 2.5;  // up to which a step is as long as it should be
 constexpr double kBlock_s = 1;
 
-/// t_d [s], translation [m], rotation [rad].
-VectorXd stepsOf(HintKind kind) {
-  if (kind == HintKind::kOffset) return VectorXd::Constant(1, 3e-3);
-  VectorXd steps(7);
-  steps << 3e-3, 0.02, 0.02, 0.02, 0.3 * kDegree, 0.3 * kDegree, 0.3 * kDegree;
-  return steps;
-}
-
-VectorXd farthest(HintKind kind) {
-  if (kind == HintKind::kOffset) return VectorXd::Constant(1, 20e-3);
-  VectorXd most(7);
-  most << 20e-3, 0.15, 0.15, 0.15, 2.5 * kDegree, 2.5 * kDegree, 2.5 * kDegree;
-  return most;
+/// t_d [s], and of extrinsics the axes of translation [m] and rotation [rad].
+VectorXd valuesOf(HintKind kind, double offset_s, double shift_m, double turn_rad) {
+  if (kind == HintKind::kOffset) return VectorXd::Constant(1, offset_s);
+  VectorXd values(7);
+  values << offset_s, shift_m, shift_m, shift_m, turn_rad, turn_rad, turn_rad;
+  return values;
 }
 
 /// Where the runs are made, in steps: the centre, every axis both ways, every pair of axes.
@@ -200,8 +193,8 @@ std::string tooFewBlocks(const std::vector<FrameInnovation>& innovations, double
 std::optional<CalibrationHint> calibrationHint(HintKind kind, const InnovationsAt& run,
                                                int threads) {
   assert(kind != HintKind::kNone);
-  const VectorXd most = farthest(kind);
-  VectorXd steps = stepsOf(kind);
+  const VectorXd most = valuesOf(kind, 20e-3, 0.15, 2.5 * kDegree);
+  VectorXd steps = valuesOf(kind, 3e-3, 0.02, 0.3 * kDegree);
   const Index n = steps.size();
   VectorXd centre = VectorXd::Zero(n);
   for (int round = 0; round < kRounds; ++round) {

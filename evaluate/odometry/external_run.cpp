@@ -2,14 +2,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <deque>
-#include <filesystem>
 #include <fstream>
 #include <map>
-#include <optional>
 #include <sstream>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -32,12 +28,9 @@ constexpr std::size_t kLongestLine = 300;  // [bytes]
 
 using Fields = std::map<std::string, std::string>;
 
-/// What it left. Empty `problem`: a trajectory.
+/// What it left.
 struct ExternalRun {
-  std::vector<StampedPose> poses;  ///< body = IMU, camera clock
-  double seconds = 0;
-  std::string problem;           ///< how it failed, "" if not
-  std::vector<std::string> log;  ///< last lines of what it printed, of a run that failed
+  OdometryOutcome outcome;  ///< empty `problem`: a trajectory, body = IMU, camera clock
   /// What its online calibration printed, in order; empty unless asked for, and where it did not
   /// end by itself: the last value is then none that it arrived at.
   std::vector<double> offsets_s;
@@ -222,29 +215,33 @@ ExternalRun runExternal(const OdometryPlan& plan, const OdometryRequest& request
   process.limit_mb = request.memory_mb;
   const ProcessEnd end = runProcess(process);
   ExternalRun run;
-  run.seconds = end.seconds;
+  OdometryOutcome& outcome = run.outcome;
+  outcome.record.system = runner.name;
+  outcome.record.seconds = end.seconds;
+  // Those that were offered: what a system has used of them it does not say.
+  outcome.record.frames = plan.sequence->images[0].size();
   const fs::path written = filledIn(runner.trajectory, fields);
   // What it wrote before it crashed or was killed is not judged.
   if (!end.ok()) {
-    run.problem = fmt::format("{}: {}", process.words.front(), toString(end));
+    outcome.problem = fmt::format("{}: {}", process.words.front(), toString(end));
   } else if (!fs::is_regular_file(written)) {
-    run.problem = fmt::format("{} ended with exit code 0 and did not write {}",
-                              process.words.front(), written.filename().string());
+    outcome.problem = fmt::format("{} ended with exit code 0 and did not write {}",
+                                  process.words.front(), written.filename().string());
   } else {
     TrajectoryRequest read;
     read.estimate = written;
     read.estimate_w_first = request.output_w_first;
     read.estimate_inverted = request.output_inverted;
     try {
-      run.poses = converted(readEstimate(read).trajectory.poses, runner, *calibration.imu);
-      if (run.poses.empty()) run.problem = "its trajectory has no pose";
+      outcome.poses = converted(readEstimate(read).trajectory.poses, runner, *calibration.imu);
+      if (outcome.poses.empty()) outcome.problem = "its trajectory has no pose";
     } catch (const InputError& error) {
-      run.problem = error.what();
+      outcome.problem = error.what();
     }
   }
   // What it printed counts, whether its trajectory can be read or not.
   if (refine && end.ok()) readRefined(process.log, *runner.online, run);
-  if (!run.problem.empty()) run.log = lastLinesOf(process.log, kLogLines);
+  if (!outcome.problem.empty()) outcome.record.log = lastLinesOf(process.log, kLogLines);
   return run;
 }
 
@@ -266,10 +263,10 @@ void addRefined(const OdometryPlan& plan, const OdometryRequest& request, const 
   OdometryRunRecord& r = outcome.record;
   r.offset_calibrated_s = used.timeOffset();
   const bool none = run.offsets_s.empty() && run.T_SC0.empty();
-  if (none || !run.problem.empty()) {
+  const std::string& problem = run.outcome.problem;
+  if (none || !problem.empty()) {
     outcome.remarks.push_back(fmt::format("the run with online calibration gave {} calibration{}{}",
-                                          none ? "no" : "a", run.problem.empty() ? "" : "; ",
-                                          run.problem));
+                                          none ? "no" : "a", problem.empty() ? "" : "; ", problem));
   }
   if (none) return;
   if (!run.offsets_s.empty()) {
@@ -292,16 +289,8 @@ void addRefined(const OdometryPlan& plan, const OdometryRequest& request, const 
 
 OdometryOutcome runExternalPlan(const OdometryPlan& plan, const OdometryRequest& request,
                                 const fs::path& out) {
-  const ExternalRun run = runExternal(plan, request, false, out);
-  OdometryOutcome outcome;
-  outcome.record.system = request.runner->name;
-  outcome.record.seconds = run.seconds;
-  // Those that were offered: what a system has used of them it does not say.
-  outcome.record.frames = plan.sequence->images[0].size();
-  outcome.record.log = run.log;
-  outcome.problem = run.problem;
-  outcome.poses = run.poses;
-  if (run.problem.empty()) writeNewFile(out, pathOf(plan), tumText(run.poses));
+  OdometryOutcome outcome = runExternal(plan, request, false, out).outcome;
+  if (outcome.problem.empty()) writeNewFile(out, pathOf(plan), tumText(outcome.poses));
   if (request.hint != HintKind::kNone) addRefined(plan, request, out, outcome);
   return outcome;
 }

@@ -23,16 +23,6 @@ enum class PointSource {
   kTracks,   ///< camN/tracks.csv: points of a scene, followed through the frames
 };
 
-/// By what every camera's folder holds; tracks and corners count where no folder data/ is beside
-/// them.
-PointSource pointSourceOf(const SessionFolder& folder);
-
-/// The points as tracks: those of every camera [px] merged at the stamps of camera 0, views of
-/// other cameras within 2 ms. Of a board, a track is a corner under its number, and the numbers
-/// that it may have are those of the target.yaml beside the sequence; the image's size is that of
-/// each sensor.yaml. Throws InputError where one of them is missing or malformed.
-std::vector<FrameTracks> readPointTracks(const SessionFolder& folder, PointSource source);
-
 /// A sequence folder as an odometry uses it.
 struct OdometrySequence {
   std::string name;
@@ -50,7 +40,7 @@ struct OdometrySequence {
 };
 
 /// Reads the lists and the IMU of a EuRoC ASL folder (TUM-VI's has the same layout), not the
-/// images; or points in their place (corner_tracks.h). Its truth is the first of
+/// images; or points in their place. Its truth is the first of
 /// state_groundtruth_estimate0, vicon0, mocap0 and leica0, or truth/trajectory.csv of a simulated
 /// one. Throws InputError where a part is missing or malformed, where there are no images, and
 /// where fewer than half of camera 0's frames have a partner within 2 ms in another camera: cameras

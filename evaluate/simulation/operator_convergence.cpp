@@ -28,10 +28,12 @@ class Judge {
 
   OperatedConvergence judged() {
     OperatedConvergence c;
-    c.cameras = stage(cameraCheckpoints(), [&](const Checkpoint& at) { return camerasAt(at); });
+    c.cameras = stage(cameraCheckpoints(),
+                      [&](const auto& session, auto& point) { camerasAt(session, point); });
     // Without cameras there is nothing to calibrate the IMU against.
     if (!cameras_.empty()) {
-      c.camera_imu = stage(imuCheckpoints(), [&](const Checkpoint& at) { return imuAt(at); });
+      c.camera_imu = stage(evenly(GuideStage::kCameraImu, 0),
+                           [&](const auto& session, auto& point) { imuAt(session, point); });
     }
     for (const Decision& d : operated_.decisions) {
       if (d.mode != GuideMode::kFinished) continue;
@@ -62,7 +64,10 @@ class Judge {
       const bool last = &checkpoint == &checkpoints.back();
       // Decided: only the end is calibrated besides.
       if (right >= options_.in_a_row && !last) continue;
-      const ConvergencePoint point = at(checkpoint);
+      ConvergencePoint point;
+      point.t_s = checkpoint.t_s;
+      point.views = static_cast<int>(checkpoint.frames.size());
+      at(recordingOf(checkpoint.frames), point);
       if (last) s.at_end = point;
       if (right >= options_.in_a_row) break;
       s.points.push_back(point);
@@ -95,8 +100,6 @@ class Judge {
     }
     return all;
   }
-
-  std::vector<Checkpoint> imuCheckpoints() const { return evenly(GuideStage::kCameraImu, 0); }
 
   /// Frames of a stage at least `apart_s` apart, for times that grow geometrically.
   std::vector<Checkpoint> evenly(GuideStage stage, double apart_s) const {
@@ -141,12 +144,10 @@ class Judge {
     return session;
   }
 
-  ConvergencePoint camerasAt(const Checkpoint& at) {
-    ConvergencePoint point{at.t_s, static_cast<int>(at.frames.size()), {}, {}, {}, {}, false};
-    Session session = recordingOf(at.frames);
+  void camerasAt(Session session, ConvergencePoint& point) {
     session.imu.reset();
     const auto found = calibrateCameras(session);
-    if (!found) return point;
+    if (!found) return;
     // In the end those of the last checkpoint that gave any: the camera-IMU stage stands on them.
     cameras_ = found->cameras;
     point.projection_px = 0;
@@ -155,24 +156,21 @@ class Judge {
       if (isLarger(px, *point.projection_px)) point.projection_px = px;
     }
     point.right = *point.projection_px <= options_.projection_px;
-    return point;
   }
 
-  ConvergencePoint imuAt(const Checkpoint& at) {
-    ConvergencePoint point{at.t_s, static_cast<int>(at.frames.size()), {}, {}, {}, {}, false};
+  void imuAt(const Session& session, ConvergencePoint& point) const {
     CameraImuOptions stage;
     // Findings about the recording, of which nothing is used here.
     stage.noise_check = stage.diagnose_faults = false;
-    const auto found = calibrateCameraImu(recordingOf(at.frames), cameras_, stage);
+    const auto found = calibrateCameraImu(session, cameras_, stage);
     // Where it ran out of steps is no calibration.
-    if (!found || !found->summary.converged) return point;
+    if (!found || !found->summary.converged) return;
     const Transform& T_SC0 = truth_.imu->T_SC0;
     point.translation_m = (found->imu.T_SC0.t - T_SC0.t).norm();
     point.rotation_rad = rotationAngle(found->imu.T_SC0.R.transpose() * T_SC0.R);
     point.reprojection_px = ImuReprojection(truth_.cameras).differencePx(found->imu, *truth_.imu);
     point.right = *point.translation_m <= options_.translation_m &&
                   *point.rotation_rad <= options_.rotation_rad;
-    return point;
   }
 
   const OperatedSession& operated_;

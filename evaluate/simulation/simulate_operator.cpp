@@ -137,8 +137,8 @@ OperatorSimulationSummary simulateOperator(const OperatorSimulationOptions& o,
   if (o.judge) summary.convergence = convergenceOf(made, operated, rig.calibration);
   // A stop is the guide's; nobody stops a free recording.
   if (o.judge && guided) {
-    summary.stops.cameras = stopHindsight(made, operated, rig, GuideStage::kCamera);
-    summary.stops.camera_imu = stopHindsight(made, operated, rig, GuideStage::kCameraImu);
+    summary.stops.cameras = stopHindsight({made, operated, rig}, GuideStage::kCamera);
+    summary.stops.camera_imu = stopHindsight({made, operated, rig}, GuideStage::kCameraImu);
   }
   writeSession(made.session, rig.camera_rate_hz, ViewFormat::kCorners, folder);
   if (guided) writeNewFile(folder, "suggestions.csv", suggestionsCsv(made.suggestions));

@@ -6,16 +6,15 @@
 #include <cmath>
 #include <iterator>
 #include <mutex>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/fields/calibration_fields.h"
-#include "calibrator/fields/json_fields.h"
 #include "calibrator/simulate/rig.h"
 #include "datasets/files/file_io.h"
 #include "datasets/session/session_writer.h"
-#include "evaluate/results/progress.h"
 #include "evaluate/simulation/operated_session.h"
 #include "evaluate/simulation/simulate_sequence.h"
 
@@ -97,12 +96,6 @@ void makeVisit(const SimulatedRig& rig, const StudySimulationOptions& o, std::si
                         suggestionsCsv(made.suggestions));
 }
 
-SimulatedSession simulateRecording(const SimulatedRig& rig, const SimulationOptions& simulation) {
-  SimulatedSession made = simulateSession(rig, simulation);
-  made.session.target.shape = {};  // target.yaml states the grid
-  return made;
-}
-
 SimulationOptions recordingOf(const StudySimulationOptions& o, std::uint64_t seed) {
   return simulationOf(o, std::min(o.duration_s, kLongestSequence_s), seed);
 }
@@ -110,7 +103,7 @@ SimulationOptions recordingOf(const StudySimulationOptions& o, std::uint64_t see
 void makeHeldOut(const SimulatedRig& rig, const StudySimulationOptions& o, std::uint64_t seed,
                  const fs::path& place, const fs::path& folder) {
   makeFoldersIn(folder, place);
-  writeSession(simulateRecording(rig, recordingOf(o, seed)).session, rig.camera_rate_hz,
+  writeSession(simulateSession(rig, recordingOf(o, seed)).session, rig.camera_rate_hz,
                ViewFormat::kCorners, folder / place);
 }
 
@@ -118,7 +111,7 @@ void makeHeldOut(const SimulatedRig& rig, const StudySimulationOptions& o, std::
 Json makeSequence(const SimulatedRig& rig, const StudySimulationOptions& o, std::uint64_t seed,
                   const fs::path& place, const fs::path& folder) {
   const SimulationOptions simulation = recordingOf(o, seed);
-  const SimulatedSession made = simulateRecording(rig, simulation);
+  const SimulatedSession made = simulateSession(rig, simulation);
   makeFoldersIn(folder, place);
   SimulatedSessionFormat format;
   format.views = o.images ? ViewFormat::kImages : ViewFormat::kCorners;
@@ -171,8 +164,6 @@ std::string studyYaml(const StudySimulationOptions& o, const std::vector<Visit>&
   return text;
 }
 
-Json jsonOf(const Outcome& o) { return {{"capture_s", o.capture_s}, {"finished", o.finished}}; }
-
 /// Means over all participants of what each would have done with either method in either period;
 /// who gives up counts at the limit in differences, and in no ratio.
 Json timeEffects(const std::vector<Visit>& visits, double limit_s) {
@@ -180,36 +171,35 @@ Json timeEffects(const std::vector<Visit>& visits, double limit_s) {
   Json outcomes = Json::array();
   // A participant's two sessions stand side by side, in their order.
   for (std::size_t i = 0; i + 1 < visits.size(); i += 2) {
-    const bool guided_first = visits[i].visit->method == "guided";
-    const Visit& free = visits[guided_first ? i + 1 : i];
-    const Visit& guided = visits[guided_first ? i : i + 1];
-    const auto in = [](const Visit& v, int period) {
-      return v.visit->period == period ? v.made : v.other;
-    };
-    const auto at = [&](const Visit& v, int period) {
-      const Outcome o = in(v, period);
-      return o.finished ? o.capture_s : limit_s;
-    };
+    const Visit* by_method[] = {&visits[i], &visits[i + 1]};  // free, guided
+    if (by_method[0]->visit->method == "guided") std::swap(by_method[0], by_method[1]);
+    double s[2][2];  // by method and period
     bool all_done = true;
-    for (const Visit* v : {&free, &guided}) {
+    for (const int m : {0, 1}) {
+      const Visit& v = *by_method[m];
       for (const int period : {1, 2}) {
-        Json outcome{{"participant", v->person->name},
-                     {"method", v->visit->method},
-                     {"period", period},
-                     {"recorded", v->visit->period == period}};
-        outcome.update(jsonOf(in(*v, period)));
-        outcomes.push_back(std::move(outcome));
-        all_done = all_done && in(*v, period).finished;
+        const bool recorded = v.visit->period == period;
+        const Outcome& o = recorded ? v.made : v.other;
+        outcomes.push_back({{"participant", v.person->name},
+                            {"method", v.visit->method},
+                            {"period", period},
+                            {"recorded", recorded},
+                            {"capture_s", o.capture_s},
+                            {"finished", o.finished}});
+        s[m][period - 1] = o.finished ? o.capture_s : limit_s;
+        all_done = all_done && o.finished;
       }
     }
     // Method within each period, period within each method: four sessions of each participant, of
     // which two were recorded.
-    for (const int period : {1, 2}) method_s.push_back(at(guided, period) - at(free, period));
-    for (const Visit* v : {&free, &guided}) period_s.push_back(at(*v, 2) - at(*v, 1));
-    // A time that was cut off has no ratio.
-    if (!all_done) continue;
-    for (const int p : {1, 2}) log_method.push_back(std::log(at(guided, p) / at(free, p)));
-    for (const Visit* v : {&free, &guided}) log_period.push_back(std::log(at(*v, 2) / at(*v, 1)));
+    for (const int k : {0, 1}) {
+      method_s.push_back(s[1][k] - s[0][k]);
+      period_s.push_back(s[k][1] - s[k][0]);
+      // A time that was cut off has no ratio.
+      if (!all_done) continue;
+      log_method.push_back(std::log(s[1][k] / s[0][k]));
+      log_period.push_back(std::log(s[k][1] / s[k][0]));
+    }
   }
   Json effects{{"limit_s", limit_s},
                {"guided_less_free_s", sampleStatistics(method_s).mean},

@@ -20,19 +20,18 @@ namespace {
 constexpr std::uint64_t kDrawSeeds = 1'000'003;  // from one draw's seed to the next
 
 /// The frames as they would have been seen under other noise.
-Session seenAgain(const OperatedSession& operated, const OperatedOptions& made,
-                  const SimulatedRig& rig, const std::vector<int>& frames,
+Session seenAgain(const Operation& of, const std::vector<int>& frames,
                   const SimulationOptions& simulation) {
-  Session session = operated.session;
-  session.target.shape = made.guide_shape;
+  Session session = of.operated.session;
+  session.target.shape = of.made.guide_shape;
   // The camera stage has no use for it.
   session.imu.reset();
   for (CameraStream& camera : session.cameras) camera.views.clear();
   for (const int k : frames) {
     const auto at = static_cast<std::size_t>(k);
-    auto corners = cornersAt(rig, operated.T_FC0[at], k, simulation);
+    auto corners = cornersAt(of.rig, of.operated.T_FC0[at], k, simulation);
     for (std::size_t c = 0; c < corners.size(); ++c) {
-      const TimeNs t = operated.session.cameras[c].views[at].t;
+      const TimeNs t = of.operated.session.cameras[c].views[at].t;
       session.cameras[c].views.push_back({t, std::move(corners[c])});
     }
   }
@@ -62,31 +61,30 @@ std::optional<double> unitMeanSquare(const CameraStageResult& found, std::size_t
 }
 
 /// The frames' measurements of the camera-IMU stage as they would have been under other noise.
-Session recordedAgain(const OperatedSession& operated, const OperatedOptions& made,
-                      const SimulatedRig& rig, const std::vector<int>& frames,
+Session recordedAgain(const Operation& of, const std::vector<int>& frames,
                       const SimulationOptions& simulation) {
-  RigSensors sensors(rig, simulation);
+  RigSensors sensors(of.rig, simulation);
   Session session = sensors.emptySession();
-  session.target.shape = made.guide_shape;
+  session.target.shape = of.made.guide_shape;
   for (const int k : frames) {
-    auto corners = sensors.corners(operated.motion, k);
+    auto corners = sensors.corners(of.operated.motion, k);
     for (std::size_t c = 0; c < corners.size(); ++c) {
       session.cameras[c].views.push_back({sensors.stampOf(k), std::move(corners[c])});
     }
   }
-  const TimeNs margin = toNanoseconds(made.arrival_s);
+  const TimeNs margin = toNanoseconds(of.made.arrival_s);
   const TimeNs begin = sensors.stampOf(frames.front()) - margin;
   session.imu->samples =
-      sensors.samplesUntil(operated.motion, sensors.stampOf(frames.back()) + margin);
+      sensors.samplesUntil(of.operated.motion, sensors.stampOf(frames.back()) + margin);
   // The sensors give all samples from the recording's beginning on.
   std::erase_if(session.imu->samples, [begin](const ImuSample& s) { return s.t < begin; });
   return session;
 }
 
 /// As the guide's batch has it.
-CameraImuOptions imuStageOptions(const OperatedOptions& made) {
+CameraImuOptions imuStageOptions(const Operation& of) {
   CameraImuOptions stage;
-  stage.model() = made.guide.trajectories.model();
+  stage.model() = of.made.guide.trajectories.model();
   // Findings about the recording, of which nothing is used here.
   stage.noise_check = stage.diagnose_faults = false;
   return stage;
@@ -103,13 +101,8 @@ auto& barOf(Options& guide, GuideStage stage) {
 /// those that were looked at.
 class Crossing {
  public:
-  Crossing(const OperatedSession& operated, const OperatedOptions& made, const SimulatedRig& rig,
-           GuideStage stage)
-      : operated_(operated),
-        made_(made),
-        rig_(rig),
-        stage_(stage),
-        kept_(keptViews(operated, stage)) {}
+  Crossing(const Operation& of, GuideStage stage)
+      : of_(of), stage_(stage), kept_(keptViews(of.operated, stage)) {}
 
   const std::vector<KeptViews>& kept() const { return kept_; }
   std::optional<double> expectedPx(std::size_t i) {
@@ -117,11 +110,11 @@ class Crossing {
     if (found != known_.end()) return found->second;
     const auto expected =
         stage_ == GuideStage::kCamera ? expectedProjectionPx : expectedReprojectionPx;
-    return known_[i] = expected(operated_, made_, rig_, kept_[i].frames);
+    return known_[i] = expected(of_, kept_[i].frames);
   }
   bool isWithin(std::size_t i) {
     const auto px = expectedPx(i);
-    return px && *px <= barOf(made_.guide, stage_);
+    return px && *px <= barOf(of_.made.guide, stage_);
   }
   /// Empty where not even the last is.
   std::optional<std::size_t> first() {
@@ -139,9 +132,7 @@ class Crossing {
   }
 
  private:
-  const OperatedSession& operated_;
-  const OperatedOptions& made_;
-  const SimulatedRig& rig_;
+  Operation of_;
   GuideStage stage_;
   std::vector<KeptViews> kept_;
   // Each costs a calibration.
@@ -158,30 +149,26 @@ void tellBest(Crossing& crossing, StopHindsight& s) {
 }
 
 /// The same person, who is not told to stop at the bar yet.
-OperatedSession continued(const OperatedSession& operated, const OperatedOptions& made,
-                          const SimulatedRig& rig, GuideStage stage, double stopped_s,
+OperatedSession continued(const Operation& of, GuideStage stage, double stopped_s,
                           const HindsightOptions& options) {
-  OperatedOptions longer = made;
-  const double begin_s = stage == GuideStage::kCamera ? 0 : operated.camera_s;
+  OperatedOptions longer = of.made;
+  const double begin_s = stage == GuideStage::kCamera ? 0 : of.operated.camera_s;
   // Of this stage alone: all before its stop is made again as it was.
   barOf(longer.guide, stage) *= options.beyond;
   longer.simulation.duration_s =
-      std::min(made.simulation.duration_s, begin_s + options.beyond_times * stopped_s);
-  return recordGuided(rig, longer);
+      std::min(of.made.simulation.duration_s, begin_s + options.beyond_times * stopped_s);
+  return recordGuided(of.rig, longer);
 }
 
 }  // namespace
 
-std::optional<double> expectedProjectionPx(const OperatedSession& operated,
-                                           const OperatedOptions& made, const SimulatedRig& rig,
-                                           const std::vector<int>& frames) {
-  const std::vector<CameraCalibration>& truth = rig.calibration.cameras;
-  SimulationOptions exact = made.simulation;
+std::optional<double> expectedProjectionPx(const Operation& of, const std::vector<int>& frames) {
+  const std::vector<CameraCalibration>& truth = of.rig.calibration.cameras;
+  SimulationOptions exact = of.made.simulation;
   exact.corner_sigma_px = 0;
-  const auto found =
-      calibrateCameras(seenAgain(operated, made, rig, frames, exact), startingAt(truth));
+  const auto found = calibrateCameras(seenAgain(of, frames, exact), startingAt(truth));
   if (!found) return std::nullopt;
-  const double sigma = made.simulation.corner_sigma_px / CameraStageOptions().pixel_sigma;
+  const double sigma = of.made.simulation.corner_sigma_px / CameraStageOptions().pixel_sigma;
   // Of the worst camera, as the guide's prediction is.
   double worst = 0;
   for (std::size_t c = 0; c < truth.size(); ++c) {
@@ -195,16 +182,14 @@ std::optional<double> expectedProjectionPx(const OperatedSession& operated,
   return std::sqrt(worst);
 }
 
-std::optional<double> drawnProjectionPx(const OperatedSession& operated,
-                                        const OperatedOptions& made, const SimulatedRig& rig,
-                                        const std::vector<int>& frames, int draws) {
-  const std::vector<CameraCalibration>& truth = rig.calibration.cameras;
+std::optional<double> drawnProjectionPx(const Operation& of, const std::vector<int>& frames,
+                                        int draws) {
+  const std::vector<CameraCalibration>& truth = of.rig.calibration.cameras;
   std::vector<double> squares(truth.size(), 0.0);
   for (int draw = 0; draw < draws; ++draw) {
-    SimulationOptions again = made.simulation;
+    SimulationOptions again = of.made.simulation;
     again.seed += kDrawSeeds * static_cast<std::uint64_t>(draw + 1);
-    const auto found =
-        calibrateCameras(seenAgain(operated, made, rig, frames, again), startingAt(truth));
+    const auto found = calibrateCameras(seenAgain(of, frames, again), startingAt(truth));
     if (!found) return std::nullopt;
     for (std::size_t c = 0; c < truth.size(); ++c) {
       // Of each camera over the draws; the worst of these is taken, not the mean over the worst of
@@ -220,19 +205,17 @@ std::optional<double> drawnProjectionPx(const OperatedSession& operated,
   return std::sqrt(worst);
 }
 
-std::optional<double> expectedReprojectionPx(const OperatedSession& operated,
-                                             const OperatedOptions& made, const SimulatedRig& rig,
-                                             const std::vector<int>& frames) {
-  const Calibration& truth = rig.calibration;
-  SimulationOptions exact = made.simulation;
+std::optional<double> expectedReprojectionPx(const Operation& of, const std::vector<int>& frames) {
+  const Calibration& truth = of.rig.calibration;
+  SimulationOptions exact = of.made.simulation;
   exact.corner_sigma_px = 0;
   // Bias walks and white noise; the initial biases stay, as states that the batch estimates.
   exact.imu_noise = false;
-  const CameraImuOptions stage = imuStageOptions(made);
-  const Session session = recordedAgain(operated, made, rig, frames, exact);
+  const CameraImuOptions stage = imuStageOptions(of);
+  const Session session = recordedAgain(of, frames, exact);
   const auto found = calibrateCameraImu(session, truth.cameras, stage);
   if (!found || !found->summary.converged) return std::nullopt;
-  const double sigma = made.simulation.corner_sigma_px / stage.pixel_sigma;
+  const double sigma = of.made.simulation.corner_sigma_px / stage.pixel_sigma;
   const auto covariance = covarianceUnder(solvedBatch(session, *found, stage), {.corner = sigma});
   if (!covariance) return std::nullopt;
   const ImuReprojection use(truth.cameras);
@@ -241,18 +224,17 @@ std::optional<double> expectedReprojectionPx(const OperatedSession& operated,
   return std::sqrt(bias * bias + use.expectedErrorUnder(*covariance, truth.imu->T_SC0));
 }
 
-std::optional<double> drawnReprojectionPx(const OperatedSession& operated,
-                                          const OperatedOptions& made, const SimulatedRig& rig,
-                                          const std::vector<int>& frames, int draws) {
-  const Calibration& truth = rig.calibration;
+std::optional<double> drawnReprojectionPx(const Operation& of, const std::vector<int>& frames,
+                                          int draws) {
+  const Calibration& truth = of.rig.calibration;
   const ImuReprojection use(truth.cameras);
   double squares = 0;
   int converged = 0;
   for (int draw = 0; draw < draws; ++draw) {
-    SimulationOptions again = made.simulation;
+    SimulationOptions again = of.made.simulation;
     again.seed += kDrawSeeds * static_cast<std::uint64_t>(draw + 1);
-    const auto found = calibrateCameraImu(recordedAgain(operated, made, rig, frames, again),
-                                          truth.cameras, imuStageOptions(made));
+    const auto found =
+        calibrateCameraImu(recordedAgain(of, frames, again), truth.cameras, imuStageOptions(of));
     if (!found) return std::nullopt;
     // Where it ran out of steps it says nothing of the noise.
     if (!found->summary.converged) continue;
@@ -264,29 +246,28 @@ std::optional<double> drawnReprojectionPx(const OperatedSession& operated,
   return std::sqrt(squares / converged);
 }
 
-std::optional<StopHindsight> stopHindsight(const OperatedSession& operated,
-                                           const OperatedOptions& made, const SimulatedRig& rig,
-                                           GuideStage stage, const HindsightOptions& options) {
-  Crossing crossing(operated, made, rig, stage);
+std::optional<StopHindsight> stopHindsight(const Operation& of, GuideStage stage,
+                                           const HindsightOptions& options) {
+  Crossing crossing(of, stage);
   const std::vector<KeptViews>& kept = crossing.kept();
   const bool stopped = !kept.empty() && kept.back().finished && kept.back().predicted_px;
   // A stage without a bar ends by its criterion, which is not judged here.
-  if (!(barOf(made.guide, stage) > 0) || !stopped) return std::nullopt;
+  if (!(barOf(of.made.guide, stage) > 0) || !stopped) return std::nullopt;
   const auto drawn = stage == GuideStage::kCamera ? drawnProjectionPx : drawnReprojectionPx;
   StopHindsight s;
   s.stopped_s = kept.back().t_s;
   s.predicted_px = *kept.back().predicted_px;
   s.views = static_cast<int>(kept.back().frames.size());
   s.expected_px = crossing.expectedPx(kept.size() - 1);
-  s.drawn_px = drawn(operated, made, rig, kept.back().frames, options.draws);
+  s.drawn_px = drawn(of, kept.back().frames, options.draws);
   if (crossing.isWithin(kept.size() - 1)) {
     tellBest(crossing, s);
     return s;
   }
   // What the guide would have gone on to ask for, had the bar been lower: the bar that counts is
   // still the first.
-  const OperatedSession longer = continued(operated, made, rig, stage, s.stopped_s, options);
-  Crossing beyond(longer, made, rig, stage);
+  const OperatedSession longer = continued(of, stage, s.stopped_s, options);
+  Crossing beyond({longer, of.made, of.rig}, stage);
   tellBest(beyond, s);
   return s;
 }

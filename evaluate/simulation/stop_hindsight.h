@@ -7,6 +7,13 @@
 
 namespace plumbline {
 
+/// A recording, what it was made with, and on which rig.
+struct Operation {
+  const OperatedSession& operated;
+  const OperatedOptions& made;
+  const SimulatedRig& rig;
+};
+
 /// The stop of a stage held against the best one: of the camera stage that by projections
 /// (ViewGuideOptions::stop_projection_px), of the camera-IMU stage that by points that the IMU
 /// predicts (TrajectoryGuideOptions::stop_reprojection_px). A stopping rule does not know this
@@ -58,15 +65,12 @@ struct HindsightOptions {
 ///   E^2 = bias^2 + imageFitMeanSquare(covariance),
 /// from the calibration on exact corners at the true poses: its error (0 unless the board is not
 /// the true one) and its covariance under the true noise. Empty where there is no calibration.
-std::optional<double> expectedProjectionPx(const OperatedSession& operated,
-                                           const OperatedOptions& made, const SimulatedRig& rig,
-                                           const std::vector<int>& frames);
+std::optional<double> expectedProjectionPx(const Operation& of, const std::vector<int>& frames);
 
 /// The same as an RMS over draws of the noise, each calibrated from a start at the truth. Of n
 /// draws it is known to some 0.4 / sqrt(n). Empty where a draw gives no calibration.
-std::optional<double> drawnProjectionPx(const OperatedSession& operated,
-                                        const OperatedOptions& made, const SimulatedRig& rig,
-                                        const std::vector<int>& frames, int draws);
+std::optional<double> drawnProjectionPx(const Operation& of, const std::vector<int>& frames,
+                                        int draws);
 
 /// Expected error of points that the IMU predicts (ImuReprojection) with a camera-IMU calibration
 /// on these frames, under the true cameras [px]: RMS over the noise of corners and IMU, to first
@@ -75,22 +79,18 @@ std::optional<double> drawnProjectionPx(const OperatedSession& operated,
 /// from the calibration on exact measurements of the true motion: its error (d, e) (0 unless the
 /// board is not the true one) and its covariance S under the true noise (covarianceUnder()). Empty
 /// where there is no calibration.
-std::optional<double> expectedReprojectionPx(const OperatedSession& operated,
-                                             const OperatedOptions& made, const SimulatedRig& rig,
-                                             const std::vector<int>& frames);
+std::optional<double> expectedReprojectionPx(const Operation& of, const std::vector<int>& frames);
 
 /// The same as an RMS over draws of the noise of corners and IMU, without those that do not
 /// converge. Of n draws it is known to some 0.4 / sqrt(n) or worse. Empty where a draw gives no
 /// calibration.
-std::optional<double> drawnReprojectionPx(const OperatedSession& operated,
-                                          const OperatedOptions& made, const SimulatedRig& rig,
-                                          const std::vector<int>& frames, int draws);
+std::optional<double> drawnReprojectionPx(const Operation& of, const std::vector<int>& frames,
+                                          int draws);
 
 /// Of a guided recording whose stage ended by its bar in pixels. Where its views are not enough it
 /// is continued: made again, equal up to its stop, with a lower bar. The expected error falls with
 /// the views: its crossing is bisected. Empty where the stage did not end so.
-std::optional<StopHindsight> stopHindsight(const OperatedSession& operated,
-                                           const OperatedOptions& made, const SimulatedRig& rig,
-                                           GuideStage stage, const HindsightOptions& options = {});
+std::optional<StopHindsight> stopHindsight(const Operation& of, GuideStage stage,
+                                           const HindsightOptions& options = {});
 
 }  // namespace plumbline

@@ -31,14 +31,14 @@ TEST(StopHindsight, TheExpectedErrorIsThatOfDraws) {
   const OperatedOptions o = stoppedAt(0.1, 1);
   const OperatedSession s = recordGuided(hindsightRig(), o);
   const auto views = keptViews(s).back().frames;
-  const auto px = expectedProjectionPx(s, o, hindsightRig(), views);
-  const auto drawn = drawnProjectionPx(s, o, hindsightRig(), views, 40);
+  const auto px = expectedProjectionPx({s, o, hindsightRig()}, views);
+  const auto drawn = drawnProjectionPx({s, o, hindsightRig()}, views, 40);
   ASSERT_TRUE(px && drawn);
   EXPECT_NEAR(*drawn / *px, 1, 0.2);  // 40 draws: std 0.07
   OperatedOptions noisier = o;
   noisier.simulation.corner_sigma_px *= 2;
-  EXPECT_NEAR(*expectedProjectionPx(s, noisier, hindsightRig(), views) / *px, 2, 1e-6);
-  EXPECT_NEAR(*drawnProjectionPx(s, noisier, hindsightRig(), views, 40) / *drawn, 2, 0.1)
+  EXPECT_NEAR(*expectedProjectionPx({s, noisier, hindsightRig()}, views) / *px, 2, 1e-6);
+  EXPECT_NEAR(*drawnProjectionPx({s, noisier, hindsightRig()}, views, 40) / *drawn, 2, 0.1)
       << "the same draws, twice as large";
 }
 
@@ -47,7 +47,7 @@ TEST(StopHindsight, ANoiseThatIsNoNumberIsNoErrorOfZero) {
   const OperatedSession s = recordGuided(hindsightRig(), o);
   const auto views = keptViews(s).back().frames;
   o.simulation.corner_sigma_px = std::numeric_limits<double>::quiet_NaN();
-  const auto px = expectedProjectionPx(s, o, hindsightRig(), views);
+  const auto px = expectedProjectionPx({s, o, hindsightRig()}, views);
   ASSERT_TRUE(px);
   EXPECT_TRUE(std::isnan(*px)) << *px;
 }
@@ -61,8 +61,8 @@ TEST(StopHindsight, AWrongBoardIsPartOfTheExpectedError) {
   const auto views = keptViews(s).back().frames;
   OperatedOptions flat = o;
   flat.guide_shape = {};
-  EXPECT_GT(*expectedProjectionPx(s, flat, hindsightRig(), views),
-            2 * *expectedProjectionPx(s, o, hindsightRig(), views));
+  EXPECT_GT(*expectedProjectionPx({s, flat, hindsightRig()}, views),
+            2 * *expectedProjectionPx({s, o, hindsightRig()}, views));
 }
 
 TEST(StopHindsight, KeptViewsAreThoseOfTheDecisions) {
@@ -89,7 +89,7 @@ TEST(StopHindsight, ThePredictionAtTheStopIsTheExpectedError) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const OperatedOptions o = stoppedAt(0.1, seed);
     const OperatedSession s = recordGuided(hindsightRig(), o);
-    const auto stop = stopHindsight(s, o, hindsightRig(), GuideStage::kCamera, few);
+    const auto stop = stopHindsight({s, o, hindsightRig()}, GuideStage::kCamera, few);
     if (!stop || !stop->expected_px) continue;
     ++stops;
     EXPECT_LE(stop->predicted_px, 0.1);
@@ -119,16 +119,16 @@ TEST(StopHindsight, TheExpectedErrorOfThePointsIsThatOfDraws) {
   OperatedOptions o = imuStoppedAt(0.5, 1);
   const OperatedSession s = recordGuided(hindsightRig(), o);
   const auto frames = framesAtTheImuStop(s);
-  const auto px = expectedReprojectionPx(s, o, hindsightRig(), frames);
-  const auto drawn = drawnReprojectionPx(s, o, hindsightRig(), frames, 40);
+  const auto px = expectedReprojectionPx({s, o, hindsightRig()}, frames);
+  const auto drawn = drawnReprojectionPx({s, o, hindsightRig()}, frames, 40);
   ASSERT_TRUE(px && drawn);
   EXPECT_NEAR(*drawn / *px, 1, 0.25);  // 40 draws of some 3 degrees of freedom: std 0.09
   // Corners with three times the noise that the weights assume.
   o.guide.trajectories.pixel_sigma = 0.2;
   o.guide.trajectories.cauchy_px = 0;
   o.simulation.corner_sigma_px = 0.6;
-  const auto noisy = expectedReprojectionPx(s, o, hindsightRig(), frames);
-  const auto noisy_drawn = drawnReprojectionPx(s, o, hindsightRig(), frames, 40);
+  const auto noisy = expectedReprojectionPx({s, o, hindsightRig()}, frames);
+  const auto noisy_drawn = drawnReprojectionPx({s, o, hindsightRig()}, frames, 40);
   ASSERT_TRUE(noisy && noisy_drawn);
   EXPECT_GT(*noisy, 1.02 * *px);
   EXPECT_NEAR(*noisy_drawn / *noisy, 1, 0.25);
@@ -142,8 +142,8 @@ TEST(StopHindsight, AWrongBoardIsPartOfTheExpectedErrorOfThePoints) {
   const auto frames = framesAtTheImuStop(s);
   OperatedOptions flat = o;
   flat.guide_shape = {};
-  EXPECT_GT(*expectedReprojectionPx(s, flat, hindsightRig(), frames),
-            1.5 * *expectedReprojectionPx(s, o, hindsightRig(), frames));
+  EXPECT_GT(*expectedReprojectionPx({s, flat, hindsightRig()}, frames),
+            1.5 * *expectedReprojectionPx({s, o, hindsightRig()}, frames));
 }
 
 TEST(StopHindsight, KeptFramesOfTheImuStageAreThoseOfItsDecisions) {
@@ -167,7 +167,7 @@ TEST(StopHindsight, TheImuStageStopsWhereTheExpectedErrorIsWithinTheBar) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const OperatedOptions o = imuStoppedAt(0.3, seed);
     const OperatedSession s = recordGuided(hindsightRig(), o);
-    const auto stop = stopHindsight(s, o, hindsightRig(), GuideStage::kCameraImu, few);
+    const auto stop = stopHindsight({s, o, hindsightRig()}, GuideStage::kCameraImu, few);
     ASSERT_TRUE(stop && stop->expected_px && stop->best_s) << seed;
     EXPECT_LE(stop->predicted_px, 0.3);
     EXPECT_NEAR(stop->predicted_px / *stop->expected_px, 1, 0.05) << seed;
@@ -183,7 +183,7 @@ TEST(StopHindsight, AnEarlyStopOfTheImuStageIsContinued) {
   stricter.guide.trajectories.stop_reprojection_px = 0.4;
   HindsightOptions few;
   few.draws = 1;
-  const auto stop = stopHindsight(recordGuided(hindsightRig(), o), stricter, hindsightRig(),
+  const auto stop = stopHindsight({recordGuided(hindsightRig(), o), stricter, hindsightRig()},
                                   GuideStage::kCameraImu, few);
   ASSERT_TRUE(stop && stop->best_s);
   EXPECT_GT(*stop->expected_px, 0.4);
@@ -211,12 +211,12 @@ TEST(StopHindsight, NothingWithoutThatStop) {
     OperatedOptions o = stoppedAt(px, 1);
     o.simulation.duration_s = 6;
     EXPECT_FALSE(
-        stopHindsight(recordGuided(hindsightRig(), o), o, hindsightRig(), GuideStage::kCamera))
+        stopHindsight({recordGuided(hindsightRig(), o), o, hindsightRig()}, GuideStage::kCamera))
         << px;
     o = imuStoppedAt(px, 1);
     o.simulation.duration_s = 10;
     EXPECT_FALSE(
-        stopHindsight(recordGuided(hindsightRig(), o), o, hindsightRig(), GuideStage::kCameraImu))
+        stopHindsight({recordGuided(hindsightRig(), o), o, hindsightRig()}, GuideStage::kCameraImu))
         << px;
   }
 }
