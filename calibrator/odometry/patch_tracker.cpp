@@ -89,7 +89,6 @@ bool sample(const GrayImageView& image, float x, float y, float* out) {
 struct Template {
   std::array<float, kPixels> level, dx, dy;
   float norm = 0;  // of level
-  float xx = 0, xy = 0, yy = 0;
   Eigen::Matrix2f inverse;
 };
 
@@ -133,14 +132,14 @@ std::optional<Template> templateAt(const GrayImageView& image, const Eigen::Vect
   removeMean(t.dx);
   removeMean(t.dy);
   t.norm = std::sqrt(sumOf([&](int i) { return t.level[i] * t.level[i]; }));
-  t.xx = sumOf([&](int i) { return t.dx[i] * t.dx[i]; });
-  t.xy = sumOf([&](int i) { return t.dx[i] * t.dy[i]; });
-  t.yy = sumOf([&](int i) { return t.dy[i] * t.dy[i]; });
-  const float half = 0.5F * (t.xx + t.yy);
-  const float least = half - std::hypot(0.5F * (t.xx - t.yy), t.xy);
+  const float xx = sumOf([&](int i) { return t.dx[i] * t.dx[i]; });
+  const float xy = sumOf([&](int i) { return t.dx[i] * t.dy[i]; });
+  const float yy = sumOf([&](int i) { return t.dy[i] * t.dy[i]; });
+  const float half = 0.5F * (xx + yy);
+  const float least = half - std::hypot(0.5F * (xx - yy), xy);
   if (!(least > min_eigenvalue * kPixels)) return std::nullopt;
   Eigen::Matrix2f H;
-  H << t.xx, t.xy, t.xy, t.yy;
+  H << xx, xy, xy, yy;
   t.inverse = H.inverse();
   return t;
 }

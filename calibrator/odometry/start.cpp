@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <utility>
 
@@ -122,15 +121,14 @@ class StartProblem {
     addPriors(iteration, b);
     struct Term {
       SeenPoint* point;
-      Eigen::Matrix3d V_inverse;
-      Eigen::Vector3d b;
-      Eigen::Matrix<double, kGlobals, 3> W;
+      Eigen::Matrix3d V_inverse = Eigen::Matrix3d::Zero();
+      Eigen::Vector3d b = Eigen::Vector3d::Zero();
+      Eigen::Matrix<double, kGlobals, 3> W = Eigen::Matrix<double, kGlobals, 3>::Zero();
     };
     std::vector<Term> terms;
     std::vector<double> squares;
     for (auto& [id, point] : points_) {
-      Term term{&point, Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero(), {}};
-      term.W.setZero();
+      Term term{&point};
       Eigen::Matrix3d V = Eigen::Matrix3d::Zero();
       for (const auto& [k, seen] : point.sightings) {
         const Row r = row(k, seen, point);
@@ -206,12 +204,11 @@ class StartProblem {
     // The yaw is free: the shortest turn that levels gravity.
     const Eigen::Matrix3d R_WS = shortestTurn(globals_.g, -Eigen::Vector3d::UnitZ());
     for (std::size_t k = 0; k < frames_.size(); ++k) {
-      ImuState state;
-      state.T_FS = {Eigen::Matrix3d(R_WS * motions_[k].R), R_WS * positionOf(k)};
-      state.v_F = R_WS * (globals_.v + globals_.g * motions_[k].duration_s + motions_[k].v);
-      state.gyro_bias = globals_.bias.gyro;
-      state.accel_bias = globals_.bias.accel;
-      out.states.push_back(state);
+      out.states.push_back(
+          {.T_FS = {Eigen::Matrix3d(R_WS * motions_[k].R), R_WS * positionOf(k)},
+           .v_F = R_WS * (globals_.v + globals_.g * motions_[k].duration_s + motions_[k].v),
+           .gyro_bias = globals_.bias.gyro,
+           .accel_bias = globals_.bias.accel});
     }
     return out;
   }

@@ -32,7 +32,7 @@ Eigen::VectorXd displacements(const Window& window) {
 
 struct LinkTerm {
   Vector15d r;  ///< whitened: motion, walk of the biases
-  Eigen::Matrix<double, 15, 15> J_i, J_j;
+  Eigen::Matrix<double, 15, 15> J_i = Eigen::Matrix<double, 15, 15>::Zero(), J_j = J_i;
 };
 
 Vector15d linkError(const ImuLink& link, const ImuState& i, const ImuState& j,
@@ -51,8 +51,6 @@ LinkTerm linkTerm(const ImuLink& link, const OdometryFrame& i, const OdometryFra
   // The error where the states are, its derivatives at their first estimates.
   term.r = linkError(link, i.state, j.state, gravity);
   const ImuResidual at = imuResidual(motionAt(link, i.point()), i.point(), j.point(), gravity);
-  term.J_i.setZero();
-  term.J_j.setZero();
   term.J_i.topRows<9>() = link.weight.sqrt_information * at.J_i;
   term.J_j.topLeftCorner<9, 9>() = link.weight.sqrt_information * at.J_j;
   term.J_i.block<3, 3>(9, 9).diagonal().setConstant(-link.weight.gyro_walk);

@@ -39,14 +39,12 @@ RotationMotion operator*(const RotationMotion& R_AB, const RotationMotion& R_BC)
 MotionState attached(const MotionState& body, const Transform& T_BX) {
   const Eigen::Vector3d& w = body.omega_B;
   const Eigen::Vector3d spin = w.cross(T_BX.t);
-  MotionState x;
-  x.T_FB = body.T_FB * T_BX;
-  x.v_F = body.v_F + body.T_FB.R * spin;
-  x.a_F = body.a_F + body.T_FB.R * (body.alpha_B.cross(T_BX.t) + w.cross(spin));
-  // X is rigid to B: the same rate, in axes of its own.
-  x.omega_B = T_BX.R.transpose() * w;
-  x.alpha_B = T_BX.R.transpose() * body.alpha_B;
-  return x;
+  return {.T_FB = body.T_FB * T_BX,
+          .v_F = body.v_F + body.T_FB.R * spin,
+          .a_F = body.a_F + body.T_FB.R * (body.alpha_B.cross(T_BX.t) + w.cross(spin)),
+          // X is rigid to B: the same rate, in axes of its own.
+          .omega_B = T_BX.R.transpose() * w,
+          .alpha_B = T_BX.R.transpose() * body.alpha_B};
 }
 
 Transform lookingAt(const Eigen::Vector3d& p, const Eigen::Vector3d& aim) {
@@ -205,12 +203,11 @@ MotionState FlightMotion::at(double t_s) const {
   const RotationMotion head = rotationAbout(Eigen::Vector3d::UnitZ(), inTime(yaw(s.x))) *
                               rotationAbout(Eigen::Vector3d::UnitY(), scalar(4)) *
                               rotationAbout(Eigen::Vector3d::UnitX(), scalar(5));
-  MotionState m;
-  m.T_FB = {head.R, Eigen::Vector3d(x.x, y.x, z.x)};
-  m.v_F = {x.dx, y.dx, z.dx};
-  m.a_F = {x.ddx, y.ddx, z.ddx};
-  m.omega_B = head.omega;
-  m.alpha_B = head.alpha;
+  const MotionState m{.T_FB = {head.R, Eigen::Vector3d(x.x, y.x, z.x)},
+                      .v_F = {x.dx, y.dx, z.dx},
+                      .a_F = {x.ddx, y.ddx, z.ddx},
+                      .omega_B = head.omega,
+                      .alpha_B = head.alpha};
   // H lies in the IMU, not in the camera: its origin is S's, and only the axes differ.
   return attached(m, T_HS_);
 }

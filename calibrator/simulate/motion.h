@@ -14,9 +14,7 @@ namespace plumbline {
 
 /// A scalar and its first two time derivatives.
 struct ScalarMotion {
-  double x = 0;
-  double dx = 0;
-  double ddx = 0;
+  double x = 0, dx = 0, ddx = 0;
 };
 
 /// x(t) = mean + sum_i a_i sin(w_i t + phi_i): smooth to any order, bounded by mean +- sum a_i.

@@ -2,7 +2,6 @@
 #include "calibrator/simulate/render.h"
 
 #include <Eigen/QR>
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -220,9 +219,9 @@ float TargetRenderer::pixelLight(const View& view, int x, int y, const Hit* abov
   const float light = 1 + static_cast<float>(options_.shading) * slope;
   const auto uniform = pattern_.uniformSurface({col_low, row_low}, {col_high, row_high});
   if (!uniform) return mixedLight(view, x, y, light);
-  if (*uniform == Surface::kWall) return light * static_cast<float>(options_.wall_level);
-  const double level = *uniform == Surface::kBlack ? options_.black_level : options_.white_level;
-  return light * static_cast<float>(level);
+  // In the order of Surface.
+  const double levels[] = {options_.wall_level, options_.white_level, options_.black_level};
+  return light * static_cast<float>(levels[static_cast<std::size_t>(*uniform)]);
 }
 
 float TargetRenderer::mixedLight(const View& view, int x, int y, float light) const {

@@ -63,8 +63,7 @@ class GridPattern {
  public:
   /// Index of the rectangle that a point lies in.
   struct Cell {
-    int col = 0;
-    int row = 0;
+    int col = 0, row = 0;
   };
 
   /// `margin_m`: paper around the outermost corner squares. grid.tagCount() <= kFamilySize

@@ -110,12 +110,9 @@ std::vector<Eigen::Vector3f> raysAt(const std::vector<Eigen::Vector3f>& corners,
       const Eigen::Vector3f* below = above + width + 1;
       const bool known =
           !above[0].isZero() && !above[1].isZero() && !below[0].isZero() && !below[1].isZero();
-      if (!known) {
-        rays.emplace_back(Eigen::Vector3f::Zero());
-        continue;
-      }
-      rays.emplace_back((1 - v) * ((1 - u) * above[0] + u * above[1]) +
-                        v * ((1 - u) * below[0] + u * below[1]));
+      rays.push_back(known ? Eigen::Vector3f((1 - v) * ((1 - u) * above[0] + u * above[1]) +
+                                             v * ((1 - u) * below[0] + u * below[1]))
+                           : Eigen::Vector3f::Zero());
     }
   }
   return rays;

@@ -10,19 +10,11 @@
 #include "calibrator/simulate/faults/recording_faults.h"
 
 namespace plumbline {
-namespace {
-
-void requireTarget(const AprilGrid& target) {
+void SimulationOptions::check() const {
   requireWithin(1, 1000, "target.rows", target.rows);
   requireWithin(1, 1000, "target.cols", target.cols);
   requireWithin(1e-6, 100, "target.tag_size", target.tag_size);
   requireWithin(0, 10, "target.spacing", target.spacing);
-}
-
-}  // namespace
-
-void SimulationOptions::check() const {
-  requireTarget(target);
   requireWithin(1e-3, 1e5, "simulation.duration_s", duration_s);
   requireWithin(1e-3, 1e5, "simulation.camera_rate_hz", camera_rate_hz.value_or(1));
   requireWithin(1e-3, 1e5, "simulation.imu_rate_hz", imu_rate_hz.value_or(1));
@@ -98,14 +90,6 @@ CameraStream emptyStream(const CameraCalibration& camera) {
           {}};
 }
 
-MotionState SimulatedSession::motionAtImuTime(TimeNs t_imu) const {
-  return trajectory.at(secondsBetween(start_ns, t_imu));
-}
-
-MotionState SimulatedSession::motionAtCameraTime(TimeNs t_cam) const {
-  return trajectory.at(secondsBetween(start_ns, t_cam) + truth.imu->timeOffset());
-}
-
 Transform SimulatedSession::cameraPose(int camera, TimeNs t_cam) const {
   const Transform T_FC0 = motionAtCameraTime(t_cam).T_FB * truth.imu->T_SC0;
   return T_FC0 * truth.cameras[camera].T_C0Ci;
@@ -125,12 +109,10 @@ ImuState SimulatedSession::stateAt(TimeNs t_cam) const {
   const std::size_t i0 = i1 > 0 ? i1 - 1 : 0;
   const double span = secondsBetween(samples[i0].t, samples[i1].t);
   const double w = span > 0 ? std::clamp(secondsBetween(samples[i0].t, t) / span, 0.0, 1.0) : 0;
-  ImuState state;
-  state.T_FS = m.T_FB;
-  state.v_F = m.v_F;
-  state.gyro_bias = (1 - w) * biases[i0].gyro + w * biases[i1].gyro;
-  state.accel_bias = (1 - w) * biases[i0].accel + w * biases[i1].accel;
-  return state;
+  return {.T_FS = m.T_FB,
+          .v_F = m.v_F,
+          .gyro_bias = (1 - w) * biases[i0].gyro + w * biases[i1].gyro,
+          .accel_bias = (1 - w) * biases[i0].accel + w * biases[i1].accel};
 }
 
 Transform SimulatedSession::T_WF() const {

@@ -69,9 +69,13 @@ struct SimulatedSession {
   std::vector<std::vector<Transform>> view_poses = {};
 
   /// Motion of S at an instant of the IMU's clock.
-  MotionState motionAtImuTime(TimeNs t_imu) const;
+  MotionState motionAtImuTime(TimeNs t_imu) const {
+    return trajectory.at(secondsBetween(start_ns, t_imu));
+  }
   /// Motion of S when an image with this stamp was exposed: at t_cam + t_d of the IMU's clock.
-  MotionState motionAtCameraTime(TimeNs t_cam) const;
+  MotionState motionAtCameraTime(TimeNs t_cam) const {
+    return trajectory.at(secondsBetween(start_ns, t_cam) + truth.imu->timeOffset());
+  }
   /// T_FCi when camera i took the image with this stamp.
   Transform cameraPose(int camera, TimeNs t_cam) const;
   /// State of the sensor at a camera stamp; biases between samples are interpolated linearly.

@@ -138,23 +138,16 @@ MotionState AnalyticTrajectory::orbit(double t_s) const {
   const Vector3d u = around.R * e;
   const Vector3d du = around.R * spin;
   const Vector3d ddu = around.R * (around.alpha.cross(e) + around.omega.cross(spin));
-  const ScalarMotion d = distance_.at(t_s);
-  const ScalarMotion ax = aim_x_.at(t_s);
-  const ScalarMotion ay = aim_y_.at(t_s);
-
-  MotionState m;
-  m.T_FB = {head.R, Vector3d(ax.x, ay.x, 0) - d.x * u};
-  m.v_F = Vector3d(ax.dx, ay.dx, 0) - d.dx * u - d.x * du;
-  m.a_F = Vector3d(ax.ddx, ay.ddx, 0) - d.ddx * u - 2 * d.dx * du - d.x * ddu;
-  m.omega_B = head.omega;
-  m.alpha_B = head.alpha;
-  return m;
+  const ScalarMotion d = distance_.at(t_s), ax = aim_x_.at(t_s), ay = aim_y_.at(t_s);
+  return {.T_FB = {head.R, Vector3d(ax.x, ay.x, 0) - d.x * u},
+          .v_F = Vector3d(ax.dx, ay.dx, 0) - d.dx * u - d.x * du,
+          .a_F = Vector3d(ax.ddx, ay.ddx, 0) - d.ddx * u - 2 * d.dx * du - d.x * ddu,
+          .omega_B = head.omega,
+          .alpha_B = head.alpha};
 }
 
 MotionState AnalyticTrajectory::axisBound(double t_s) const {
-  const ScalarMotion x = x_.at(t_s);
-  const ScalarMotion y = y_.at(t_s);
-  const ScalarMotion z = z_.at(t_s);
+  const ScalarMotion x = x_.at(t_s), y = y_.at(t_s), z = z_.at(t_s);
   const RotationMotion turn = rotationAbout(axis_B_, angle_.at(t_s));
   // Coordinates along the axes that B has at rest; planar without that along the axis it turns
   // about.
@@ -162,13 +155,11 @@ MotionState AnalyticTrajectory::axisBound(double t_s) const {
   if (kind_ == MotionKind::kPlanar) {
     allowed *= Eigen::Matrix3d::Identity() - axis_B_ * axis_B_.transpose();
   }
-  MotionState m;
-  m.T_FB = {T_FB0_.R * turn.R, T_FB0_.t + allowed * Eigen::Vector3d(x.x, y.x, z.x)};
-  m.v_F = allowed * Eigen::Vector3d(x.dx, y.dx, z.dx);
-  m.a_F = allowed * Eigen::Vector3d(x.ddx, y.ddx, z.ddx);
-  m.omega_B = turn.omega;
-  m.alpha_B = turn.alpha;
-  return m;
+  return {.T_FB = {T_FB0_.R * turn.R, T_FB0_.t + allowed * Eigen::Vector3d(x.x, y.x, z.x)},
+          .v_F = allowed * Eigen::Vector3d(x.dx, y.dx, z.dx),
+          .a_F = allowed * Eigen::Vector3d(x.ddx, y.ddx, z.ddx),
+          .omega_B = turn.omega,
+          .alpha_B = turn.alpha};
 }
 
 }  // namespace plumbline

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibrator/target/quad_finder.h"
+#include "calibrator/target/tag_image.h"
 
 namespace plumbline {
 namespace {

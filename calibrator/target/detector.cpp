@@ -12,16 +12,6 @@
 namespace plumbline {
 namespace {
 
-void checkGrid(const AprilGrid& grid) {
-  if (grid.rows < 1 || grid.cols < 1 || grid.tagCount() > kFamilySize || !(grid.tag_size > 0) ||
-      !(grid.spacing > 0)) {
-    throw InputError(
-        fmt::format("AprilGrid of {} x {} tags, tag size {} m, spacing {}: expected 1 to {} tags "
-                    "and positive sizes; correct the target description",
-                    grid.rows, grid.cols, grid.tag_size, grid.spacing, kFamilySize));
-  }
-}
-
 /// The library needs some room; no tag is that small.
 constexpr int kMinSide_px = 16;
 /// Sets of squares from which the grid is tried to grow.
@@ -112,7 +102,13 @@ Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
 }
 
 AprilGridDetector::AprilGridDetector(const AprilGrid& grid, const DetectorOptions& options) {
-  checkGrid(grid);
+  if (grid.rows < 1 || grid.cols < 1 || grid.tagCount() > kFamilySize || !(grid.tag_size > 0) ||
+      !(grid.spacing > 0)) {
+    throw InputError(
+        fmt::format("AprilGrid of {} x {} tags, tag size {} m, spacing {}: expected 1 to {} tags "
+                    "and positive sizes; correct the target description",
+                    grid.rows, grid.cols, grid.tag_size, grid.spacing, kFamilySize));
+  }
   options.check();
   parts_.reset(new Parts{grid, options, QuadFinder(grid, options), {}});
 }

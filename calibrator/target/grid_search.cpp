@@ -158,12 +158,6 @@ int GridSearch::neighboursOf(int tag_id) const {
   }));
 }
 
-void GridSearch::insert(const TagImage& tag) {
-  const auto place = std::lower_bound(tags_.begin(), tags_.end(), tag.id,
-                                      [](const TagImage& a, int id) { return a.id < id; });
-  tags_.insert(place, tag);
-}
-
 void GridSearch::refineCorners(TagImage& tag) const {
   const Eigen::Matrix3d H = squareToQuad(tag.uv);
   const double cells = tagCells(options_.border_bits);
@@ -179,8 +173,6 @@ void GridSearch::refineCorners(TagImage& tag) const {
     if (corner) tag.uv[k] = *corner;
   }
 }
-
-void GridSearch::start(const std::vector<TagImage>& tags) { tags_ = tags; }
 
 std::optional<TagImage> GridSearch::lookFor(int tag_id, const LocalMap& map) const {
   TagImage tag{.id = tag_id, .source = TagSource::kGrid};
@@ -215,7 +207,9 @@ void GridSearch::grow() {
       if (neighbours <= tried_with[id]) continue;
       tried_with[id] = neighbours;
       if (const std::optional<TagImage> tag = lookFor(id, known)) {
-        insert(*tag);
+        const auto place = std::find_if(tags_.begin(), tags_.end(),
+                                        [&](const TagImage& other) { return other.id > id; });
+        tags_.insert(place, *tag);
         grown = true;
       }
     }

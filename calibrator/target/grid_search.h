@@ -9,7 +9,6 @@
 #include "calibrator/base/image.h"
 #include "calibrator/base/session.h"
 #include "calibrator/target/detector.h"
-#include "calibrator/target/quad_finder.h"
 #include "calibrator/target/tag_image.h"
 
 namespace plumbline {
@@ -83,7 +82,7 @@ class GridSearch {
   /// onto them; `located` says which of them could be.
   void refineCorners(TagImage& tag) const;
   /// Starts from tags with refined corners that agree with each other, ascending in id.
-  void start(const std::vector<TagImage>& tags);
+  void start(const std::vector<TagImage>& tags) { tags_ = tags; }
 
   /// Looks for missing tags beside known ones until no more are found.
   void grow();
@@ -101,7 +100,6 @@ class GridSearch {
   int neighboursOf(int tag_id) const;
   std::optional<TagImage> lookFor(int tag_id, const LocalMap& map) const;
   LocalMap map() const { return {grid_, tags_, {image_.width, image_.height}}; }
-  void insert(const TagImage& tag);
   void removeEmptyTags();
 
   AprilGrid grid_;

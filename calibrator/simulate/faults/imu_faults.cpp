@@ -39,11 +39,6 @@ Matrix3d readingMatrix(const Fault& fault) {
   }
 }
 
-/// The sine that an accelerometer shakes with [m/s^2].
-double sine(const Fault& fault, double t_s) {
-  return fault.value * std::sin(2 * std::numbers::pi * fault.extent * t_s);
-}
-
 /// Number of a sample, the same however long the recording is.
 std::int64_t sampleNumber(const ImuSample& sample, const ImuTiming& timing) {
   return std::llround(secondsBetween(timing.start_ns, sample.t) * timing.rate_hz);
@@ -162,9 +157,11 @@ ImuReading ImuFaults::read(const AnalyticTrajectory& trajectory, const Vector3d&
   const MotionState m_accel =
       accel_delay_s_ == gyro_delay_s_ ? m_gyro : motion(trajectory, t_accel);
   Vector3d shaken = force(m_accel);
-  // Within M_a and its delay: what shakes is the sensor's input.
-  for (const NumberedFault& v : vibrations_)
-    shaken += direction(*v.fault) * sine(*v.fault, t_accel);
+  for (const NumberedFault& v : vibrations_) {
+    // Within M_a and its delay: what shakes is the sensor's input.
+    const double sine = std::sin(2 * std::numbers::pi * v->extent * t_accel);
+    shaken += direction(*v.fault) * (v->value * sine);
+  }
   ImuReading reading{M_gyro_ * m_gyro.omega_B, M_accel_ * shaken};
   if (g_sensitivity_ != 0) reading.gyro += g_sensitivity_ * force(m_gyro);
   return reading;

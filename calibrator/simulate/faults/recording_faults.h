@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "calibrator/simulate/faults/fault.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
@@ -94,7 +93,6 @@ class ViewFaults {
  private:
   /// Of a corner at p before these faults.
   Eigen::Vector3d boardCorner(int id, Eigen::Vector3d p) const;
-  std::optional<Eigen::Vector2d> see(const Eigen::Vector3d& p_B, double t_s) const;
   std::optional<Eigen::Vector2d> seeInRow(const Eigen::Vector3d& p_B, double t_s) const;
   std::vector<double> blurShifts(const FaultyFrame& frame) const;
 

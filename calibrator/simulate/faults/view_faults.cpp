@@ -135,19 +135,16 @@ Vector3d ViewFaults::boardCorner(int id, Vector3d p) const {
   return p;
 }
 
-std::optional<Vector2d> ViewFaults::see(const Vector3d& p_B, double t_s) const {
-  return project(simulated_.truth.cameras[camera_].intrinsics, cameraPose(t_s).inverse() * p_B);
-}
-
 // The image moves by some 1000 px/s and a readout takes 1e-5 s per row: each step shrinks the error
 // to about a hundredth. What does not settle moves as fast as the shutter and is not seen.
 std::optional<Vector2d> ViewFaults::seeInRow(const Vector3d& p_B, double t_s) const {
-  const int height = simulated_.truth.cameras[camera_].intrinsics.resolution.height;
-  auto uv = see(p_B, t_s);
+  const Intrinsics& lens = simulated_.truth.cameras[camera_].intrinsics;
+  const auto see = [&](double t) { return project(lens, cameraPose(t).inverse() * p_B); };
+  auto uv = see(t_s);
   if (readout_s_ == 0) return uv;
   for (int i = 0; uv && i < 50; ++i) {
-    const double row = (uv->y() + 0.5) / height - 0.5;
-    const auto next = see(p_B, t_s + readout_s_ * row);
+    const double row = (uv->y() + 0.5) / lens.resolution.height - 0.5;
+    const auto next = see(t_s + readout_s_ * row);
     if (next && (*next - *uv).norm() < 1e-10) return next;
     uv = next;
   }

@@ -36,10 +36,6 @@ RotationMotion shareOf(const Eigen::Vector3d& w, const ScalarMotion& share) {
 
 }  // namespace
 
-double SplineMotion::knownUntilS() const {
-  return size() < 4 ? 0 : static_cast<double>(size() - 3) * spacing_s_;
-}
-
 MotionState SplineMotion::at(double t_s) const {
   assert(size() >= 4);
   const double scaled = std::clamp(t_s / spacing_s_, 0.0, static_cast<double>(size() - 3));
@@ -98,18 +94,6 @@ RigSensors::RigSensors(const SimulatedRig& rig, const SimulationOptions& options
   // bias, and the same along any motion.
   noise_.reserve(imu.samples.size());
   for (const ImuSample& s : imu.samples) noise_.push_back({s.t, s.gyro, s.accel - exact});
-}
-
-TimeNs RigSensors::stampOf(int frame) const {
-  return options_.start_ns + toNanoseconds(frame / rig_.camera_rate_hz);
-}
-
-double RigSensors::exposureS(int frame) const {
-  return secondsOf(stampOf(frame)) + rig_.calibration.imu->timeOffset();
-}
-
-std::vector<std::vector<Corner>> RigSensors::corners(const SplineMotion& motion, int frame) const {
-  return cornersAt(rig_, motion.at(exposureS(frame)).T_FB, frame, options_);
 }
 
 std::vector<ImuSample> RigSensors::samplesUntil(const SplineMotion& motion, TimeNs t) {

@@ -24,7 +24,9 @@ class SplineMotion {
   void add(const Transform& T_FB) { poses_.push_back(T_FB); }
 
   /// Until when at() is known: (size - 3) spacing, 0 with fewer than four poses.
-  double knownUntilS() const;
+  double knownUntilS() const {
+    return size() < 4 ? 0 : static_cast<double>(size() - 3) * spacing_s_;
+  }
 
   /// State at t_s, moved into [0, knownUntilS()): beyond its ends the motion is that of the ends.
   /// At least four poses.
@@ -50,15 +52,21 @@ class RigSensors {
   /// `options.duration_s`: the longest recording.
   RigSensors(const SimulatedRig& rig, const SimulationOptions& options);
 
-  TimeNs stampOf(int frame) const;
+  TimeNs stampOf(int frame) const {
+    return options_.start_ns + toNanoseconds(frame / rig_.camera_rate_hz);
+  }
   double secondsOf(TimeNs t_imu) const { return secondsBetween(options_.start_ns, t_imu); }
   /// When frame `frame` is exposed, in the motion's time (the IMU's clock, 0 at start_ns).
-  double exposureS(int frame) const;
+  double exposureS(int frame) const {
+    return secondsOf(stampOf(frame)) + rig_.calibration.imu->timeOffset();
+  }
   /// Frames of the longest recording.
   int frames() const { return frames_; }
 
   /// What every camera sees; motion.knownUntilS() reaches exposureS(frame).
-  std::vector<std::vector<Corner>> corners(const SplineMotion& motion, int frame) const;
+  std::vector<std::vector<Corner>> corners(const SplineMotion& motion, int frame) const {
+    return cornersAt(rig_, motion.at(exposureS(frame)).T_FB, frame, options_);
+  }
   /// Samples that were not taken yet, up to a stamp; the motion is known until then.
   std::vector<ImuSample> samplesUntil(const SplineMotion& motion, TimeNs t);
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/transform.h"
 #include "calibrator/simulate/motion.h"
 
 namespace plumbline {
@@ -163,10 +162,6 @@ bool SimulatedOperator::hasFollowed(double t_s) const {
   return following_since_s_ && t_s >= *following_since_s_ + *shown_->duration_s + kApproach_s;
 }
 
-Eigen::Vector3d SimulatedOperator::normal(double std) { return std * random_.normalVector(); }
-
-double SimulatedOperator::tired() const { return 1 + skill_.fatigue_per_min * t_s_ / 60; }
-
 /// Whether what is shown is noticed and to be followed; decided once.
 bool SimulatedOperator::attends() {
   if (!shown_ || t_s_ < shown_at_s_ + skill_.reaction_s || ignored_ == shown_->id) return false;
@@ -176,17 +171,13 @@ bool SimulatedOperator::attends() {
     following_since_s_.reset();
     return false;
   }
-  begin(*shown_);
-  return true;
-}
-
-void SimulatedOperator::begin(const Suggestion& suggestion) {
-  pursued_ = suggestion;
+  pursued_ = shown_;
   noticed_at_s_ = t_s_;
   // Drawn anew for each suggestion; suggestedGoal() lets both fade.
   error_ << normal(skill_.position_error_m), normal(skill_.angle_error_rad);
-  beyond_ = skill_.overshoot * boxminus(suggestion.T_FC0, pose_);
+  beyond_ = skill_.overshoot * boxminus(shown_->T_FC0, pose_);
   turned_back_at_s_.reset();
+  return true;
 }
 
 Transform SimulatedOperator::goal() {
@@ -251,17 +242,13 @@ Transform SimulatedOperator::moved(const Transform& towards) {
   return boxplus(pose_, step);
 }
 
-Transform SimulatedOperator::trembling(const Transform& pose) {
-  Vector6d tremor;
-  tremor << normal(tired() * skill_.tremor_m), normal(tired() * skill_.tremor_rad);
-  return boxplus(pose, tremor);
-}
-
 Transform SimulatedOperator::next() {
   t_s_ += spacing_s_;
   pose_ = moved(goal());
+  Vector6d tremor;
+  tremor << normal(tired() * skill_.tremor_m), normal(tired() * skill_.tremor_rad);
   // pose_ stays on its path: tremor does not add up to a drift.
-  return trembling(pose_);
+  return boxplus(pose_, tremor);
 }
 
 }  // namespace plumbline

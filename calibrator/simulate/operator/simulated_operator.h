@@ -138,14 +138,12 @@ class SimulatedOperator {
 
  private:
   bool attends();
-  void begin(const Suggestion& suggestion);
   Transform goal();
   Transform suggestedGoal();
   Transform inView(const Transform& pose) const;
-  double tired() const;
+  double tired() const { return 1 + skill_.fatigue_per_min * t_s_ / 60; }
   Transform moved(const Transform& towards);
-  Transform trembling(const Transform& pose);
-  Eigen::Vector3d normal(double std);
+  Eigen::Vector3d normal(double std) { return std * random_.normalVector(); }
 
   OperatorSkill skill_;
   Eigen::Vector3d centre_;

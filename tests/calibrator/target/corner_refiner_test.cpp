@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/target/quad_finder.h"
+#include "calibrator/target/tag_image.h"
 
 namespace plumbline {
 namespace {
