@@ -69,29 +69,13 @@ class FrameReader {
   std::size_t allowed_ = 0, skipped_ = 0;
 };
 
-/// Without a front end: the sequence says what the cameras saw.
-BuiltinRun runOnTracks(const OdometrySequence& sequence, const RigModel& rig,
-                       const BuiltinOptions& options) {
-  OdometryOptions odometry_options = options.odometry;
-  if (sequence.points == PointSource::kCorners) {
-    // Of other points, those of tracks.csv, as of images.
-    // A board's corners are found better than features of a scene (0.3 px for 0.7).
-    odometry_options.pixel_sigma = options.corner_sigma_px;
-  }
-  Odometry odometry(rig, sequence.samples, odometry_options);
-  BuiltinRun run;
-  for (FrameTracks frame : sequence.tracks) {
-    // A sequence may have more cameras than the calibration, or than were asked for.
-    std::erase_if(frame.points, [&](const TrackPoint& point) {
-      return static_cast<std::size_t>(point.camera) >= rig.cameras.size();
-    });
-    ++run.frames;
-    const Stopwatch of_frame;
-    odometry.step(frame);
-    run.frame_s.push_back(of_frame.seconds());
-  }
-  run.result = odometry.result();
-  return run;
+/// Without a front end: the sequence says what the cameras saw, and it may have more of them than
+/// the calibration, or than were asked for.
+FrameTracks seenBy(const RigModel& rig, FrameTracks frame) {
+  std::erase_if(frame.points, [&](const TrackPoint& p) {
+    return p.camera >= static_cast<int>(rig.cameras.size());
+  });
+  return frame;
 }
 
 /// When, after the first image, and why track was lost.
@@ -183,29 +167,36 @@ BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calib
                                  sequence.images.size(), rig.cameras.size()));
   }
   const Stopwatch clock;
-  if (!sequence.tracks.empty()) {
-    BuiltinRun run = runOnTracks(sequence, rig, options);
-    run.seconds = clock.seconds();
-    return run;
+  OdometryOptions odometry_options = options.odometry;
+  // Of other points, those of tracks.csv, as of images.
+  // A board's corners are found better than features of a scene (0.3 px for 0.7).
+  if (sequence.points == PointSource::kCorners) {
+    odometry_options.pixel_sigma = options.corner_sigma_px;
   }
+  Odometry odometry(rig, sequence.samples, odometry_options);
   FrameReader reader(sequence, rig, options.most_skipped);
   FeatureTracker tracker(rig, options.tracker);
-  Odometry odometry(rig, sequence.samples, options.odometry);
-  BuiltinRun run;
   std::optional<TimeNs> last;
-  for (const ImageFile& first : sequence.images[0]) {
-    ++run.frames;
-    const Stopwatch of_frame;
+  const auto tracked = [&](const ImageFile& first) -> std::optional<FrameTracks> {
     const std::vector<GrayImage> images = reader.at(first);
     // Tracks live in the first camera; the others' sightings belong to them.
-    if (images[0].empty()) continue;
+    if (images[0].empty()) return std::nullopt;
     std::vector<GrayImageView> views;
     for (const GrayImage& image : images) views.push_back(image.view());
     // The gyroscope's rotation since the last image that was seen, from which tracking starts.
     const Eigen::Matrix3d turn = last ? odometry.expectedRotation(*last, first.t)
                                       : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
-    odometry.step(tracker.track(first.t, views, turn));
     last = first.t;
+    return tracker.track(first.t, views, turn);
+  };
+  BuiltinRun run;
+  run.frames = sequence.images[0].size();
+  for (std::size_t k = 0; k < run.frames; ++k) {
+    const Stopwatch of_frame;
+    const auto frame =
+        sequence.tracks.empty() ? tracked(sequence.images[0][k]) : seenBy(rig, sequence.tracks[k]);
+    if (!frame) continue;
+    odometry.step(*frame);
     run.frame_s.push_back(of_frame.seconds());
   }
   run.result = odometry.result();

@@ -112,12 +112,10 @@ struct Quadratic {
 
   /// By how much each step is too short to raise J by kRise, or (below 1) too long.
   VectorXd stepFactors() const {
-    VectorXd factors(g.size());
-    for (Index i = 0; i < g.size(); ++i) {
-      // A step raises J by H_ii / 2, and with it by the square of a factor.
-      const double rise = H(i, i) / 2;
-      factors[i] = rise > 0 ? std::sqrt(kRise * J0 / rise) : kMostFactor;
-    }
+    // A step raises J by H_ii / 2, and with it by the square of a factor.
+    const Eigen::ArrayXd rise = H.diagonal() / 2;
+    const Eigen::ArrayXd fitting = (kRise * J0 / rise).sqrt();
+    const Eigen::ArrayXd factors = (rise > 0).select(fitting, kMostFactor);
     return factors.cwiseMax(1 / kMostFactor).cwiseMin(kMostFactor);
   }
 };

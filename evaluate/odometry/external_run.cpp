@@ -3,7 +3,6 @@
 #include <cstdlib>
 #include <deque>
 #include <fstream>
-#include <map>
 #include <sstream>
 #include <utility>
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <map>
 #include <mutex>
 #include <numbers>
 #include <set>
@@ -12,9 +11,9 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/files/file_io.h"
 #include "datasets/session/streams.h"
+#include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/trajectory/verdict.h"
 #include "evaluate/odometry/judged_run.h"
-#include "evaluate/odometry/sensitivity.h"
 #include "evaluate/results/text.h"
 
 namespace plumbline {
@@ -146,7 +145,7 @@ std::vector<CalibrationSensitivity> sensitivities(
     }
     for (std::size_t i = 1; i < calibrations.size(); ++i) {
       add(calibrations[0], calibrations[i].name,
-          differenceSteps(calibrations[0].calibration, calibrations[i].calibration));
+          {calibrationChange(calibrations[i].calibration, calibrations[0].calibration), false});
     }
   }
   return list;

@@ -10,14 +10,52 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/odometry/feature_tracker.h"
 #include "calibrator/odometry/odometry.h"
+#include "datasets/session/camera_stream.h"
+#include "datasets/session/session_folder.h"
 #include "evaluate/odometry/calibration_hint.h"
 #include "evaluate/odometry/runner.h"
-#include "evaluate/odometry/sequence.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 #include "report/records/trajectory_record.h"
 
 namespace plumbline {
+
+/// Largest difference of the stamps of one frame's images [ns].
+inline constexpr TimeNs kSameFrame = 2'000'000;
+
+/// What stands in place of images.
+enum class PointSource {
+  kImages,   ///< nothing: there are images
+  kCorners,  ///< camN/corners.csv: corners of a calibration board
+  kTracks,   ///< camN/tracks.csv: points of a scene, followed through the frames
+};
+
+/// A sequence folder as an odometry uses it.
+struct OdometrySequence {
+  std::string name;
+  std::filesystem::path root;                  ///< holds camN and imu0
+  std::vector<std::vector<ImageFile>> images;  ///< of each camera, ascending; files may be missing
+  PointSource points = PointSource::kImages;   ///< what it comes with in place of images
+  /// Of those all that the cameras saw; the images then are stamps without a file.
+  std::vector<FrameTracks> tracks;
+  std::vector<ImuSample> samples;
+  std::optional<ImuNoise> noise;               ///< as its IMU's YAML states it
+  std::optional<std::filesystem::path> truth;  ///< found beside the sensors
+
+  /// Of camera 0, first to last [s].
+  double duration_s() const { return secondsBetween(images[0].front().t, images[0].back().t); }
+};
+
+/// Reads the lists and the IMU of a EuRoC ASL folder (TUM-VI's has the same layout), not the
+/// images; or points in their place. Its truth is the first of
+/// state_groundtruth_estimate0, vicon0, mocap0 and leica0, or truth/trajectory.csv of a simulated
+/// one. Throws InputError where a part is missing or malformed, where there are no images, and
+/// where fewer than half of camera 0's frames have a partner within 2 ms in another camera: cameras
+/// out of step.
+OdometrySequence readOdometrySequence(const std::string& path);
+
+/// The image of a camera at a stamp, within 2 ms; null where it has none.
+const ImageFile* imageAt(const std::vector<ImageFile>& images, TimeNs t);
 
 struct BuiltinOptions {
   OdometryOptions odometry;
@@ -63,7 +101,7 @@ struct OdometryRequest {
   int runs = 0;                           ///< 0: 1, or what the runner needs at least
   std::optional<std::string> truth;  ///< file; of several a pattern with {sequence}; empty: found
                                      ///< beside the sensors
-  bool sensitivity = false;          ///< also move every parameter by itself (sensitivity.h)
+  bool sensitivity = false;          ///< also move every parameter by itself (sensitivityOf())
   HintKind hint = HintKind::kNone;   ///< what the odometry itself would choose, too
   BuiltinOptions builtin;
   double run_seconds = 3600;  ///< wall time of another system's run

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/odometry/sensitivity.h"
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -8,13 +6,13 @@
 #include <mutex>
 #include <random>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "datasets/files/file_io.h"
 #include "evaluate/metrics/calibration/parameters.h"
+#include "evaluate/odometry/judged_run.h"
 #include "evaluate/results/progress.h"
 
 namespace plumbline {
@@ -27,43 +25,36 @@ constexpr double kNoiseShare = 1e-3;  // of the steps
 constexpr double kRounding = 1e-12;   // [px, m, rad, s]: what a file's digits leave of a transform
 
 /// All moves of a sensitivity: none, all at once, then noise, then the single ones.
-class Moves {
- public:
-  explicit Moves(const SensitivitySteps& steps) : steps_(steps.steps) {
-    for (double& s : steps_) s = std::abs(s) > kRounding ? s : 0;  // 0 where not a number, too
-    moves_.emplace_back(Eigen::VectorXd::Zero(steps_.size()));
-    moves_.push_back(steps_);
+struct Moves {
+  static constexpr std::size_t kWhole = 1, kNoise = 2;
+
+  Eigen::VectorXd steps;  ///< 0 where not a number, too
+  std::vector<Eigen::VectorXd> all;
+  std::vector<std::size_t> plus, minus;  ///< places among all; 0: not moved
+
+  explicit Moves(const SensitivitySteps& of) : steps(of.steps) {
+    for (double& s : steps) s = std::abs(s) > kRounding ? s : 0;
+    // Place 0 is the calibration as it is, so it can stand for "not moved".
+    all = {Eigen::VectorXd::Zero(steps.size()), steps};
     // Signs alone are drawn, by a generator that the standard fixes: the same with every library.
     std::mt19937_64 random(1);
     for (int k = 0; k < kNoiseRuns; ++k) {
-      Eigen::VectorXd move = kNoiseShare * steps_;
+      Eigen::VectorXd move = kNoiseShare * steps;
       for (double& d : move) d = (random() & 1U) != 0 ? d : -d;
-      moves_.push_back(std::move(move));
+      all.push_back(std::move(move));
     }
-    for (Eigen::Index i = 0; i < steps_.size(); ++i) {
-      // Place 0 is the calibration as it is, so it can stand for "not moved".
-      plus_.push_back(add(i, 1));
-      minus_.push_back(steps.both_ways ? add(i, -1) : 0);
+    for (Eigen::Index i = 0; i < steps.size(); ++i) {
+      plus.push_back(add(i, 1));
+      minus.push_back(of.both_ways ? add(i, -1) : 0);
     }
   }
-
-  const std::vector<Eigen::VectorXd>& all() const { return moves_; }
-  double step(std::size_t i) const { return steps_[i]; }
-  /// Places among all(); 0: not moved.
-  std::size_t plus(std::size_t i) const { return plus_[i]; }
-  std::size_t minus(std::size_t i) const { return minus_[i]; }
-  static constexpr std::size_t kWhole = 1, kNoise = 2;
 
  private:
   std::size_t add(Eigen::Index i, double sign) {
-    if (steps_[i] == 0) return 0;
-    moves_.emplace_back(sign * steps_[i] * Eigen::VectorXd::Unit(steps_.size(), i));
-    return moves_.size() - 1;
+    if (steps[i] == 0) return 0;
+    all.emplace_back(sign * steps[i] * Eigen::VectorXd::Unit(steps.size(), i));
+    return all.size() - 1;
   }
-
-  Eigen::VectorXd steps_;
-  std::vector<Eigen::VectorXd> moves_;
-  std::vector<std::size_t> plus_, minus_;
 };
 
 using Ates = std::vector<std::optional<double>>;
@@ -81,16 +72,16 @@ std::optional<double> noiseOf(const Ates& ates) {
 /// The mean of both ways, in which what is odd in the step cancels; one way where there is one.
 ParameterSensitivity changeOf(const CalibrationParameter& parameter, std::size_t i,
                               const Moves& moves, const Ates& ates) {
-  ParameterSensitivity p{parameter.name, parameter.unit, moves.step(i), {}, {}, {}, false};
+  ParameterSensitivity p{parameter.name, parameter.unit, moves.steps[i], {}, {}, {}, false};
   const auto change = [&](std::size_t place) -> std::optional<double> {
     if (place == 0 || !ates[place]) return std::nullopt;
     return *ates[place] - *ates[0];
   };
-  p.plus_m = change(moves.plus(i));
-  p.minus_m = change(moves.minus(i));
+  p.plus_m = change(moves.plus[i]);
+  p.minus_m = change(moves.minus[i]);
   // Where one of two ways failed there is no mean, and the other alone would have what is odd in
   // it.
-  if (p.plus_m && (p.minus_m || moves.minus(i) == 0)) {
+  if (p.plus_m && (p.minus_m || moves.minus[i] == 0)) {
     p.change_m = p.minus_m ? 0.5 * (*p.plus_m + *p.minus_m) : *p.plus_m;
   }
   return p;
@@ -109,10 +100,6 @@ std::optional<SensitivitySteps> deviationSteps(const Calibration& calibration,
   }
   if (!steps.steps.array().isFinite().any()) return std::nullopt;
   return steps;
-}
-
-SensitivitySteps differenceSteps(const Calibration& from, const Calibration& to) {
-  return {calibrationChange(to, from), false};
 }
 
 std::optional<double> ateOf(const OdometrySequence& sequence, const Calibration& calibration,
@@ -137,13 +124,13 @@ CalibrationSensitivity sensitivityOf(const Calibration& calibration, const Sensi
                                      const AteOfCalibration& ate, int threads,
                                      const ProgressSink& progress) {
   const Moves moves(steps);
-  Ates ates(moves.all().size());
+  Ates ates(moves.all.size());
   std::mutex telling;
   std::size_t done = 0;
   parallelFor(ates.size(), threads, [&](int, std::size_t i) {
     // The sum of all moves is no calibration that anyone has where they go both ways.
     const bool needed = i != Moves::kWhole || !steps.both_ways;
-    if (needed) ates[i] = ate(changedBy(calibration, moves.all()[i]));
+    if (needed) ates[i] = ate(changedBy(calibration, moves.all[i]));
     const std::lock_guard<std::mutex> lock(telling);
     if (progress) {
       progress("sensitivity", static_cast<double>(++done) / static_cast<double>(ates.size()));
@@ -156,7 +143,7 @@ CalibrationSensitivity sensitivityOf(const Calibration& calibration, const Sensi
   const std::vector<CalibrationParameter> list = namedParameters(calibration);
   out.sum_m = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    if (moves.plus(i) == 0) continue;
+    if (moves.plus[i] == 0) continue;
     ParameterSensitivity p = changeOf(list[i], i, moves, ates);
     // A mean of both ways less the run that is not moved scatters by sqrt(3/2) of one run: twice
     // the chance is 1.6 deviations of the change.

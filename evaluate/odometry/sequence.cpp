@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/odometry/sequence.h"
-
 #include <algorithm>
 #include <cstdlib>
 
@@ -9,6 +7,7 @@
 #include "calibrator/base/error.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/streams.h"
+#include "evaluate/odometry/run_odometry.h"
 
 namespace plumbline {
 namespace {
@@ -41,15 +40,11 @@ std::optional<ImuNoise> noiseOf(const SessionFolder& folder) {
   return std::nullopt;
 }
 
-// As data.csv lists them, whether they are there or not; without it what lies in data/.
-std::vector<ImageFile> imagesOf(const std::string& folder) {
-  return fs::is_regular_file(fs::path(folder) / "data.csv") ? readFrameList(folder)
-                                                            : listImages(folder);
-}
-
 void readImages(const SessionFolder& folder, OdometrySequence& sequence) {
   for (const std::string& camera : folder.cameras) {
-    sequence.images.push_back(imagesOf(camera));
+    // As data.csv lists them, whether they are there or not; without it what lies in data/.
+    const bool listed = fs::is_regular_file(fs::path(camera) / "data.csv");
+    sequence.images.push_back(listed ? readFrameList(camera) : listImages(camera));
     if (sequence.images.back().empty() || sequence.images.back().front().path.empty()) {
       throw InputError(camera, 0, "has no images; odometry needs them: camN/data/<ns>.png");
     }
@@ -150,10 +145,6 @@ void checkStep(const OdometrySequence& sequence, const std::vector<std::string>&
 }
 
 }  // namespace
-
-double OdometrySequence::duration_s() const {
-  return secondsBetween(images[0].front().t, images[0].back().t);
-}
 
 OdometrySequence readOdometrySequence(const std::string& path) {
   const SessionFolder folder = findSession(path);

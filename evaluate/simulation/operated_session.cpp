@@ -111,21 +111,18 @@ class Attention {
       shown_ = d.opened;
       if (!person.isFollowing()) person.show(shown_, t_s);
     }
-    if (person.hasFollowed(t_s)) followNext(t_s);
+    if (!person.hasFollowed(t_s)) return;
+    ++followed_;
+    // Whoever ended a trajectory where the next one starts, which the guide has noticed, goes on
+    // with that one.
+    const bool goes_on = next_.has_value();
+    person.show(goes_on ? next_ : shown_, t_s);
+    if (goes_on) person.go(t_s);
+    next_.reset();
   }
   int followed() const { return followed_; }
 
  private:
-  /// Whoever ended a trajectory where the next one starts, which the guide has noticed, goes on
-  /// with that one.
-  void followNext(double t_s) {
-    ++followed_;
-    const bool goes_on = next_.has_value();
-    recording_.person().show(goes_on ? next_ : shown_, t_s);
-    if (goes_on) recording_.person().go(t_s);
-    next_.reset();
-  }
-
   Recorder& recording_;
   std::optional<Suggestion> shown_;
   std::optional<Suggestion> next_;  // reached while another trajectory was being followed

@@ -22,9 +22,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool inGap(const std::vector<std::pair<double, double>>& gaps, double t_s) {
-  return std::any_of(gaps.begin(), gaps.end(),
-                     [&](const auto& gap) { return t_s >= gap.first && t_s < gap.second; });
+/// EuRoC's vicon0/data.csv: stamp [ns], p [m], q (w x y z).
+std::string motionCaptureCsv(const Trajectory& trajectory) {
+  std::string text = "#timestamp [ns], p_x [m], p_y [m], p_z [m], q_w [], q_x [], q_y [], q_z []\n";
+  for (const StampedPose& pose : trajectory.poses) {
+    fmt::format_to(std::back_inserter(text),
+                   "{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g}\n", pose.t, pose.p.x(),
+                   pose.p.y(), pose.p.z(), pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z());
+  }
+  return text;
 }
 
 }  // namespace
@@ -62,7 +68,10 @@ MotionCapture simulateMotionCapture(const SimulatedSession& session,
     Vector6d error;
     error.head<3>() = o.noise_m * noise.normalVector();
     error.tail<3>() = o.noise_rad * noise.normalVector();
-    if (inGap(capture.gaps_s, t_s)) continue;
+    const bool in_gap =
+        std::any_of(capture.gaps_s.begin(), capture.gaps_s.end(),
+                    [&](const auto& gap) { return t_s >= gap.first && t_s < gap.second; });
+    if (in_gap) continue;
     // The motion goes by the IMU's clock, which shows start_ns at its begin.
     const TimeNs t_imu = session.start_ns + toNanoseconds(t_s);
     const Transform T_VM = boxplus(T_VF * session.motionAtImuTime(t_imu).T_FB * o.T_SM, error);
@@ -71,16 +80,6 @@ MotionCapture simulateMotionCapture(const SimulatedSession& session,
         {t_imu - toNanoseconds(o.clock_offset_s), T_VM.t, T_VM.quaternion()});
   }
   return capture;
-}
-
-std::string motionCaptureCsv(const Trajectory& trajectory) {
-  std::string text = "#timestamp [ns], p_x [m], p_y [m], p_z [m], q_w [], q_x [], q_y [], q_z []\n";
-  for (const StampedPose& pose : trajectory.poses) {
-    fmt::format_to(std::back_inserter(text),
-                   "{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g}\n", pose.t, pose.p.x(),
-                   pose.p.y(), pose.p.z(), pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z());
-  }
-  return text;
 }
 
 Json writeMotionCapture(const SimulatedSession& session, const MotionCaptureOptions& o,
@@ -100,12 +99,6 @@ Json writeMotionCapture(const SimulatedSession& session, const MotionCaptureOpti
 }
 
 namespace {
-
-/// One seed for all.
-SequenceOptions seeded(SequenceOptions o) {
-  o.flight.seed = o.motion_capture.seed = o.simulation.seed;
-  return o;
-}
 
 std::string landmarksCsv(const std::vector<Eigen::Vector3d>& landmarks) {
   std::string text = "#landmark_id,x [m],y [m],z [m]\n";
@@ -215,7 +208,9 @@ void SequenceOptions::check() const {
 SimulatedFlight simulateSequence(const SequenceOptions& options, const fs::path& folder,
                                  const ProgressSink& progress) {
   options.check();
-  const SequenceOptions o = seeded(options);
+  SequenceOptions o = options;
+  // One seed for all.
+  o.flight.seed = o.motion_capture.seed = o.simulation.seed;
   SimulatedFlight flight = simulateFlight(simulatedRig(o.rig), o.simulation, o.flight, o.tracks);
   const SimulatedSession& recording = flight.recording;
   const ViewFormat views = o.images.rendered ? ViewFormat::kImages : ViewFormat::kTracks;

@@ -40,9 +40,6 @@ struct MotionCapture {
 MotionCapture simulateMotionCapture(const SimulatedSession& session,
                                     const MotionCaptureOptions& options);
 
-/// EuRoC's vicon0/data.csv: stamp [ns], p [m], q (w x y z).
-std::string motionCaptureCsv(const Trajectory& trajectory);
-
 /// Lets a system watch the session and writes FOLDER/PLACE/mav0/mocap0/data.csv, FOLDER being the
 /// output's. Returns the system's truth: clock_offset_s, T_SM, T_VW, noise and gaps.
 Json writeMotionCapture(const SimulatedSession& session, const MotionCaptureOptions& options,

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/simulation/stop_hindsight.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -13,6 +11,7 @@
 #include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/information/projection_uncertainty.h"
 #include "calibrator/simulate/operator/rig_sensors.h"
+#include "evaluate/simulation/operator_convergence.h"
 
 namespace plumbline {
 namespace {

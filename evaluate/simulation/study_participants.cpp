@@ -30,18 +30,13 @@ OperatorSkill skillIn(int period, double clumsiness, double learning) {
 
 /// Fisher and Yates with numbers of our own: those that std::shuffle draws are not fixed by the
 /// standard.
-template <class T>
-void shuffle(std::vector<T>& values, RandomStream& random) {
-  for (std::size_t i = values.size(); i > 1; --i) {
-    std::swap(values[i - 1],
-              values[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
-  }
-}
-
 std::vector<std::size_t> shuffled(int count, RandomStream& random) {
-  std::vector<std::size_t> order(static_cast<std::size_t>(count));
+  std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  shuffle(order, random);
+  for (std::size_t i = order.size(); i > 1; --i) {
+    const auto other = static_cast<std::size_t>(random.uniform() * static_cast<double>(i));
+    std::swap(order[i - 1], order[other]);
+  }
   return order;
 }
 

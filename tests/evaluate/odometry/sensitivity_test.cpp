@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/odometry/sensitivity.h"
+#include "evaluate/odometry/judged_run.h"
 
 #include <cmath>
 
