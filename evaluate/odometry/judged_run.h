@@ -78,8 +78,7 @@ TrajectoryRun judgedWithoutTruth(TrajectoryRun run, const OdometrySequence& sequ
 /// NaN or 0: not at all.
 struct SensitivitySteps {
   Eigen::VectorXd steps;
-  bool both_ways = true;  ///< by + and - the step; otherwise towards another calibration,
-                          ///< by calibrationChange()
+  bool both_ways = true;  ///< by + and - the step; else the way to another calibration
 };
 
 /// Steps by the deviations that the calibration's file states (readDeviations(): robust where they

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/odometry/judged_run.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/rig.h"
 #include "evaluate/metrics/calibration/parameters.h"
+#include "evaluate/odometry/judged_run.h"
 
 namespace plumbline {
 namespace {

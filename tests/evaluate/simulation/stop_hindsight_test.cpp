@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The best stop in hindsight: the expected error is that of the noise, the crossing is one, and the
 // recording that goes on is the same up to the stop.
-#include "evaluate/simulation/operator_convergence.h"
-
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/rig.h"
+#include "evaluate/simulation/operator_convergence.h"
 
 namespace plumbline {
 namespace {
