@@ -47,5 +47,38 @@ TEST(JointTargetText, TellsWhetherHigherDegreesAreCalledFor) {
   EXPECT_THAT(jointTargetText(fit), HasSubstr("Terms of degrees 3 and 4: 0.200 mm RMS"));
 }
 
+TEST(JointTargetText, SaysOfEverySessionWhetherItShowsThatBoard) {
+  SessionsTarget fit = oneSession();
+  EXPECT_THAT(jointTargetText(fit), Not(HasSubstr("monday:"))) << "alone it agrees with nobody";
+  fit.names = {"monday", "tuesday", "friday"};
+  fit.agreement = {BoardAgreement::kSame, BoardAgreement::kSamePredicted, BoardAgreement::kOther};
+  TargetMember member;
+  member.terms = 11;
+  member.chi2 = 12.5;
+  member.limit = 24.7;
+  member.rms = 2e-4;
+  member.worst = "z_xx";
+  member.difference = -3e-4;
+  member.std = 5e-5;
+  fit.joint.members.assign(3, member);
+  const std::string text = jointTargetText(fit);
+  EXPECT_THAT(text, HasSubstr("Target from 3 sessions:"));
+  EXPECT_THAT(text, HasSubstr("  monday: shows the same board (chi-square 12.5 for 11 terms, 99 % "
+                              "bound 24.7; 0.200 mm RMS, largest: z_xx by -0.3000 +- 0.0500 mm)"));
+  EXPECT_THAT(text, HasSubstr("  tuesday: differs significantly, but its own shape predicts"));
+  EXPECT_THAT(text,
+              HasSubstr("  friday: differs, and its own shape predicts held-out frames better"));
+}
+
+TEST(JointTargetText, TermsAreInMillimetresWithTheirDeviations) {
+  SessionsTarget fit = oneSession();
+  fit.joint.shape.terms[0] = 1.25e-4;
+  EXPECT_THAT(jointTargetText(fit), HasSubstr("  stretch    +0.1250 +- 0.0100 mm\n"));
+  EXPECT_THAT(jointTargetText(fit), HasSubstr("0.125 mm RMS deviation from the even grid"));
+  EXPECT_THAT(jointTargetText(fit), Not(HasSubstr("are scaled by")));
+  fit.joint.dispersion = 4;  // of variances
+  EXPECT_THAT(jointTargetText(fit), HasSubstr("Standard deviations are scaled by 2.00,"));
+}
+
 }  // namespace
 }  // namespace plumbline

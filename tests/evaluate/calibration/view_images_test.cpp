@@ -77,5 +77,20 @@ TEST_F(ViewImages, AreNoneOfARecordingOfCorners) {
   EXPECT_TRUE(record_.view_images.empty());
 }
 
+// Where the cameras were given there is no stage of their own: the other's views are ranked.
+TEST_F(ViewImages, AreThoseOfTheImuStageWhereTheCamerasWereGiven) {
+  CameraImuStageResult& stage = record_.camera_imu.emplace();
+  for (int i = 0; i < kFrames; ++i) {
+    stage.frames.push_back({2000 + i, {kFrames - 1 - i, 0}});  // views in another order
+    stage.residuals.push_back({0, i, 0, {3, 4}, {0.1F * static_cast<float>(i), 0}, true});
+  }
+  record_.camera.reset();
+  addViewImages(loaded_, record_);
+  ASSERT_EQ(record_.view_images.size(), 8U);
+  EXPECT_EQ(record_.view_images[0].t, 2011);
+  EXPECT_EQ(record_.view_images[0].jpeg, encodeJpeg(shrunk(grey(0), 3), 60));
+  EXPECT_EQ(record_.view_images[7].t, 2004);
+}
+
 }  // namespace
 }  // namespace plumbline
