@@ -3,6 +3,10 @@
 // a calibration understands; the same seeds give the same session.
 #include "evaluate/simulation/operated_session.h"
 
+#include <cmath>
+#include <numbers>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
@@ -149,6 +153,50 @@ TEST(RigSensors, MeasureTheSpline) {
   EXPECT_THROW(RigSensors(rig, rates), InputError) << "its rates are the rig's";
   faults.faults = {{.kind = FaultKind::kGyroDelay, .value = 0.005}};
   EXPECT_THROW(RigSensors(rig, faults), InputError) << "of a sensor at rest they would be others";
+}
+
+// Across by the bow, half as much the other way along, and a little stretched.
+TEST(BentBoard, HasItsBendInMillimetresRms) {
+  EXPECT_TRUE(bentBoard(0).isFlat());
+  const TargetShape shape = bentBoard(2);
+  const AprilGrid flat;
+  AprilGrid bent;
+  bent.shape = shape;
+  const auto points = cornerPoints(bent);
+  double heights = 0, middle_up = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    heights += points[i].z() * points[i].z() / static_cast<double>(points.size());
+    const Eigen::Vector2d p = flat.corner(static_cast<int>(i));
+    if (std::abs(p.x() - 0.5 * flat.width()) < 0.1 * flat.width()) middle_up += points[i].z();
+  }
+  // The two bows are nearly orthogonal: 2 mm and 1 mm.
+  EXPECT_NEAR(1e3 * std::sqrt(heights), std::sqrt(5), 0.3);
+  EXPECT_LT(middle_up, 0) << "a bow along x: the sides are up";
+  EXPECT_NEAR(1e3 * shape.rms(), std::sqrt(5), 0.3);
+}
+
+TEST(SuggestionsCsv, HasItsColumnsInOrder) {
+  Suggestion s;
+  s.t = 1'400'000'000'000'000'000;
+  s.stage = GuideStage::kCameraImu;
+  s.id = 7;
+  s.camera = 1;
+  s.T_FC0 = {expSO3({0, 0, std::numbers::pi / 2}), {1, 2, 3}};
+  const std::string csv = suggestionsCsv({s});
+  const std::size_t row = csv.find('\n') + 1;
+  EXPECT_EQ(csv.substr(0, row), "#t_ns,stage,id,tx [m],ty [m],tz [m],qx,qy,qz,qw,camera\n");
+  // A quarter turn about z: the root of a half in qz and qw.
+  EXPECT_EQ(csv.substr(row), "1400000000000000000," + toString(GuideStage::kCameraImu) +
+                                 ",7,1,2,3,0,0,0.707106781187,0.707106781187,1\n");
+}
+
+TEST(OperatedOptions, NameWhatIsOutOfRange) {
+  OperatedOptions o;
+  o.camera_share = 1.1;
+  EXPECT_THROW(recordFreely(simulatedRig("d435i"), o), InputError);
+  o = {};
+  o.arrival_s = -0.1;
+  EXPECT_THROW(recordGuided(simulatedRig("d435i"), o), InputError);
 }
 
 }  // namespace

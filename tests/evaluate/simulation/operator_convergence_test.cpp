@@ -4,6 +4,8 @@
 #include "evaluate/simulation/operator_convergence.h"
 
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -145,6 +147,49 @@ TEST(Convergence, TheStopByProjectionsLeavesTheErrorThatWasPredicted) {
   const double rms = std::sqrt(squares / stopped);
   EXPECT_GT(rms, 0.04);
   EXPECT_LT(rms, 0.15);
+}
+
+// The guide takes a frame back: from then on the calibration stands on the others.
+TEST(KeptViews, WithdrawnFramesAreGoneAndTheOtherStageIsNone) {
+  OperatedSession s;
+  const auto decide = [&](int frame, GuideStage stage, GuideMode mode, bool accepted) -> Decision& {
+    Decision& d = s.decisions.emplace_back();
+    d.t = 1000 + frame * 100'000'000LL;
+    d.frame = frame;
+    d.stage = stage;
+    d.mode = mode;
+    d.accepted = accepted;
+    d.projection_px = 0.1 * frame;
+    d.error_px = 10 + frame;
+    return d;
+  };
+  const auto cameras = GuideStage::kCamera, imu = GuideStage::kCameraImu;
+  decide(0, cameras, GuideMode::kInitialising, true);
+  decide(1, cameras, GuideMode::kCollecting, true);
+  decide(2, cameras, GuideMode::kCollecting, false);
+  decide(3, cameras, GuideMode::kCollecting, true).withdrawn = {1};
+  decide(4, cameras, GuideMode::kCollecting, false).withdrawn = {3};
+  decide(5, imu, GuideMode::kCollecting, true);
+  decide(7, imu, GuideMode::kCollecting, true);
+  const auto kept = keptViews(s);
+  ASSERT_EQ(kept.size(), 3U) << "while it initialises there is nothing to stop at";
+  EXPECT_EQ(kept[0].frames, (std::vector<int>{0, 1}));
+  EXPECT_EQ(kept[1].frames, (std::vector<int>{0, 3}));
+  EXPECT_EQ(kept[2].frames, (std::vector<int>{0}));
+  EXPECT_NEAR(kept[1].t_s, 0.3, 1e-12);
+  EXPECT_EQ(kept[1].predicted_px, 0.1 * 3);
+  const auto of_imu = keptViews(s, imu);
+  ASSERT_EQ(of_imu.size(), 2U);
+  EXPECT_EQ(of_imu[1].frames, (std::vector<int>{5, 7}));
+  EXPECT_NEAR(of_imu[1].t_s, 0.2, 1e-12) << "since its own stage began";
+  EXPECT_EQ(of_imu[1].predicted_px, 17);
+}
+
+TEST(TrueProjectionError, PixelsThatTheEstimateDoesNotSeeMakeItNoBetter) {
+  Intrinsics truth = undistorted();
+  Intrinsics folded = truth;
+  folded.distortion[0] = -2.5;  // turns back at 0.37 of the focal length from the axis
+  EXPECT_EQ(trueProjectionErrorPx(truth, folded), std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The design of a simulated study: orders are balanced, skills spread, two give up, practice helps.
+#include <algorithm>
 #include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -108,6 +110,48 @@ TEST(MotionCapture, SeesTheMarkerBodyByItsOwnClock) {
   EXPECT_GT(n, 600);
   // The marker body is 0.1 m from the IMU: its orientation's noise adds a little.
   EXPECT_NEAR(std::sqrt(squares / n / 3), o.noise_m, 0.3 * o.noise_m);
+}
+
+// A trajectory takes some twelve seconds; nobody is sent home before two minutes.
+TEST(StudySimulationOptions, LimitAndTrajectoriesFollowTheDuration) {
+  StudySimulationOptions o;
+  for (const auto& [duration_s, limit_s, trajectories] :
+       {std::tuple{10.0, 120.0, 2}, {20.0, 120.0, 2}, {30.0, 180.0, 3}, {60.0, 360.0, 5}}) {
+    o.duration_s = duration_s;
+    EXPECT_EQ(o.limitS(), limit_s);
+    EXPECT_EQ(o.trajectories(), trajectories);
+  }
+}
+
+TEST(SimulatedParticipants, GiveUpAfterTwoFifthsOfTheShorterDuration) {
+  const StudySimulationOptions o;
+  for (const auto& p : simulatedParticipants(o)) {
+    for (const SimulatedVisit& v : p.visits) {
+      const double practice = v.period == 2 ? o.learning : 1;
+      if (v.method == "guided") {
+        EXPECT_EQ(v.duration_s, o.limitS());
+      } else {
+        EXPECT_GE(v.duration_s, 0.85 * practice * o.duration_s);
+        EXPECT_LE(v.duration_s, 1.15 * practice * o.duration_s);
+      }
+      const double shorter = std::min(v.duration_s, o.duration_s);
+      EXPECT_NEAR(v.skill.patience_s, v.gives_up ? 0.4 * shorter : o.limitS(), 1e-9) << v.name;
+    }
+  }
+}
+
+TEST(SimulatedParticipants, ThreeAreTooFewForSomebodyToGiveUp) {
+  StudySimulationOptions o;
+  o.participants = 3;
+  const auto people = simulatedParticipants(o);
+  int guided_first = 0;
+  for (const auto& p : people) {
+    guided_first += p.visits[0].method == "guided" ? 1 : 0;
+    EXPECT_EQ(p.visits[0].name, p.name + "_" + p.visits[0].method);
+    for (const SimulatedVisit& v : p.visits) EXPECT_FALSE(v.gives_up);
+  }
+  EXPECT_EQ(guided_first, 1) << "rounded down";
+  EXPECT_EQ(people[2].name, "p03");
 }
 
 }  // namespace

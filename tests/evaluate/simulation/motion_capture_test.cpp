@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a motion-capture system delivers: stamps, gaps, columns. That its poses are the rig's, by
+// its own clock and worlds, is in study_participants_test.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
+#include "calibrator/base/transform.h"
+#include "evaluate/simulation/simulate_sequence.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+SimulatedSession recordedFor(double duration_s) {
+  SimulationOptions simulation;
+  simulation.duration_s = duration_s;
+  return simulateSession(simulatedRig("euroc"), simulation);
+}
+
+TEST(MotionCapture, CoversAllFramesAtItsOwnRate) {
+  const SimulatedSession session = recordedFor(4);
+  MotionCaptureOptions o;
+  o.rate_hz = 40;
+  o.drop_outs = 0;
+  o.clock_offset_s = 12.5;
+  const auto poses = simulateMotionCapture(session, o).trajectory.poses;
+  const TimeNs offset = toNanoseconds(o.clock_offset_s);
+  EXPECT_EQ(poses.front().t, session.start_ns - offset) << "t_imu = t_mocap + clock_offset_s";
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    EXPECT_NEAR(secondsBetween(poses[i - 1].t, poses[i].t), 1 / o.rate_hz, 2e-9);
+  }
+  const double span = secondsBetween(session.frame_stamps.front(), session.frame_stamps.back());
+  const double covered = secondsBetween(poses.front().t, poses.back().t);
+  EXPECT_GE(covered, span - 1e-9);
+  EXPECT_LT(covered, span + 1 / o.rate_hz);
+}
+
+// A study of gaps compares the same poses with and without them.
+TEST(MotionCapture, GapsTakePosesAwayAndChangeNoOther) {
+  const SimulatedSession session = recordedFor(6);
+  MotionCaptureOptions o;
+  o.drop_outs = 0;
+  const auto whole = simulateMotionCapture(session, o).trajectory.poses;
+  o.drop_outs = 3;
+  o.drop_out_s = 0.4;
+  const MotionCapture with_gaps = simulateMotionCapture(session, o);
+  ASSERT_EQ(with_gaps.gaps_s.size(), 3U);
+  const double span = secondsBetween(session.frame_stamps.front(), session.frame_stamps.back());
+  std::vector<StampedPose> expected;
+  for (const StampedPose& pose : whole) {
+    const double t_s = secondsBetween(whole.front().t, pose.t);
+    const bool lost = std::any_of(
+        with_gaps.gaps_s.begin(), with_gaps.gaps_s.end(),
+        [&](const auto& gap) { return t_s > gap.first - 1e-6 && t_s < gap.second - 1e-6; });
+    if (!lost) expected.push_back(pose);
+  }
+  const auto& left = with_gaps.trajectory.poses;
+  ASSERT_EQ(left.size(), expected.size());
+  EXPECT_LT(left.size(), whole.size() - 30) << "one gap at least, whether they overlap or not";
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    EXPECT_EQ(left[i].t, expected[i].t);
+    EXPECT_EQ(left[i].p, expected[i].p);
+  }
+  for (const auto& [begin, end] : with_gaps.gaps_s) {
+    EXPECT_NEAR(end - begin, 0.4, 1e-12);
+    EXPECT_GT(begin, 0);
+    EXPECT_LT(end, span);
+  }
+  // Of a recording of a second a gap takes a tenth at most.
+  for (const auto& [begin, end] : simulateMotionCapture(recordedFor(1), o).gaps_s) {
+    EXPECT_LT(end - begin, 0.11);
+  }
+}
+
+TEST(MotionCaptureCsv, HasEurocsColumns) {
+  Trajectory trajectory;
+  trajectory.poses.push_back({1'400'000'000'123'456'789, {1, -2.5, 3}, {0.5, -0.5, 0.5, -0.5}});
+  const std::string csv = motionCaptureCsv(trajectory);
+  const std::size_t row = csv.find('\n') + 1;
+  EXPECT_EQ(csv.substr(0, row),
+            "#timestamp [ns], p_x [m], p_y [m], p_z [m], q_w [], q_x [], q_y [], q_z []\n");
+  EXPECT_EQ(csv.substr(row), "1400000000123456789,1,-2.5,3,0.5,-0.5,0.5,-0.5\n");
+}
+
+TEST(MotionCapture, ItsTruthIsToldBesideIt) {
+  const TemporaryFolder folder;
+  const SimulatedSession session = recordedFor(2);
+  MotionCaptureOptions o;
+  o.drop_outs = 1;
+  o.clock_offset_s = -0.25;
+  const Json truth = writeMotionCapture(session, o, folder.path(), "sequences/seq01");
+  EXPECT_EQ(truth.at("clock_offset_s"), -0.25);
+  const auto gap = simulateMotionCapture(session, o).gaps_s.front();
+  EXPECT_EQ(truth.at("gaps_s").at(0).at(0), gap.first);
+  EXPECT_EQ(truth.at("gaps_s").at(0).at(1), gap.second);
+  EXPECT_TRUE(std::filesystem::exists(folder.path("sequences/seq01/mav0/mocap0/data.csv")));
+}
+
+// The first rest is the one before the flight, where there is one.
+TEST(RestsInFlight, AreThoseAfterTheFirst) {
+  const SimulatedFlight flight{recordedFor(1), {{-10, 2}, {8, 9}, {15, 16}}, 0, {}, {}, 0};
+  FlightOptions options;
+  options.first_rest_s = 2;
+  EXPECT_EQ(restsInFlight(options, flight), 2);
+  options.first_rest_s = 0;
+  EXPECT_EQ(restsInFlight(options, flight), 3);
+}
+
+TEST(SequenceOptions, NameWhatIsOutOfRange) {
+  const auto refused = [](auto change) {
+    SequenceOptions options;
+    change(options);
+    try {
+      options.check();
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto names = [](const std::string& text, const char* field) {
+    return text.find(field) != std::string::npos;
+  };
+  EXPECT_EQ(refused([](auto&) {}), "");
+  EXPECT_TRUE(names(refused([](auto& o) { o.images.exposure_s = 2; }), "images.exposure_s"));
+  EXPECT_TRUE(names(refused([](auto& o) { o.images.noise_sigma = -1; }), "images.noise_sigma"));
+  EXPECT_TRUE(names(refused([](auto& o) { o.motion_capture.rate_hz = 0; }), "rate_hz"));
+  EXPECT_TRUE(names(refused([](auto& o) { o.motion_capture.noise_m = 2; }), "noise_m"));
+  EXPECT_TRUE(names(refused([](auto& o) { o.motion_capture.drop_outs = -1; }), "drop_outs"));
+}
+
+}  // namespace
+}  // namespace plumbline
