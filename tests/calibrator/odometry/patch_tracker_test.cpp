@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -82,6 +84,106 @@ TEST(CornerPicker, FindsCornersAndKeepsItsDistance) {
   for (const Eigen::Vector2f& p : pickCorners(image.view(), {{50, 40}}, {})) {
     EXPECT_GE((p - Eigen::Vector2f(50, 40)).norm(), 20);
   }
+}
+
+// A view into a larger image: rows are farther apart than they are long.
+TEST(ImagePyramid, ReadsAViewRowByRow) {
+  GrayImage image(80, 40, 10);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 40; x < 80; ++x) image.at(x, y) = 200;
+  }
+  const ImagePyramid left({image.data(), 40, 40, 80}, 2), right({image.data() + 40, 40, 40, 80}, 2);
+  ASSERT_EQ(left.levels(), 2);
+  for (const int k : {0, 1}) {
+    for (const int y : {0, left.level(k).height - 1}) {
+      for (const int x : {0, left.level(k).width - 1}) {
+        EXPECT_EQ(left.level(k).at(x, y), 10);
+        EXPECT_EQ(right.level(k).at(x, y), 200);
+      }
+    }
+  }
+}
+
+TEST(ImagePyramid, EndsWhereAPatchWouldNoLongerFit) {
+  EXPECT_EQ(ImagePyramid(GrayImage(40, 31).view(), 4).levels(), 1);
+  EXPECT_EQ(ImagePyramid(GrayImage(40, 32).view(), 4).levels(), 2);
+  EXPECT_EQ(ImagePyramid(GrayImage(70, 65).view(), 4).levels(), 3);
+  EXPECT_EQ(ImagePyramid(GrayImage(70, 65).view(), 4).level(1).height, 33);
+}
+
+/// Paints a roof: a pyramid that falls by `slope` grey levels a pixel along x and along y.
+void addRoof(GrayImage& image, int x0, int y0, int slope) {
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const int level = 250 - slope * (std::abs(x - x0) + std::abs(y - y0));
+      if (level > image.at(x, y)) image.at(x, y) = static_cast<std::uint8_t>(level);
+    }
+  }
+}
+
+// On a ridge of the roof one gradient is +-5 but in the middle one of seven columns, and does not
+// correlate with the other: 25 * 6 / 7 is the smaller eigenvalue.
+TEST(CornerPicker, TheBoundIsOfTheMeanSquaredGradient) {
+  GrayImage image(120, 120, 0);
+  addRoof(image, 60, 60, 5);
+  CornerPickerOptions options;
+  options.min_eigenvalue = 21.4;
+  EXPECT_FALSE(pickCorners(image.view(), {}, options).empty());
+  for (const Eigen::Vector2f& p : pickCorners(image.view(), {}, options)) {
+    EXPECT_TRUE(p.x() == 60 || p.y() == 60) << p.transpose();
+  }
+  options.min_eigenvalue = 21.5;
+  EXPECT_TRUE(pickCorners(image.view(), {}, options).empty());
+}
+
+TEST(CornerPicker, TheStrongestComeFirstAndOneACell) {
+  GrayImage image(184, 64, 0);
+  for (const auto& [x0, slope] : {std::pair{32, 10}, {72, 20}, {112, 15}})
+    addRoof(image, x0, 32, slope);
+  const auto picked = pickCorners(image.view(), {}, {});  // cells of 40 px from 12 on
+  ASSERT_EQ(picked.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(picked[i].x(), (std::array{72, 112, 32})[i], 13);
+  }
+  // What is tracked already leaves its cell as it is, wherever in the cell it lies.
+  const auto others = pickCorners(image.view(), {{90, 13}}, {});
+  ASSERT_EQ(others.size(), 2U);
+  EXPECT_NEAR(others[0].x(), 112, 13);
+}
+
+TEST(CornerPicker, KeepsClearOfTheBorder) {
+  GrayImage image(100, 90);
+  for (int y = 0; y < 90; ++y) {
+    for (int x = 0; x < 100; ++x) image.at(x, y) = (x / 5 + y / 5) % 2 == 0 ? 30 : 220;
+  }
+  CornerPickerOptions dense;
+  dense.cell_px = 8;
+  dense.min_distance_px = 0;
+  const auto picked = pickCorners(image.view(), {}, dense);
+  EXPECT_GT(picked.size(), 50U);
+  for (const Eigen::Vector2f& p : picked) {
+    EXPECT_GE(std::min(p.x(), p.y()), 12);
+    EXPECT_LT(p.x(), 100 - 12);
+    EXPECT_LT(p.y(), 90 - 12);
+  }
+}
+
+TEST(PatchCorrelation, IsThatOfOnePlaceAndOfTheOppositeGreyLevels) {
+  const GrayImage image = texture(0, 0);
+  GrayImage negative = image;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) negative.at(x, y) = 255 - image.at(x, y);
+  }
+  const ImagePyramid from(image.view(), 3), to(negative.view(), 3);
+  EXPECT_NEAR(patchCorrelation(from, from, {90, 70}, {90, 70}, 0), 1, 1e-4);
+  EXPECT_NEAR(patchCorrelation(from, to, {90, 70}, {90, 70}, 0), -1, 1e-4);
+  EXPECT_LT(patchCorrelation(from, from, {90, 70}, {100, 70}, 0), 0.9F);
+  EXPECT_NEAR(patchCorrelation(from, from, {90, 70}, {90, 70}, 2), 1, 1e-4);
+  EXPECT_EQ(patchCorrelation(from, from, {90, 70}, {90, 70}, 3), -1) << "no such level";
+  EXPECT_EQ(patchCorrelation(from, from, {90, 70}, {195, 70}, 0), -1) << "beyond the border";
+  // 7 pixels fit at level 0, and at level 2 no longer.
+  EXPECT_NE(patchCorrelation(from, from, {20, 70}, {20, 70}, 0), -1);
+  EXPECT_EQ(patchCorrelation(from, from, {20, 70}, {20, 70}, 2), -1);
 }
 
 }  // namespace
