@@ -3,12 +3,16 @@
 #include "calibrator/initialise/camera_start.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
+#include "calibrator/camera/camera.h"
 #include "calibrator/initialise/camera_poses.h"
+#include "calibrator/residuals/tangent.h"
 #include "calibrator/simulate/simulate_session.h"
+#include "tests/calibrator/camera/example_cameras.h"
 
 namespace plumbline {
 namespace {
@@ -189,6 +193,107 @@ TEST(ExtrinsicsFromPoses, CamerasThatShareNoFrameAreNamed) {
   const auto T = extrinsicsFromPoses(poses, {"left", "right", "rear"});
   ASSERT_FALSE(T.ok());
   EXPECT_EQ(toString(T.failure()), "CamerasShareNoFrame (apart rear, together left, right)");
+}
+
+/// Pixels per radian of a camera for a ray beside its axis.
+Eigen::Vector2d magnification(const Intrinsics& camera) {
+  constexpr double kAngle = 1e-5;
+  const Eigen::Vector2d middle = project(camera, {0, 0, 1}).value();
+  return {(project(camera, {kAngle, 0, 1}).value() - middle).x() / kAngle,
+          (project(camera, {0, kAngle, 1}).value() - middle).y() / kAngle};
+}
+
+// Also for models whose fu is no scale of the image.
+TEST(PlainCamera, HasTheFocalLengthAtItsCentreWhateverTheModel) {
+  for (const Intrinsics& example : test::everyModel()) {
+    const auto projection = example.projection_model;
+    const auto distortion = example.distortion_model;
+    if (!canBeCalibrated(projection, distortion)) continue;
+    const std::string name = toString(projection) + "-" + toString(distortion);
+    const Intrinsics camera = plainCamera(projection, distortion, {640, 480}, 350);
+    EXPECT_LT((magnification(camera) - Eigen::Vector2d(350, 350)).norm(), 0.01) << name;
+    EXPECT_LT((project(camera, {0, 0, 1}).value() - Eigen::Vector2d(319.5, 239.5)).norm(), 1e-9);
+    // And a lens in another model begins with its own.
+    const Intrinsics like = plainLike(test::radtanCamera(), projection, distortion);
+    const Intrinsics& lens = test::radtanCamera();
+    EXPECT_LT((magnification(like) - magnification(lens)).norm(), 3) << name;
+    EXPECT_LT((project(like, {0, 0, 1}).value() - project(lens, {0, 0, 1}).value()).norm(), 1e-9)
+        << name;
+  }
+}
+
+TEST(IsWellAhead, EndsAt88DegreesAndBehind) {
+  const auto at = [](double degrees) {
+    return Eigen::Vector3d(0, std::sin(degrees * kDegree), std::cos(degrees * kDegree));
+  };
+  EXPECT_TRUE(isWellAhead(at(0)));
+  EXPECT_TRUE(isWellAhead(5 * at(88)));
+  EXPECT_FALSE(isWellAhead(at(88.2)));
+  EXPECT_FALSE(isWellAhead(at(150)));
+}
+
+// Of the two poses that explain a tag far away the better one is taken, whichever the homography
+// leads to.
+TEST(FindPose, OfASmallTagTheMirroredPoseIsTriedAsWell) {
+  const AprilGrid target;
+  const Intrinsics camera =
+      plainCamera(ProjectionModel::kPinhole, DistortionModel::kRadtan, {640, 480}, 400);
+  const double half = 0.5 * target.tag_size;
+  int better_mirrored = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Transform truth(
+        expSO3({std::numbers::pi + 0.5 * std::sin(k), 0.5 * std::cos(1.7 * k), 0.1 * k}),
+        Eigen::Vector3d(0.2, -0.1, 3));
+    ImageView view;
+    for (const int id : {0, 1, 2, 3}) {
+      const Eigen::Vector2d p = target.corner(id);
+      const Eigen::Vector2d noise(std::sin(3.1 * k + id), std::cos(5.3 * k - 2 * id));
+      const auto uv = project(camera, truth * Eigen::Vector3d(p.x(), p.y(), 0));
+      view.corners.push_back({id, uv.value() + 0.3 * noise});
+    }
+    const PackedCorners corners(target, {view});
+    const std::vector<FrameView> views{{&camera, corners.view(0), Transform()}};
+    PoseRefinementOptions options;
+    options.max_iterations = 50;
+    const auto found = findPose(views, 1e-9, options);
+    ASSERT_TRUE(found) << k;
+    const auto start = homographyPose(camera, corners.view(0));
+    const PoseRefinement one = refinePose(views, *start, options);
+    const PoseRefinement other = refinePose(views, mirroredPose(*start, {half, half}), options);
+    EXPECT_LE(found->cost, 1.001 * std::min(one.cost, other.cost)) << k;
+    better_mirrored += other.cost < 0.9 * one.cost ? 1 : 0;
+  }
+  EXPECT_GE(better_mirrored, 1) << "else the example tells nothing";
+}
+
+// To second order the cost grows by the information, in the left twist of the pose.
+TEST(RefinePose, InformationIsTheCurvatureOfTheCost) {
+  const StereoFrame frame(0);
+  const PoseRefinement pose = refinePose(frame.views, frame.truth, {{0, 0}, 20, 1e-8});
+  for (int k = 0; k < 6; ++k) {
+    const Vector6d d = 1e-4 * Vector6d::Unit(k);
+    const double px = errorPx(frame.views, twisted(pose.T_C0F, d), {0, 0});
+    const double expected = d.dot(pose.information * d);
+    EXPECT_NEAR(px * px * pose.corners, expected, 0.01 * expected) << k;
+  }
+}
+
+// One frame that a pair of cameras shares, and which misleads, does not stand against many.
+TEST(ExtrinsicsFromPoses, TheWayOfMostSharedFramesIsTaken) {
+  const Transform T_C0C1(expSO3({0, 0.4, 0}), {0.1, 0, 0});
+  const Transform T_C0C2(expSO3({0.1, 0.8, 0}), {0.2, 0.05, 0});
+  std::vector<CameraPoses> poses(3, CameraPoses(20));
+  for (std::size_t f = 0; f < 20; ++f) {
+    const double a = 0.1 * static_cast<double>(f);
+    const Transform T_C0F(expSO3({a, 0.1, -a}), Eigen::Vector3d(a, 0, 1));
+    if (f < 12) poses[0][f] = T_C0F;
+    poses[1][f] = T_C0C1.inverse() * T_C0F;
+    if (f >= 11) poses[2][f] = T_C0C2.inverse() * T_C0F;
+  }
+  *poses[2][11] = Transform(expSO3({1, 1, 1}), {3, 2, 1});  // the only one with camera 0
+  const auto T = extrinsicsFromPoses(poses, {"cam0", "cam1", "cam2"});
+  ASSERT_TRUE(T.ok());
+  EXPECT_LT(distance((*T)[2], T_C0C2), 1e-9);
 }
 
 }  // namespace

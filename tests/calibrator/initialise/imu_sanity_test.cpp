@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -194,6 +195,47 @@ TEST(CheckInertial, TheTargetIsBlamedOnlyWhereAnotherSizeExplainsTheMotion) {
     EXPECT_NEAR(residualRatio(a), c.residual, 1e-12);
     EXPECT_EQ(inertialOf(a), c.expected) << c.name;
   }
+}
+
+// What is told are the figures that the check judged, each under its own name.
+TEST(CheckSampleUnits, FiguresAreToldByTheirNames) {
+  const std::vector<ImuSample> samples(5, {0, {0, 0.25, 0}, {0, 0, 98}});
+  const auto failure = checkSampleUnits(samples);
+  ASSERT_EQ(codeOf(failure), FailureCode::kAccelerometerUnits);
+  EXPECT_EQ(failure->number("accel"), 98);
+  EXPECT_EQ(failure->number("gyro"), 0.25);
+  EXPECT_EQ(failure->number("gravity"), SanityOptions().gravity_m_s2);
+  EXPECT_EQ(codeOf(checkSampleUnits(std::span(samples).first(1))), FailureCode::kTooFewSamples);
+}
+
+TEST(CheckExcitation, NamesTheAxisThatWasTurnedAboutAndTheRateAcross) {
+  RateAlignment rates;
+  rates.excitation << 1, 0.01, 0.005;
+  rates.excitation_axes << 0, 1, 0,  //
+      0.6, 0, -0.8,                  //
+      0.8, 0, 0.6;
+  const auto failure = checkExcitation(rates);
+  ASSERT_EQ(codeOf(failure), FailureCode::kRotationAboutOneAxis);
+  EXPECT_EQ(toString(*failure), "RotationAboutOneAxis (axis   0 0.6 0.8, rms 0.01)");
+}
+
+TEST(CheckInertial, TellsTheSizeThatTheTargetWasStatedTooLarge) {
+  InertialAlignment a = plausible();
+  a.noise_rms = 0;
+  a.scale = 0.5;
+  AprilGrid target;
+  target.tag_size = 0.176;
+  const auto failure = checkInertial(a, target);
+  ASSERT_EQ(codeOf(failure), FailureCode::kScaleDisagrees);
+  EXPECT_EQ(failure->number("scale"), 0.5);
+  EXPECT_EQ(failure->number("scale_std"), 0.002);
+  EXPECT_EQ(failure->number("tag_size"), 0.176);
+  a = plausible();
+  a.gravity_F << 0, 8, -6;
+  const auto gravity = checkInertial(a, target);
+  ASSERT_EQ(codeOf(gravity), std::nullopt) << "10 m/s^2 is 2 % off";
+  a.gravity_F *= 1.1;
+  EXPECT_NEAR(checkInertial(a, target)->number("measured"), 11, 1e-12);
 }
 
 }  // namespace

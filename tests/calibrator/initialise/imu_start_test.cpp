@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // First guesses of the camera-IMU stage from exact poses and samples of an analytic trajectory.
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -154,6 +157,177 @@ TEST(InertialAlignment, IsEmptyForTooFewFrames) {
   Recording r = exactRecording(0);
   r.poses.resize(8);
   EXPECT_FALSE(alignInertially(r.poses, r.samples(), r.truth().T_SC0.R, {0, 0, 0}, 0));
+}
+
+TEST(GyroIntegral, GivesNoMeanAcrossAPause) {
+  std::vector<ImuSample> samples;
+  for (int k = 0; k <= 60; ++k) samples.push_back({k * 10'000'000, {1, 2, 3}, {0, 0, 0}});
+  // From 0 to 60 ms, and from 300 to 350 ms: six times the interval, and five.
+  std::erase_if(samples, [](const ImuSample& s) {
+    return (s.t > 0 && s.t < 60'000'000) || (s.t > 300'000'000 && s.t < 350'000'000);
+  });
+  EXPECT_EQ(medianSampleInterval(samples), 0.01);
+  const GyroIntegral gyro(samples);
+  const auto known = [&](TimeNs from_ms, TimeNs to_ms) {
+    return gyro.meanRate(from_ms * 1'000'000, to_ms * 1'000'000, 0).has_value();
+  };
+  EXPECT_FALSE(known(10, 20));
+  EXPECT_FALSE(known(0, 100));
+  EXPECT_TRUE(known(60, 100));
+  EXPECT_TRUE(known(290, 400));
+}
+
+TEST(RateAlignment, SaysAboutWhichAxisTheRigTurned) {
+  const Eigen::Vector3d most(0.6, 0, 0.8), little = most.cross(Eigen::Vector3d::UnitY());
+  std::vector<RatePair> pairs;
+  for (int k = 0; k < 200; ++k) {
+    // About a mean that is no turning to and fro.
+    const Eigen::Vector3d w = Eigen::Vector3d(1, 2, 3) +
+                              2 * std::sin(0.1 * std::numbers::pi * k) * most +
+                              0.5 * std::cos(0.1 * std::numbers::pi * k) * little;
+    pairs.push_back({w, w});
+  }
+  const RateAlignment a = alignRates(pairs);
+  // RMS of a sine: its amplitude over the root of two.
+  EXPECT_LT((a.excitation - Eigen::Vector3d(2, 0.5, 0) / std::sqrt(2)).norm(), 1e-9);
+  EXPECT_NEAR(std::abs(a.excitation_axes.col(0).dot(most)), 1, 1e-9);
+  EXPECT_NEAR(std::abs(a.excitation_axes.col(1).dot(little)), 1, 1e-9);
+}
+
+TEST(TimeOffset, BeyondTheRangeItIsAtTheEdge) {
+  const Recording r = exactRecording(0.3);
+  const auto rates = cameraRates(r.poses, 0.11);
+  TimeOffsetOptions options;
+  for (const double range : {0.28, 0.35}) {
+    options.max_offset_s = range;
+    const auto found = estimateTimeOffset(rates, GyroIntegral(r.samples()), options);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->at_edge, range < 0.3) << range;
+  }
+}
+
+TEST(TimeOffset, FailuresSayWhatWasThereAndWhatWasNeeded) {
+  const Recording r = exactRecording(0);
+  auto rates = cameraRates(r.poses, 0.11);
+  const GyroIntegral gyro(r.samples());
+  const auto few = estimateTimeOffset(std::span(rates).first(19), gyro);
+  ASSERT_FALSE(few);
+  EXPECT_EQ(toString(few.failure()), "TooFewRates (needed 20, rates 19)");
+  const TimeNs begin = rates.front().from;
+  for (CameraRate& c : rates) c.from += 100'000'000'000, c.to += 100'000'000'000;
+  const auto apart = estimateTimeOffset(rates, gyro);
+  ASSERT_FALSE(apart);
+  const Failure& f = apart.failure();
+  EXPECT_EQ(f.code, FailureCode::kImuDoesNotCover);
+  // Times are told from the first frame on.
+  const double lead = secondsBetween(r.samples().front().t, begin);
+  EXPECT_NEAR(f.number("samples_from_s"), -100 - lead, 1e-6);
+  EXPECT_NEAR(f.number("frames_to_s"), secondsBetween(rates.front().from, rates.back().to), 1e-6);
+  EXPECT_EQ(f.number("covered"), 0);
+  EXPECT_EQ(f.number("intervals"), static_cast<double>(rates.size()));
+}
+
+/// The rates of a recording whose camera clock leaves the IMU's by `step_s` in its second half.
+std::vector<CameraRate> steppedRates(const Recording& r, double step_s) {
+  std::vector<CameraRate> rates = cameraRates(r.poses, 0.11);
+  for (std::size_t k = rates.size() / 2; k < rates.size(); ++k) {
+    rates[k].from -= toNanoseconds(step_s);
+    rates[k].to -= toNanoseconds(step_s);
+  }
+  return rates;
+}
+
+TEST(OffsetsOfParts, AreThoseBeforeAndAfterAStepOfTheClock) {
+  const Recording r = exactRecording(0.7, 20);
+  const GyroIntegral gyro(r.samples());
+  const auto steady = offsetsOfParts(steppedRates(r, 0), gyro, 0.7);
+  const auto stepped = offsetsOfParts(steppedRates(r, 0.02), gyro, 0.7);
+  ASSERT_TRUE(steady && stepped);
+  EXPECT_NEAR(steady->least_s, 0.7, 1e-3);
+  EXPECT_NEAR(steady->most_s, 0.7, 1e-3);
+  EXPECT_NEAR(stepped->least_s, 0.7, 1e-3);
+  EXPECT_NEAR(stepped->most_s, 0.72, 1e-3);
+  EXPECT_LT(stepped->std_s, 1e-3);
+}
+
+// Short parts of any two motions correlate, each under a rotation of its own.
+TEST(OffsetsOfParts, AreThoseUnderOneRotation) {
+  const Recording r = exactRecording(0, 20);
+  const GyroIntegral gyro(r.samples());
+  const auto found = [&](std::size_t same) {  // of ten parts
+    std::vector<CameraRate> rates = steppedRates(r, 0);
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      const std::size_t part = (10 * i + 9) / rates.size();
+      if (part < same) continue;
+      rates[i].rate_C = expSO3({0, 0, 0.3 * static_cast<double>(part)}) * rates[i].rate_C;
+    }
+    return offsetsOfParts(rates, gyro, 0).has_value();
+  };
+  EXPECT_TRUE(found(10));
+  EXPECT_FALSE(found(3));
+  const std::vector<CameraRate> whole = steppedRates(r, 0);
+  EXPECT_FALSE(offsetsOfParts(std::span(whole).first(29), gyro, 0)) << "not one part";
+}
+
+TEST(InertialAlignment, AFewWrongPosesAreLeftOut) {
+  const Recording r = exactRecording(0, 20);
+  const auto aligned = [&](const std::vector<CameraPose>& poses) {
+    return alignInertially(poses, r.samples(), r.truth().T_SC0.R, r.simulated.biases.front().gyro,
+                           0)
+        .value();
+  };
+  std::vector<CameraPose> poses = r.poses;
+  const InertialAlignment clean = aligned(poses);
+  for (const std::size_t k : {50U, 150U, 250U}) poses[k].T_FC0.t.x() += 0.2;
+  const InertialAlignment spoilt = aligned(poses);
+  // Each is the first, the middle and the last of a triple.
+  EXPECT_LT(spoilt.equations, clean.equations);
+  EXPECT_GE(spoilt.equations, clean.equations - 9);
+  EXPECT_NEAR(spoilt.scale, 1, 2e-3);
+  EXPECT_LT((spoilt.t_SC0 - r.truth().T_SC0.t).norm(), 3e-3);
+}
+
+// What the sensor did meanwhile is not known: readings beside a pause say nothing of it. With noise
+// in the poses the triples across it would not stand out.
+TEST(InertialAlignment, NoTripleSpansAPauseOfTheSamples) {
+  const Recording r = exactRecording(0, 20);
+  std::vector<CameraPose> poses = r.poses;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0, 0.02);
+  for (CameraPose& p : poses) {
+    p.T_FC0.t += Eigen::Vector3d(normal(random), normal(random), normal(random));
+  }
+  std::vector<ImuSample> samples = r.samples();
+  const auto equations = [&] {
+    return alignInertially(poses, samples, r.truth().T_SC0.R, r.simulated.biases.front().gyro, 0)
+        .value()
+        .equations;
+  };
+  const int all = equations();
+  for (const TimeNs second : {4, 8, 12}) {
+    const TimeNs from = r.poses.front().t + second * 1'000'000'000;
+    std::erase_if(samples,
+                  [&](const ImuSample& s) { return s.t > from && s.t < from + 100'000'000; });
+  }
+  // Triples span 0.4 s: some ten of 20 Hz reach into each pause, of which three in four are taken.
+  EXPECT_LE(equations(), all - 15);
+  EXPECT_GE(equations(), all - 36);
+}
+
+// Held at the stated size, the accelerometer's readings contradict the camera.
+TEST(InertialAlignment, TheStatedSizeLeavesMoreThanTheTrueOne) {
+  const Recording r = exactRecording(0, 20);
+  auto poses = r.poses;
+  const auto aligned = [&] {
+    return alignInertially(poses, r.samples(), r.truth().T_SC0.R, r.simulated.biases.front().gyro,
+                           0)
+        .value();
+  };
+  const InertialAlignment right = aligned();
+  EXPECT_LT(right.fixed_rms, 1.5 * right.residual_rms);
+  EXPECT_EQ(right.noise_rms, 0) << "the poses' noise is not known";
+  for (CameraPose& p : poses) p.T_FC0.t *= 2;
+  EXPECT_GT(aligned().fixed_rms, 10 * aligned().residual_rms);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A lens in another model.
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -69,6 +70,43 @@ TEST(LensFit, SaysHowMuchAModelMisses) {
   EXPECT_GT(fit->rms_px, 1);
   EXPECT_GE(fit->most_px, fit->rms_px);
   EXPECT_FALSE(fitLens(test::radtanCamera(), {}));
+}
+
+// Two equations a point: a pinhole with four coefficients needs four. What cannot be shown is not
+// counted.
+TEST(LensFit, CountsThePointsThatTheModelShows) {
+  const Intrinsics lens = test::radtanCamera();
+  std::vector<SeenPoint> points;
+  for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.3, 0.1}, {-0.2, 0.3}, {0.1, -0.4}}) {
+    const Eigen::Vector3d p_C(x, y, 1);
+    points.push_back({p_C, project(lens, p_C).value()});
+  }
+  points.push_back({{0, 0, -1}, {100, 100}});
+  points.push_back({{40, 0, 1}, {700, 240}});  // 88.6 degrees off the axis
+  const auto fit = fitLens(lens, points);
+  ASSERT_TRUE(fit);
+  EXPECT_EQ(fit->points, 4);
+  EXPECT_LT(fit->most_px, 1e-6);
+  points.erase(points.begin());
+  EXPECT_FALSE(fitLens(lens, points));
+}
+
+// One point that is off by 4 px among many that are not: what is left lies in it.
+TEST(LensFit, TheLargestErrorAndTheMeanSquareAreOfTheSamePoints) {
+  Intrinsics lens = test::radtanCamera();
+  std::vector<SeenPoint> points;
+  for (int i = -10; i <= 10; ++i) {
+    for (int j = -6; j <= 6; ++j) {
+      const Eigen::Vector3d p_C(0.05 * i, 0.05 * j, 1);
+      points.push_back({p_C, project(lens, p_C).value()});
+    }
+  }
+  points[100].uv.x() += 4;
+  const auto fit = fitLens(lens, points);
+  ASSERT_TRUE(fit);
+  EXPECT_EQ(fit->points, 21 * 13);
+  EXPECT_NEAR(fit->most_px, 4, 0.2);
+  EXPECT_NEAR(fit->rms_px, 4 / std::sqrt(21 * 13), 0.01);
 }
 
 }  // namespace
