@@ -7,7 +7,7 @@
 #include "calibrator/camera/camera.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/information/projection_uncertainty.h"
-#include "calibrator/residuals/tangent.h"
+#include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {
 namespace {

@@ -10,7 +10,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/residuals/tangent.h"
+#include "calibrator/residuals/view_gram.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

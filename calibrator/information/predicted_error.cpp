@@ -8,7 +8,7 @@
 
 #include "calibrator/information/excess_kernel.h"
 #include "calibrator/linear/dense.h"
-#include "calibrator/residuals/instruction_set.h"
+#include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {
 namespace {

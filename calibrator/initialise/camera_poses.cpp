@@ -10,7 +10,7 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/linear/levenberg_marquardt.h"
-#include "calibrator/residuals/tangent.h"
+#include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {
 namespace {

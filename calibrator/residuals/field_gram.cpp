@@ -8,7 +8,6 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/residuals/field_kernel.h"
-#include "calibrator/residuals/instruction_set.h"
 
 namespace plumbline {
 namespace {

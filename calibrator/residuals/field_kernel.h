@@ -83,9 +83,7 @@ template <int W, int kEnd, int kRow = 0>
   constexpr int kRows = kEnd - kRow < 4 ? kEnd - kRow : 4;
   gram::Products<W>::template strip<kRows, kFieldFunctions>(
       left + kRow * gram::kStride, functions, n, sums + kRow * kFieldFunctions, kFieldFunctions);
-  if constexpr (kRow + kRows < kEnd) {
-    addAgainst<W, kEnd, kRow + kRows>(left, functions, n, sums);
-  }
+  if constexpr (kRow + kRows < kEnd) addAgainst<W, kEnd, kRow + kRows>(left, functions, n, sums);
 }
 
 /// The corners of one group: the columns of the view, and the functions, all times the root of

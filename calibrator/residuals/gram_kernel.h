@@ -362,9 +362,7 @@ void writeIntrinsics(const Totals<S>& sums, ViewGram& out) {
       const auto& sum = sums.own[row][own];
       const int k = 2 * own + row;
       for (int i = 0; i < 6; ++i) out.H_pose_k(i, k) = sum[i];
-      for (int i = 0; i < kShape; ++i) {
-        out.H_k(k, 4 + i) = out.H_k(4 + i, k) = sum[6 + i];
-      }
+      for (int i = 0; i < kShape; ++i) out.H_k(k, 4 + i) = out.H_k(4 + i, k) = sum[6 + i];
       out.b_k[k] = sum[S + kError];
       out.H_k(k, row) = out.H_k(row, k) = sum[S + kPlane];
       out.H_k(k, 2 + row) = out.H_k(2 + row, k) = sum[S + kOne];

@@ -117,6 +117,8 @@ struct ImuWeight {
   Matrix9d sqrt_information = Matrix9d::Zero();  ///< lower triangular, inverse Cholesky factor
   double gyro_walk = 0;                          ///< 1 / standard deviation [s/rad]
   double accel_walk = 0;                         ///< [s^2/m]
+
+  Vector6d walk() const;  ///< of the rows of biasWalkResidual()
 };
 /// From preintegrationCovariance() (symmetric positive definite) and the walk densities.
 ImuWeight imuWeight(const Matrix9d& covariance, const ImuNoise& noise, double duration_s);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/residuals/tangent.h"
-
 #include "calibrator/base/transform.h"
+#include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {
 namespace {

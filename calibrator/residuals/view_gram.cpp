@@ -5,9 +5,8 @@
 #include <variant>
 
 #include "calibrator/camera/camera_dispatch.h"
-#include "calibrator/residuals/field_gram.h"
 #include "calibrator/residuals/gram_kernel.h"
-#include "calibrator/residuals/instruction_set.h"
+#include "calibrator/residuals/plain_gram.h"
 
 namespace plumbline {
 namespace {
@@ -69,16 +68,6 @@ template <class Model, bool kRobust>
 using Avx2 = Baseline<Model, kRobust>;
 #endif
 
-gram::Input inputOf(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
-                    const GramOptions& options) {
-  // With a scale of 1e-3 px and more 1 + |e|^2 / c^2 stays below 1e17, as LogSum::add() needs it.
-  assert(options.cauchy_px == 0 || options.cauchy_px >= 1e-3);
-  assert(options.triggs_clamp >= 0 && options.triggs_clamp <= 2);
-  gram::Input in = gram::viewInput(camera, T_CF, view, options);
-  in.triggs_clamp = options.triggs_clamp;
-  return in;
-}
-
 /// A weight of 0 does not silence derivatives that are NaN (0 * NaN), so that such parameters do
 /// not reach the kernels.
 bool allFinite(const Intrinsics& camera, const Transform& T_CF) {
@@ -89,23 +78,32 @@ bool allFinite(const Intrinsics& camera, const Transform& T_CF) {
 // Every used corner is charged as one that cannot be projected.
 double chargeAll(const PackedView& view) { return view.used() * kInvalidSquaredError; }
 
-/// Calls job(Version<Model, kRobust>{}) for the version, model and loss at hand. False, and no
-/// call, for a model that the kernel is not compiled for: it goes the plain way (plain_gram.h).
+/// Calls job(Version{}, input) with the version for the instruction set, the model and the loss at
+/// hand, and what it reads.
 template <class Job>
-bool dispatch(InstructionSet set, const AnyCameraModel& model, bool robust, const Job& job) {
-  assert(isAvailable(set));
-  return std::visit(
+void dispatch(const AnyCameraModel& model, const plain::View& v, const Job& job) {
+  const double cauchy_px = v.options.cauchy_px, triggs_clamp = v.options.triggs_clamp;
+  assert(isAvailable(v.set));
+  // With a scale of 1e-3 px and more 1 + |e|^2 / c^2 stays below 1e17, as LogSum::add() needs it.
+  assert(cauchy_px == 0 || cauchy_px >= 1e-3);
+  assert(triggs_clamp >= 0 && triggs_clamp <= 2);
+  std::visit(
       [&]<class Model>(Model) {
-        if constexpr (!kIsVectorised<Model>) {
-          return false;
-        } else if (set == InstructionSet::kAvx2) {
+        if constexpr (kIsVectorised<Model>) {
+          gram::Input in = gram::viewInput(v.camera, v.T_CF, v.corners, v.options);
+          in.target = v.target;
+          in.triggs_clamp = triggs_clamp;
           // Without a loss the same columns serve as both factors (gram_kernel.h): a version of its
           // own.
-          robust ? job(Avx2<Model, true>{}) : job(Avx2<Model, false>{});
+          const bool robust = cauchy_px > 0;
+          if (v.set == InstructionSet::kAvx2) {
+            robust ? job(Avx2<Model, true>{}, in) : job(Avx2<Model, false>{}, in);
+          } else {
+            robust ? job(Baseline<Model, true>{}, in) : job(Baseline<Model, false>{}, in);
+          }
         } else {
-          robust ? job(Baseline<Model, true>{}) : job(Baseline<Model, false>{});
+          job(plain::Version<Model>{}, v);
         }
-        return kIsVectorised<Model>;
       },
       model);
 }
@@ -125,8 +123,8 @@ InstructionSet bestInstructionSet() {
   return isAvailable(InstructionSet::kAvx2) ? InstructionSet::kAvx2 : InstructionSet::kBaseline;
 }
 
-PoseGram poseGramWith(InstructionSet set, const Intrinsics& camera, const Transform& T_CF,
-                      const PackedView& view, const GramOptions& options) {
+PoseGram poseGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                  const GramOptions& options, InstructionSet set) {
   // Before all else: it throws for a wrong number of parameters, which what follows reads
   // unchecked.
   const AnyCameraModel model = cameraModelOf(camera);
@@ -135,15 +133,13 @@ PoseGram poseGramWith(InstructionSet set, const Intrinsics& camera, const Transf
     out.squared_error = out.cost = chargeAll(view);
     return out;
   }
-  const gram::Input in = inputOf(camera, T_CF, view, options);
-  const bool done =
-      dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.pose(in, out); });
-  if (!done) return plain::poseGram({set, model, camera, T_CF, view, options});
+  dispatch(model, {set, camera, T_CF, view, options},
+           [&](auto version, const auto& in) { version.pose(in, out); });
   return out;
 }
 
-ViewGram viewGramWith(InstructionSet set, const Intrinsics& camera, const Transform& T_CF,
-                      const PackedView& view, const GramOptions& options) {
+ViewGram viewGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                  const GramOptions& options, InstructionSet set) {
   const AnyCameraModel model = cameraModelOf(camera);
   ViewGram out;
   if (!allFinite(camera, T_CF)) {
@@ -154,64 +150,37 @@ ViewGram viewGramWith(InstructionSet set, const Intrinsics& camera, const Transf
     out.squared_error = out.cost = chargeAll(view);
     return out;
   }
-  const gram::Input in = inputOf(camera, T_CF, view, options);
-  const bool done =
-      dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.view(in, out); });
-  if (!done) return plain::viewGram({set, model, camera, T_CF, view, options});
+  dispatch(model, {set, camera, T_CF, view, options},
+           [&](auto version, const auto& in) { version.view(in, out); });
   return out;
 }
 
-TargetViewGram targetViewGramWith(InstructionSet set, const Intrinsics& camera,
-                                  const Transform& T_CF, const PackedView& view,
-                                  const TargetColumns& target, const GramOptions& options) {
+TargetViewGram targetViewGram(const Intrinsics& camera, const Transform& T_CF,
+                              const PackedView& view, const TargetColumns& target,
+                              const GramOptions& options, InstructionSet set) {
   const AnyCameraModel model = cameraModelOf(camera);
   TargetViewGram out;
   if (!allFinite(camera, T_CF)) {
-    static_cast<ViewGram&>(out) = viewGramWith(set, camera, T_CF, view, options);
+    static_cast<ViewGram&>(out) = viewGram(camera, T_CF, view, options, set);
     out.H_pose_s.setZero();
     out.H_k_s.setZero(out.b_k.size(), kTargetTerms);
     out.H_s.setZero();
     out.b_s.setZero();
     return out;
   }
-  gram::Input in = inputOf(camera, T_CF, view, options);
-  in.target = &target;
-  const bool done =
-      dispatch(set, model, options.cauchy_px > 0, [&](auto version) { version.target(in, out); });
-  if (!done) return plain::targetViewGram({set, model, camera, T_CF, view, options}, target);
+  dispatch(model, {set, camera, T_CF, view, options, &target},
+           [&](auto version, const auto& in) { version.target(in, out); });
   return out;
 }
 
-double viewCostWith(InstructionSet set, const Intrinsics& camera, const Transform& T_CF,
-                    const PackedView& view, const GramOptions& options) {
+double viewCost(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
+                const GramOptions& options, InstructionSet set) {
   const AnyCameraModel model = cameraModelOf(camera);
   if (!allFinite(camera, T_CF)) return chargeAll(view);
-  const gram::Input in = inputOf(camera, T_CF, view, options);
   double cost = 0;
-  const bool done =
-      dispatch(set, model, options.cauchy_px > 0, [&](auto version) { cost = version.cost(in); });
-  return done ? cost : plain::cost({set, model, camera, T_CF, view, options});
-}
-
-PoseGram poseGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
-                  const GramOptions& options) {
-  return poseGramWith(bestInstructionSet(), camera, T_CF, view, options);
-}
-
-ViewGram viewGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
-                  const GramOptions& options) {
-  return viewGramWith(bestInstructionSet(), camera, T_CF, view, options);
-}
-
-TargetViewGram targetViewGram(const Intrinsics& camera, const Transform& T_CF,
-                              const PackedView& view, const TargetColumns& target,
-                              const GramOptions& options) {
-  return targetViewGramWith(bestInstructionSet(), camera, T_CF, view, target, options);
-}
-
-double viewCost(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
-                const GramOptions& options) {
-  return viewCostWith(bestInstructionSet(), camera, T_CF, view, options);
+  dispatch(model, {set, camera, T_CF, view, options},
+           [&](auto version, const auto& in) { cost = version.cost(in); });
+  return cost;
 }
 
 }  // namespace plumbline

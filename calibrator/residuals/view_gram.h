@@ -37,7 +37,7 @@ inline constexpr double kInvalidSquaredError = 1e10;
 ///
 /// With e = projected - measured [px] and the twist x = (rho [m], phi [rad]) in the camera frame,
 /// p_C' = p_C + rho + phi x p_C, J = de/dx:  H = sum w J^T J,  b = sum w J^T e.
-/// (Chain to the tangents of Transforms with residuals/tangent.h.) With a loss, see GramOptions.
+/// (Chain to the tangents of Transforms with the matrices A below.) With a loss, see GramOptions.
 struct PoseGram {
   Matrix6d H = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
@@ -65,21 +65,61 @@ struct TargetColumns {
   const double* function[TargetBasis::kFunctions];
 };
 
-/// Terms in the pose only (camera-IMU stage, pose refinement).
+/// The versions of the kernels in one portable build. They agree to rounding.
+enum class InstructionSet {
+  kBaseline,  ///< what every machine of the platform has (SSE2 on x86-64)
+  kAvx2,      ///< AVX2 with fused multiply-add
+};
+
+/// Whether this machine can run that version.
+bool isAvailable(InstructionSet set);
+
+/// The fastest available version.
+InstructionSet bestInstructionSet();
+
+/// Terms in the pose only (camera-IMU stage, pose refinement). Only tests and benchmarks choose the
+/// version; to call an unavailable one is a bug.
 PoseGram poseGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
-                  const GramOptions& options = {});
+                  const GramOptions& options = {}, InstructionSet set = bestInstructionSet());
 
 /// Terms in pose and intrinsics (camera stage).
 ViewGram viewGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
-                  const GramOptions& options = {});
+                  const GramOptions& options = {}, InstructionSet set = bestInstructionSet());
 
 /// Terms in pose, intrinsics and the board's shape, about the places that the view states.
 TargetViewGram targetViewGram(const Intrinsics& camera, const Transform& T_CF,
                               const PackedView& view, const TargetColumns& target,
-                              const GramOptions& options = {});
+                              const GramOptions& options = {},
+                              InstructionSet set = bestInstructionSet());
 
 /// cost alone: what a rejected step needs.
 double viewCost(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
-                const GramOptions& options = {});
+                const GramOptions& options = {}, InstructionSet set = bestInstructionSet());
+
+// Matrices A (6x6) with x = A d to first order, from the tangent d = (dt, da) of a Transform (see
+// there) to the twist x = (rho, phi) of a target pose T_CiF in camera i, for which
+//   p_Ci' = p_Ci + rho + phi x p_Ci        (frame Ci, metres and radians),
+// the derivative that poseGram and viewGram take. Terms chain as H <- A^T H A, b <- A^T b.
+
+/// Adjoint of T_AB: x_A = Ad x_B for twists, phi_A = R phi_B, rho_A = R rho_B + t x phi_A.
+Matrix6d adjoint(const Transform& T_AB);
+
+/// The twist of T itself: x = A d for T <- boxplus(T, d). With T = T_CF:
+/// rho = dt + t x da, phi = da.
+Matrix6d twistFromTangent(const Transform& T);
+
+/// T after the twist x on its left: p' = Exp(phi) p + rho, to first order p + rho + phi x p.
+/// Orthonormal.
+Transform twisted(const Transform& T, const Vector6d& x);
+
+/// Derivatives of T_CiF = T_C0Ci^-1 * T_SC0^-1 * T_FS^-1 (camera-IMU calibration).
+struct CameraImuChain {
+  Transform T_CiF;
+  Matrix6d A_FS;    ///< in the tangent of T_FS
+  Matrix6d A_SC0;   ///< in the tangent of T_SC0
+  Matrix6d A_C0Ci;  ///< in the tangent of T_C0Ci
+};
+CameraImuChain cameraImuChain(const Transform& T_FS, const Transform& T_SC0,
+                              const Transform& T_C0Ci);
 
 }  // namespace plumbline

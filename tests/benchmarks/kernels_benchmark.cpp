@@ -5,8 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "calibrator/residuals/instruction_set.h"
-#include "calibrator/residuals/tangent.h"
+#include "calibrator/residuals/view_gram.h"
 #include "tests/calibrator/camera/example_cameras.h"
 #include "tests/calibrator/residuals/example_view.h"
 
@@ -54,11 +53,11 @@ double evaluate(Work work, InstructionSet set, const Recording& recording,
     const PackedView view = recording.corners.view(i);
     const Transform& T_CF = recording.T_CF[i];
     if (work == Work::kView) {
-      cost += viewGramWith(set, recording.camera, T_CF, view, options).cost;
+      cost += viewGram(recording.camera, T_CF, view, options, set).cost;
     } else if (work == Work::kPose) {
-      cost += poseGramWith(set, recording.camera, T_CF, view, options).cost;
+      cost += poseGram(recording.camera, T_CF, view, options, set).cost;
     } else {
-      cost += viewCostWith(set, recording.camera, T_CF, view, options);
+      cost += viewCost(recording.camera, T_CF, view, options, set);
     }
   }
   return cost;

@@ -5,7 +5,6 @@
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {

@@ -10,7 +10,6 @@
 #include <cmath>
 
 #include "calibrator/base/parallel.h"
-#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {
@@ -261,7 +260,7 @@ std::vector<CameraDerivatives> derivativesOf(const CameraEstimate& estimate) {
   std::vector<CameraDerivatives> all;
   for (const Transform& T_C0Ci : estimate.T_C0Ci) {
     const Transform T_CiC0 = T_C0Ci.inverse();
-    // Both adjoint and tangent have a lever arm (tangent.h), and of T_C0Ci itself they cancel.
+    // Both adjoint and tangent have a lever arm (view_gram.h), and of T_C0Ci itself they cancel.
     all.push_back({T_CiC0, adjoint(T_CiC0), -T_CiC0.R});
   }
   return all;

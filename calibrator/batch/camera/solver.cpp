@@ -7,7 +7,6 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/problem.h"
-#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {

@@ -10,7 +10,6 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {

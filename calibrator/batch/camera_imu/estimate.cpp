@@ -5,7 +5,6 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/residuals/imu_residual.h"
-#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/linear/dense.h"
-#include "calibrator/residuals/tangent.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,6 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/guidance/views/tag_kernel.h"
-#include "calibrator/residuals/tangent.h"
 #include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {

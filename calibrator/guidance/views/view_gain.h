@@ -12,7 +12,7 @@
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/guidance/views/tag_kernel.h"
-#include "calibrator/residuals/instruction_set.h"
+#include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {
 

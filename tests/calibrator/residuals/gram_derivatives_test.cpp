@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/camera/camera_dispatch.h"
-#include "calibrator/residuals/tangent.h"
 #include "calibrator/residuals/view_gram.h"
 #include "tests/calibrator/camera/example_cameras.h"
 #include "tests/calibrator/residuals/example_view.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/residuals/tangent.h"
+#include "calibrator/residuals/view_gram.h"
 
 #include <functional>
 

@@ -9,7 +9,6 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/residuals/instruction_set.h"
 #include "calibrator/residuals/view_gram.h"
 #include "tests/calibrator/camera/example_cameras.h"
 #include "tests/calibrator/residuals/example_view.h"
@@ -97,8 +96,8 @@ TEST(TargetViewGram, EqualsTheSumOverCornersForEveryModelLossAndInstructionSet) 
       const Eigen::VectorXd scale = naive.H.diagonal().cwiseSqrt().cwiseInverse();
       for (const InstructionSet set : {InstructionSet::kBaseline, InstructionSet::kAvx2}) {
         if (!isAvailable(set)) continue;
-        const Dense gram = assembled(
-            targetViewGramWith(set, camera, T_CF, corners.view(0), columns.target, options));
+        const Dense gram =
+            assembled(targetViewGram(camera, T_CF, corners.view(0), columns.target, options, set));
         const Eigen::MatrixXd d = scale.asDiagonal() * (gram.H - naive.H) * scale.asDiagonal();
         EXPECT_LT(d.cwiseAbs().maxCoeff(), 1e-7);
         EXPECT_LT((scale.asDiagonal() * (gram.b - naive.b)).cwiseAbs().maxCoeff(), 1e-5);

@@ -8,8 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/camera/camera_dispatch.h"
-#include "calibrator/residuals/field_gram.h"
-#include "calibrator/residuals/instruction_set.h"
+#include "calibrator/residuals/plain_gram.h"
 #include "tests/calibrator/camera/example_cameras.h"
 #include "tests/calibrator/residuals/example_view.h"
 #include "tests/calibrator/residuals/naive_gram.h"
@@ -74,7 +73,7 @@ TEST(ViewGram, EqualsTheSumOverCornersForEveryModelLossAndInstructionSet) {
     for (const GramOptions& options : allOptions()) {
       const NaiveGram naive = naiveGram(camera, T_CF, kViewTarget, corners.view(0), options);
       for (InstructionSet set : availableSets()) {
-        expectEqual(viewGramWith(set, camera, T_CF, corners.view(0), options), naive);
+        expectEqual(viewGram(camera, T_CF, corners.view(0), options, set), naive);
       }
     }
   }
@@ -104,9 +103,9 @@ TEST(ViewGram, PoseOnlyAndCostOnlyAreItsParts) {
     const PackedCorners corners(kViewTarget, {view});
     for (const GramOptions& options : allOptions()) {
       for (InstructionSet set : availableSets()) {
-        const ViewGram whole = viewGramWith(set, camera, T_CF, corners.view(0), options);
-        const PoseGram pose = poseGramWith(set, camera, T_CF, corners.view(0), options);
-        const double cost = viewCostWith(set, camera, T_CF, corners.view(0), options);
+        const ViewGram whole = viewGram(camera, T_CF, corners.view(0), options, set);
+        const PoseGram pose = poseGram(camera, T_CF, corners.view(0), options, set);
+        const double cost = viewCost(camera, T_CF, corners.view(0), options, set);
         EXPECT_TRUE(pose.H.isApprox(whole.H, 1e-13));
         EXPECT_TRUE(pose.b.isApprox(whole.b, 1e-11));
         EXPECT_DOUBLE_EQ(pose.squared_error, whole.squared_error);
@@ -127,9 +126,16 @@ TEST(ViewGram, ThePlainWayEqualsTheKernel) {
     for (const InstructionSet set : {InstructionSet::kBaseline, bestInstructionSet()}) {
       for (const GramOptions& options : allOptions()) {
         const ViewGram kernel = viewGram(camera, T_CF, corners.view(0), options);
-        const plain::View in{set, model, camera, T_CF, corners.view(0), options};
-        const ViewGram plain = plain::viewGram(in);
-        const PoseGram pose = plain::poseGram(in);
+        const PackedView view = corners.view(0);
+        const plain::View in{set, camera, T_CF, view, options};
+        ViewGram plain;
+        PoseGram pose;
+        std::visit(
+            [&]<class Model>(Model) {
+              plain::Version<Model>::view(in, plain);
+              plain::Version<Model>::pose(in, pose);
+            },
+            model);
         EXPECT_LT(scaledDifference(assembled(kernel), assembled(plain)), 1e-12);
         EXPECT_TRUE(gradient(plain).isApprox(gradient(kernel), 1e-10));
         EXPECT_TRUE(pose.H.isApprox(kernel.H, 1e-12));
@@ -139,8 +145,12 @@ TEST(ViewGram, ThePlainWayEqualsTheKernel) {
       }
       Transform behind = T_CF;
       behind.t.z() = -1.1;
-      EXPECT_EQ(plain::viewGram({set, model, camera, behind, corners.view(0), {}}).cost,
-                100 * kInvalidSquaredError);
+      const PackedView view = corners.view(0);
+      const GramOptions options;
+      const plain::View in{set, camera, behind, view, options};
+      EXPECT_EQ(
+          std::visit([&]<class Model>(Model) { return plain::Version<Model>::cost(in); }, model),
+          100 * kInvalidSquaredError);
     }
   }
 }
@@ -186,8 +196,8 @@ TEST(ViewGram, ATargetBehindTheCameraCostsMuchAndHasNoGradient) {
     const PackedCorners corners(kViewTarget, {view});
     for (const GramOptions& options : allOptions()) {
       for (InstructionSet set : availableSets()) {
-        expectCharged(viewGramWith(set, camera, behind, corners.view(0), options), 21);
-        EXPECT_EQ(viewCostWith(set, camera, behind, corners.view(0), options),
+        expectCharged(viewGram(camera, behind, corners.view(0), options, set), 21);
+        EXPECT_EQ(viewCost(camera, behind, corners.view(0), options, set),
                   21 * kInvalidSquaredError);
       }
     }

@@ -1,17 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Internal to view_gram.cpp: a view's Gram terms for any camera model: corners are projected in
+// plain arithmetic, one by one, their products summed as in the vectorised kernel, which is
+// compiled for the models that are calibrated most. Slower than it by 2 or so; the same definitions
+// (view_gram.h), and equal to it up to rounding.
+
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include "calibrator/base/transform.h"
-#include "calibrator/residuals/field_gram.h"
+#include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/residuals/gram_columns.h"
+#include "calibrator/residuals/view_gram.h"
 
 namespace plumbline::plain {
-namespace {
+
+/// What is summed over: a camera, its pose, corners and their weighting.
+struct View {
+  InstructionSet set;
+  const Intrinsics& camera;
+  const Transform& T_CF;
+  const PackedView& corners;
+  const GramOptions& options;
+  const TargetColumns* target = nullptr;  ///< of the corners, where the board is estimated
+};
 
 // Of the kernel (gram_kernel.h): poses that a step throws so far off are charged, not projected.
-constexpr double kFarthest = 1e9;  // [m]
+inline constexpr double kFarthest = 1e9;  // [m]
 
 /// The loss at one corner: its cost rho(|e|^2), slope rho', and the 2x2 weight of its squares
 /// M = rho' (I - beta n n^T) (see GramOptions).
@@ -135,7 +151,7 @@ void flush(InstructionSet set, Chunk<N>& c, Sums<N>& sums) {
 }
 
 /// The columns B_j of the j-th corner.
-Eigen::Matrix<double, 3, kTargetTerms> targetColumns(const TargetColumns& target, int j) {
+inline Eigen::Matrix<double, 3, kTargetTerms> targetColumns(const TargetColumns& target, int j) {
   TargetBasis::Functions f{};
   for (std::size_t i = 0; i < f.size(); ++i) f[i] = target.function[i][j];
   return TargetBasis::columns(f);
@@ -144,7 +160,7 @@ Eigen::Matrix<double, 3, kTargetTerms> targetColumns(const TargetColumns& target
 /// H = sum J' M J and b = sum rho' J' e over the corners with weight; those that cannot be
 /// projected are charged and have no derivative.
 template <class Model, bool kIntrinsics, bool kTarget = false>
-auto sumView(const View& view, const TargetColumns* target = nullptr) {
+auto sumView(const View& view) {
   using C = CornerTerms<Model, kIntrinsics, kTarget>;
   Sums<C::kColumns> sums;
   Chunk<C::kColumns> chunk;
@@ -161,7 +177,7 @@ auto sumView(const View& view, const TargetColumns* target = nullptr) {
     }
     if constexpr (kTarget) {
       corner.J.template rightCols<kTargetTerms>().noalias() =
-          (corner.J_point * view.T_CF.R).lazyProduct(targetColumns(*target, j));
+          (corner.J_point * view.T_CF.R).lazyProduct(targetColumns(*view.target, j));
     }
     const Weighted w(corner.e, view.options);
     chunk.add(corner.J, w, corner.e);
@@ -182,46 +198,31 @@ void writePose(const Sums<N>& sums, PoseGram& out) {
   out.cost = sums.cost;
 }
 
-template <class Model, int N>
-void writeView(const Sums<N>& sums, ViewGram& out) {
-  constexpr int K = 4 + Model::kShape;
-  writePose(sums, out);
-  out.H_pose_k = sums.H.template block<6, K>(0, 6);
-  out.H_k = sums.H.template block<K, K>(6, 6);
-  out.b_k = sums.b.template segment<K>(6);
-}
+/// As the kernel's versions in view_gram.cpp.
+template <class Model>
+struct Version {
+  static constexpr int K = 4 + Model::kShape;
 
-}  // namespace
+  static void pose(const View& in, PoseGram& out) { writePose(sumView<Model, false>(in), out); }
+  static void view(const View& in, ViewGram& out) { writeView(sumView<Model, true>(in), out); }
+  static void target(const View& in, TargetViewGram& out) {
+    const auto sums = sumView<Model, true, true>(in);
+    writeView(sums, out);
+    out.H_pose_s = sums.H.template topRightCorner<6, kTargetTerms>();
+    out.H_k_s = sums.H.template block<K, kTargetTerms>(6, 6 + K);
+    out.H_s = sums.H.template bottomRightCorner<kTargetTerms, kTargetTerms>();
+    out.b_s = sums.b.template tail<kTargetTerms>();
+  }
+  static double cost(const View& in) { return sumView<Model, false>(in).cost; }
 
-PoseGram poseGram(const View& view) {
-  PoseGram out;
-  std::visit([&]<class Model>(Model) { writePose(sumView<Model, false>(view), out); }, view.model);
-  return out;
-}
-
-ViewGram viewGram(const View& view) {
-  ViewGram out;
-  std::visit([&]<class Model>(Model) { writeView<Model>(sumView<Model, true>(view), out); },
-             view.model);
-  return out;
-}
-
-TargetViewGram targetViewGram(const View& view, const TargetColumns& target) {
-  TargetViewGram out;
-  std::visit(
-      [&]<class Model>(Model) {
-        const auto sums = sumView<Model, true, true>(view, &target);
-        constexpr int K = 4 + Model::kShape;
-        writeView<Model>(sums, out);
-        out.H_pose_s = sums.H.template topRightCorner<6, kTargetTerms>();
-        out.H_k_s = sums.H.template block<K, kTargetTerms>(6, 6 + K);
-        out.H_s = sums.H.template bottomRightCorner<kTargetTerms, kTargetTerms>();
-        out.b_s = sums.b.template tail<kTargetTerms>();
-      },
-      view.model);
-  return out;
-}
-
-double cost(const View& view) { return poseGram(view).cost; }
+ private:
+  template <int N>
+  static void writeView(const Sums<N>& sums, ViewGram& out) {
+    writePose(sums, out);
+    out.H_pose_k = sums.H.template block<6, K>(0, 6);
+    out.H_k = sums.H.template block<K, K>(6, 6);
+    out.b_k = sums.b.template segment<K>(6);
+  }
+};
 
 }  // namespace plumbline::plain
