@@ -39,15 +39,14 @@ struct PatchPlace {
   int row = 0;
 };
 std::vector<PatchPlace> placesOf(const AprilGrid& board) {
-  std::vector<PatchPlace> places(static_cast<std::size_t>(board.cornerCount()));
+  std::vector<PatchPlace> places(board.cornerCount());
   const int across = board.cols / kPatchTags;
   for (int id = 0; id < board.cornerCount(); ++id) {
     const int col = id / 4 % board.cols;
     const int row = id / 4 / board.cols;
     if (col / kPatchTags >= across || row / kPatchTags >= board.rows / kPatchTags) continue;
     const int tag = col % kPatchTags + kPatchTags * (row % kPatchTags);
-    places[static_cast<std::size_t>(id)] = {row / kPatchTags * across + col / kPatchTags,
-                                            4 * tag + id % 4};
+    places[id] = {row / kPatchTags * across + col / kPatchTags, 4 * tag + id % 4};
   }
   return places;
 }
@@ -69,9 +68,9 @@ class ViewPatches {
         patches_(static_cast<std::size_t>((board.cols / kPatchTags) * (board.rows / kPatchTags))) {}
 
   void add(const CornerResidual& r) {
-    const PatchPlace& place = places_[static_cast<std::size_t>(r.corner_id)];
+    const PatchPlace& place = places_[r.corner_id];
     if (place.patch < 0) return;
-    Patch& patch = patches_[static_cast<std::size_t>(place.patch)];
+    Patch& patch = patches_[place.patch];
     patch.errors.row(place.row) = r.error.cast<double>().transpose();
     ++patch.count;
   }
@@ -120,7 +119,7 @@ std::vector<BiasRatio> biasRatios(const AprilGrid& board, const CameraStageResul
   double axes = 0;
   for (std::size_t i = 0; i < stage.residuals.size(); ++i) {
     const CornerResidual& r = stage.residuals[i];
-    Sums& of_camera = sums[static_cast<std::size_t>(r.camera)];
+    Sums& of_camera = sums[r.camera];
     if (r.used) {
       of_camera.error += r.error.cast<double>().squaredNorm();
       of_camera.axes += 2;

@@ -21,12 +21,12 @@ constexpr double kFarOff = 1e5;
 template <CameraModel Model>
 std::vector<Eigen::Vector2d> viewErrorsAs(Model, const Intrinsics& camera, const Transform& T_CF,
                                           const PackedView& view) {
-  std::vector<Eigen::Vector2d> errors(static_cast<std::size_t>(view.count));
+  std::vector<Eigen::Vector2d> errors(view.count);
   const CameraValues lens(camera);
   const double* k = lens.k.data();
   for (int i = 0; i < view.count; ++i) {
     const Eigen::Vector3d p = T_CF * Eigen::Vector3d(view.x[i], view.y[i], view.z[i]);
-    Eigen::Vector2d& e = errors[static_cast<std::size_t>(i)];
+    Eigen::Vector2d& e = errors[i];
     // The kernels' rule (view_gram.h): beyond the fold of the distortion a corner has its error,
     // unlike in project().
     if (!Model::isProjectable(k, p.x(), p.y(), p.z())) {
@@ -48,7 +48,7 @@ constexpr int kKalibrIterations = 20;  // of a view's own pose
 std::vector<double> errorNorms(const Intrinsics& camera, const Transform& T_CF,
                                const PackedView& view) {
   std::vector<double> norms;
-  norms.reserve(static_cast<std::size_t>(view.count));
+  norms.reserve(view.count);
   for (const Eigen::Vector2d& e : viewErrors(camera, T_CF, view)) norms.push_back(e.norm());
   return norms;
 }
@@ -57,7 +57,7 @@ std::vector<double> errorNorms(const Intrinsics& camera, const Transform& T_CF,
 std::vector<int> above(double limit, const std::vector<double>& errors, const PackedView& view) {
   std::vector<int> positions;
   for (int k = 0; k < view.count; ++k) {
-    if (view.w[k] > 0 && errors[static_cast<std::size_t>(k)] > limit) positions.push_back(k);
+    if (view.w[k] > 0 && errors[k] > limit) positions.push_back(k);
   }
   return positions;
 }
@@ -66,7 +66,7 @@ std::vector<int> above(double limit, const std::vector<double>& errors, const Pa
 std::vector<double> usedOnly(const std::vector<double>& errors, const PackedView& view) {
   std::vector<double> used;
   for (int k = 0; k < view.count; ++k) {
-    if (view.w[k] > 0) used.push_back(errors[static_cast<std::size_t>(k)]);
+    if (view.w[k] > 0) used.push_back(errors[k]);
   }
   return used;
 }
@@ -134,7 +134,7 @@ std::vector<PackedCorners> usedCorners(const Session& session, const std::vector
   for (const CornerResidual& r : residuals) {
     if (r.used) continue;
     const auto c = static_cast<std::size_t>(r.camera);
-    const int index = frames[static_cast<std::size_t>(r.frame)].view[c];
+    const int index = frames[r.frame].view[c];
     const PackedView view = corners[c].view(index);  // ids ascend within a view
     const int* found = std::lower_bound(view.id, view.id + view.count, r.corner_id);
     corners[c].setWeight(index, static_cast<int>(found - view.id), 0);
@@ -145,7 +145,7 @@ std::vector<PackedCorners> usedCorners(const Session& session, const std::vector
 CameraErrors usedErrors(const std::vector<CornerResidual>& residuals, std::size_t cameras) {
   CameraErrors errors(cameras);
   for (const CornerResidual& r : residuals) {
-    if (r.used) errors[static_cast<std::size_t>(r.camera)].push_back(r.error.cast<double>());
+    if (r.used) errors[r.camera].push_back(r.error.cast<double>());
   }
   return errors;
 }
@@ -212,9 +212,8 @@ std::size_t rejectLikeKalibr(PackedCorners& corners, const Intrinsics& camera,
   std::vector<std::vector<int>> rejected(starts.size());
   forChunks(static_cast<int>(starts.size()), 16, threads, [&](const Chunk& chunk) {
     for (int i = chunk.begin; i < chunk.end; ++i) {
-      const PosedView& start = starts[static_cast<std::size_t>(i)];
-      rejected[static_cast<std::size_t>(i)] =
-          kalibrOutliers(camera, corners.view(start.view), start.T_CF);
+      const PosedView& start = starts[i];
+      rejected[i] = kalibrOutliers(camera, corners.view(start.view), start.T_CF);
     }
   });
   std::size_t count = 0;

@@ -130,8 +130,8 @@ HalvesBlock compareHalves(const HalvesDifference& block) {
   const Eigen::VectorXd std = shrunk.diagonal().cwiseSqrt();
   Eigen::Index worst = 0;
   block.difference.cwiseAbs().cwiseQuotient(std).maxCoeff(&worst);
-  out.worst = block.parameters[static_cast<std::size_t>(worst)].name;
-  out.unit = block.parameters[static_cast<std::size_t>(worst)].unit;
+  out.worst = block.parameters[worst].name;
+  out.unit = block.parameters[worst].unit;
   out.difference = block.difference[worst];
   out.std = std[worst];
   return out;
@@ -148,7 +148,7 @@ std::optional<HalvesCheck> checkCameraHalves(const Session& session, const Camer
   if (!first || !second) return std::nullopt;
   const Eigen::VectorXd d = cameraDifference(second->estimate, first->estimate);
   HalvesCheck check;
-  check.split = whole.frames[static_cast<std::size_t>(segments[1].first)].t;
+  check.split = whole.frames[segments[1].first].t;
   for (Place& place : placesOf(whole, CameraLayout(first->estimate))) {
     const auto n = static_cast<Eigen::Index>(place.parameters.size());
     // Halves share no measurement: the covariance of their difference is the sum.
@@ -198,7 +198,7 @@ std::optional<HalvesCheck> checkCameraImuHalves(const Session& session,
   const Eigen::MatrixXd robust = ratio.asDiagonal() * formal * ratio.asDiagonal();
   const std::vector<ParameterName> arm = transformParameters("T_SC0");
   HalvesCheck check;
-  check.split = whole.frames[static_cast<std::size_t>(segments[1].first)].t;
+  check.split = whole.frames[segments[1].first].t;
   const auto add = [&](const char* name, Eigen::Index at, std::vector<ParameterName> parameters) {
     const auto n = static_cast<Eigen::Index>(parameters.size());
     check.blocks.push_back(compareHalves({name, std::move(parameters), d.segment(at, n),

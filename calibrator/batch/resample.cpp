@@ -31,7 +31,7 @@ std::vector<FrameSegment> drawSegments(int frame_count, const ResampleOptions& o
   const int count = std::min(options.segments, frame_count);
   std::vector<FrameSegment> segments;
   if (count <= 0) return segments;
-  std::vector<int> drawn(static_cast<std::size_t>(count), 0);
+  std::vector<int> drawn(count, 0);
   std::mt19937_64 random = randomOf(options.seed, draw);
   // A bootstrap of blocks that do not overlap (Carlstein 1986), of about equal length.
   // As many draws as segments, with replacement. A segment that is drawn k times counts k times: it
@@ -42,7 +42,7 @@ std::vector<FrameSegment> drawSegments(int frame_count, const ResampleOptions& o
     return static_cast<int>(static_cast<std::int64_t>(frame_count) * s / count);
   };
   for (int s = 0; s < count; ++s) {
-    const int times = drawn[static_cast<std::size_t>(s)];
+    const int times = drawn[s];
     if (times == 0) continue;
     segments.push_back({first(s), first(s + 1) - first(s), static_cast<double>(times)});
   }
@@ -69,11 +69,10 @@ Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int fr
                                    const ResampleOptions& options, const std::string& stage,
                                    const DrawSolver& solve) {
   options.check();
-  std::vector<std::optional<Eigen::VectorXd>> solved(static_cast<std::size_t>(options.draws));
+  std::vector<std::optional<Eigen::VectorXd>> solved(options.draws);
   // Draws side by side rather than threads within a draw: they share nothing.
   forChunks(static_cast<int>(solved.size()), 1, options.threads, [&](const Chunk& chunk) {
-    solved[static_cast<std::size_t>(chunk.index)] =
-        solve(drawSegments(frame_count, options, chunk.index));
+    solved[chunk.index] = solve(drawSegments(frame_count, options, chunk.index));
   });
   Eigen::MatrixXd draws(static_cast<Eigen::Index>(parameters.names.size()),
                         static_cast<Eigen::Index>(solved.size()));

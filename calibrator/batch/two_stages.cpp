@@ -54,7 +54,7 @@ std::vector<FrameSegment> segmentsAtTheSameTime(const std::vector<FrameSegment>&
     // at the ends.
     if (other == 0) return 0;
     if (other == count) return static_cast<int>(frames.size());
-    const TimeNs from = other_frames[static_cast<std::size_t>(other)].t;
+    const TimeNs from = other_frames[other].t;
     const auto at = std::lower_bound(frames.begin(), frames.end(), from,
                                      [](const Frame& frame, TimeNs t) { return frame.t < t; });
     return static_cast<int>(at - frames.begin());

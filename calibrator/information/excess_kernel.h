@@ -85,7 +85,7 @@ template <int W>
     const double* H = rows.H_of(k);
     if (!(H[k] > 0)) return false;
     const double inverse = 1 / H[k];
-    rows.inverse_pivot[static_cast<std::size_t>(k)] = inverse;
+    rows.inverse_pivot[k] = inverse;
     for (int i = k + 1; i < rows.n; ++i) {
       const double factor = -H[i] * inverse;
       add<W>(factor, H, i / W * W, rows.side, rows.H_of(i));
@@ -99,14 +99,13 @@ template <int W>
 /// |L^T H^-1 C - bias|^2 of what eliminate() left.
 template <int W>
 [[gnu::always_inline]] inline double squaredBias(Rows& rows, const Eigen::MatrixXd& bias) {
-  std::vector<double> row(static_cast<std::size_t>(rows.fields));
+  std::vector<double> row(rows.fields);
   double sum = 0;
   for (int i = 0; i < rows.n; ++i) {
     row.assign(row.size(), 0.0);
-    for (int j = 0; j < bias.cols(); ++j) row[static_cast<std::size_t>(j)] = -bias(i, j);
+    for (int j = 0; j < bias.cols(); ++j) row[j] = -bias(i, j);
     addRows<W>(
-        i, rows.n,
-        [&](int k) { return rows.L_of(k)[i] * rows.inverse_pivot[static_cast<std::size_t>(k)]; },
+        i, rows.n, [&](int k) { return rows.L_of(k)[i] * rows.inverse_pivot[k]; },
         [&](int k) { return rows.C_of(k); }, 1, rows.fields, row.data());
     sum += dot<W>(row.data(), row.data(), rows.fields);
   }
@@ -121,14 +120,14 @@ template <int W>
     double* z = rows.L_of(i);
     addRows<W>(
         i + 1, rows.n, [&](int k) { return -H[k]; }, [&](int k) { return rows.L_of(k); },
-        rows.inverse_pivot[static_cast<std::size_t>(i)], rows.side, z);
+        rows.inverse_pivot[i], rows.side, z);
   }
 }
 
 /// <Q, Z Z^T> of Z in the place of L.
 template <int W>
 [[gnu::always_inline]] inline double traceOfProduct(Rows& rows, const Eigen::MatrixXd& Q) {
-  std::vector<double> row(static_cast<std::size_t>(rows.side));
+  std::vector<double> row(rows.side);
   double sum = 0;
   for (int i = 0; i < rows.n; ++i) {
     row.assign(row.size(), 0.0);
@@ -156,8 +155,7 @@ template <int W>
   if (!eliminate<W>(rows)) return std::numeric_limits<double>::infinity();
   double variance = 0;
   for (int k = 0; k < rows.n; ++k) {
-    variance +=
-        dot<W>(rows.L_of(k), rows.L_of(k), k + 1) * rows.inverse_pivot[static_cast<std::size_t>(k)];
+    variance += dot<W>(rows.L_of(k), rows.L_of(k), k + 1) * rows.inverse_pivot[k];
   }
   double E = c.sigma2 * variance;
   if (c.b2 > 0) E += c.b2 * squaredBias<W>(rows, in.bias);

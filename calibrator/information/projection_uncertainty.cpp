@@ -26,7 +26,7 @@ std::optional<ImpliedShift> meanFrames(const std::vector<Matrix6d>& H, const Eig
     const Eigen::LLT<Matrix6d> llt(H[f]);
     // A frame that does not determine its own pose says nothing of a mean shift.
     if (llt.info() != Eigen::Success) continue;
-    shift.A -= llt.solve(P.middleRows<6>(6 * static_cast<Eigen::Index>(f)));
+    shift.A -= llt.solve(P.middleRows<6>(6 * f));
     shift.noise += llt.solve(Matrix6d::Identity());
     ++frames;
   }
@@ -43,7 +43,7 @@ std::optional<ImpliedShift> crossReprojection(const std::vector<Matrix6d>& H,
   Rows6 sum_P = Rows6::Zero(6, P.cols());
   for (std::size_t f = 0; f < H.size(); ++f) {
     sum_H += H[f];
-    sum_P += P.middleRows<6>(6 * static_cast<Eigen::Index>(f));
+    sum_P += P.middleRows<6>(6 * f);
   }
   const Eigen::LLT<Matrix6d> llt(sum_H);
   if (llt.info() != Eigen::Success) return std::nullopt;

@@ -19,7 +19,7 @@ constexpr double kLeastViewPivot = 1e-10;
 }  // namespace
 
 std::vector<int> randomOrder(int count, std::uint64_t seed) {
-  std::vector<int> order(static_cast<std::size_t>(count));
+  std::vector<int> order(count);
   std::iota(order.begin(), order.end(), 0);
   std::mt19937_64 random(seed);
   // The standard fixes what the engine draws, but not what std::shuffle() makes of it.
@@ -70,7 +70,7 @@ std::vector<int> selectViews(const std::vector<Eigen::MatrixXd>& views, double t
   typical = (typical.array() > 0).select(typical, 1.0);
   ViewSelector selector(threshold_bits, typical);
   for (const int i : randomOrder(static_cast<int>(views.size()), seed)) {
-    if (selector.offer(views[static_cast<std::size_t>(i)])) kept.push_back(i);
+    if (selector.offer(views[i])) kept.push_back(i);
   }
   std::sort(kept.begin(), kept.end());
   return kept;

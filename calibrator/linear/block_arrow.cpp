@@ -84,9 +84,9 @@ class Elimination {
     ChainCovariance out;
     out.border = border_information.llt().solve(Eigen::MatrixXd::Identity(m, m));
     out.border = (0.5 * (out.border + out.border.transpose())).eval();
-    out.diagonal.resize(static_cast<std::size_t>(n));
-    out.next.assign(static_cast<std::size_t>(n), ChainMatrix::Zero());
-    out.to_border.resize(static_cast<std::size_t>(n));
+    out.diagonal.resize(n);
+    out.next.assign(n, ChainMatrix::Zero());
+    out.to_border.resize(n);
     if (n == 0) return out;
     fromMiddle([&](int i, int direction) { blockCovariance(i, direction, out); });
     return out;
@@ -163,26 +163,26 @@ class Elimination {
 
   void backSweeps(ChainSolution& out) const {
     const int n = system_.blocks();
-    out.step.resize(static_cast<std::size_t>(n));
+    out.step.resize(n);
     if (n == 0) return;
     fromMiddle([&](int i, int direction) { blockStep(i, direction, out); });
   }
 
   /// L' x_i = -L^-1 (b_i + C_i x_B + N x_neighbour), whose terms stand in the rows as they are.
   void blockStep(int i, int direction, ChainSolution& out) const {
-    const RowMatrix& rows = eliminated_[static_cast<std::size_t>(i)];
+    const RowMatrix& rows = eliminated_[i];
     const int m = system_.border();
     BlockVector x = -rows.col(kBorder + m);
     if (m > 0) x.noalias() -= rows.middleCols(kBorder, m) * out.border_step;
     if (direction != 0) {
-      const BlockVector& next = out.step[static_cast<std::size_t>(i + direction)];
+      const BlockVector& next = out.step[i + direction];
       x.noalias() -= rows.middleCols<kB>(kNeighbour).lazyProduct(next);
     }
     for (int r = kB - 1; r >= 0; --r) {
       for (int k = r + 1; k < kB; ++k) x(r) -= rows(r, k) * x(k);
       x(r) /= rows(r, r);
     }
-    out.step[static_cast<std::size_t>(i)] = x;
+    out.step[i] = x;
   }
 
   /// Covariance of (neighbour | border) of an eliminated block, in the columns of its rows; zero
@@ -230,7 +230,7 @@ class Elimination {
     rows.resize(0, 0);
     out[at] = -K.middleCols(kPart, border_);
     if (direction == 0) return;
-    out[at].noalias() -= K.leftCols<kB>() * out[static_cast<std::size_t>(i + direction)];
+    out[at].noalias() -= K.leftCols<kB>() * out[i + direction];
   }
 
   const BlockArrow& system_;

@@ -11,14 +11,14 @@ constexpr double kLeastPivot = 1e-13;  // of a matrix with unit diagonal: below 
 
 /// The indices below `size` that are not in `keep`, ascending.
 std::vector<int> others(const std::vector<int>& keep, Eigen::Index size) {
-  std::vector<char> kept(static_cast<std::size_t>(size), 0);
+  std::vector<char> kept(size, 0);
   for (const int i : keep) {
-    assert(i >= 0 && i < size && kept[static_cast<std::size_t>(i)] == 0);
-    kept[static_cast<std::size_t>(i)] = 1;
+    assert(i >= 0 && i < size && kept[i] == 0);
+    kept[i] = 1;
   }
   std::vector<int> drop;
   for (int i = 0; i < size; ++i) {
-    if (kept[static_cast<std::size_t>(i)] == 0) drop.push_back(i);
+    if (kept[i] == 0) drop.push_back(i);
   }
   return drop;
 }

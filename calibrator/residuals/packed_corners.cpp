@@ -24,7 +24,7 @@ class EdgeScales {
     std::fill(at_.begin(), at_.end(), nullptr);
     for (const Corner& corner : view.corners) {
       assert(corner.id >= 0 && static_cast<std::size_t>(corner.id) < at_.size());
-      at_[static_cast<std::size_t>(corner.id)] = &corner.uv;
+      at_[corner.id] = &corner.uv;
     }
     double sum = 0;
     int seen = 0;
@@ -73,7 +73,7 @@ Eigen::Vector3d PlacedBoard::point(int corner_id, double edge_scale) const {
   constexpr double kRight[] = {-1, 1, 1, -1};
   constexpr double kUp[] = {-1, -1, 1, 1};
   const double half = 0.5 * tag_edge_ * edge_scale;
-  Eigen::Vector3d p = points_[static_cast<std::size_t>(corner_id)];
+  Eigen::Vector3d p = points_[corner_id];
   p.x() += half * kRight[corner_id % 4];
   p.y() += half * kUp[corner_id % 4];
   return p;
@@ -97,7 +97,7 @@ PackedCorners::PackedCorners(const AprilGrid& target, const std::vector<ImageVie
     // Lanes beyond the last corner repeat it with weight 0: kernels need no masks, and a corner
     // that is there projects to finite numbers, where zeros might divide by zero.
     for (int j = 0; j < kLanes * step; ++j) {
-      const Corner& corner = corners[static_cast<std::size_t>(std::min(j, n - 1))];
+      const Corner& corner = corners[std::min(j, n - 1)];
       const double scale = scales[static_cast<std::size_t>(corner.id) / 4];
       const Eigen::Vector3d p_F = board.point(corner.id, scale);
       const double row[kColumns] = {p_F.x(),       p_F.y(),         p_F.z(), corner.uv.x(),

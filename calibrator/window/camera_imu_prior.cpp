@@ -79,7 +79,7 @@ std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, const Bloc
       QuadraticCost{firstBlock(chain), Eigen::VectorXd(kState + m), 0, firstBlock(corners)};
   end->b << chain.to_border[0].col(m), chain.border_gradient;
   // Of (leaving block, next block, border) all but the first 15 stay.
-  std::vector<int> keep(static_cast<std::size_t>(kState + m));
+  std::vector<int> keep(kState + m);
   std::iota(keep.begin(), keep.end(), kState);
   for (int i = 0; i < count && end; ++i) {
     end = marginalised(joined(*end, chain, corners, static_cast<std::size_t>(i)), keep);
@@ -147,7 +147,7 @@ std::optional<CameraImuPrior> marginaliseFront(const CameraImuProblem& problem,
   // frontEliminated() starts at a cost of 0; the terms' own (and the prior's) comes on top.
   cost->c += normals->cost;
   CameraImuEstimate point = estimate;
-  point.states = {estimate.states[static_cast<std::size_t>(count)]};
+  point.states = {estimate.states[count]};
   return CameraImuPrior{std::move(*cost), std::move(point)};
 }
 

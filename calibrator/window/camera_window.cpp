@@ -87,7 +87,7 @@ void CameraWindow::marginaliseOldest() {
   CameraEstimate at = estimate_;
   at.T_C0F.resize(1);
   const CameraNormals normals = normalsAt(problem({allFrames().front()}), at);
-  std::vector<int> cameras(static_cast<std::size_t>(normals.b.size()));
+  std::vector<int> cameras(normals.b.size());
   std::iota(cameras.begin(), cameras.end(), 6);
   auto rest = marginalised(joint(normals), cameras);
   if (rest) {
@@ -129,7 +129,7 @@ std::optional<double> CameraWindow::rmsePx() const {
     for (int f = 0; f < frameCount(); ++f) {
       const PackedView view = corners_[c].view(f);
       if (view.count == 0) continue;
-      const Transform T_CiF = T_CiC0 * estimate_.T_C0F[static_cast<std::size_t>(f)];
+      const Transform T_CiF = T_CiC0 * estimate_.T_C0F[f];
       // Without the loss, as every RMSE is.
       squared += viewCost(estimate_.intrinsics[c], T_CiF, view);
       count += view.count;
@@ -152,7 +152,7 @@ CameraProblem CameraWindow::problem(std::vector<Frame> frames) const {
 }
 
 std::vector<Frame> CameraWindow::allFrames() const {
-  std::vector<Frame> frames(static_cast<std::size_t>(frameCount()));
+  std::vector<Frame> frames(frameCount());
   for (std::size_t f = 0; f < frames.size(); ++f) {
     for (const std::vector<ImageView>& views : views_) {
       frames[f].view.push_back(views[f].corners.empty() ? -1 : static_cast<int>(f));

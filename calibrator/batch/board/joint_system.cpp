@@ -133,11 +133,10 @@ ViewShare addHigherView(const HigherBoard& board, const Intrinsics& lens, const 
     const Eigen::Matrix<double, 2, 3> weighted = frame_weight * rows->weight * rows->J_F;
     const Eigen::Matrix3d M = rows->J_F.transpose() * weighted;
     // A corner has the same functions in all views: their products are taken once, of these sums.
-    sums.M[static_cast<std::size_t>(id)] += M;
-    sums.M_edge[static_cast<std::size_t>(id)] += view.edge[k] * M;
+    sums.M[id] += M;
+    sums.M_edge[id] += view.edge[k] * M;
     columns.add(Eigen::Matrix<double, 6, 3>(rows->J_pose.transpose() * weighted), id, phi, out.P);
-    sums.lens[c][static_cast<std::size_t>(id)].noalias() +=
-        rows->projection.J_intrinsics.transpose().lazyProduct(weighted);
+    sums.lens[c][id].noalias() += rows->projection.J_intrinsics.transpose().lazyProduct(weighted);
     columns.add(Eigen::RowVector3d(rows->e.transpose() * weighted), id, phi, out.b);
   }
   sums.pose[c] += out.P;
@@ -162,7 +161,7 @@ HigherSums sumFrames(const CameraProblem& problem, const CameraEstimate& estimat
       HigherSums(corners, board.columns.size, layout));
   const double scale = 1 / (problem.pixel_sigma * problem.pixel_sigma);
   forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
-    HigherSums& sums = parts[static_cast<std::size_t>(chunk.index)];
+    HigherSums& sums = parts[chunk.index];
     for (int i = chunk.begin; i < chunk.end; ++i) {
       const auto f = static_cast<std::size_t>(i);
       for (std::size_t c = 0; c < chain.size(); ++c) {

@@ -262,7 +262,7 @@ TargetShape JointTarget::undispersed() const {
 }
 
 std::string targetTermName(int term) {
-  if (term < kBoardTerms) return kTargetTermNames[static_cast<std::size_t>(term)];
+  if (term < kBoardTerms) return kTargetTermNames[term];
   const int function = (term - kBoardTerms) % kHigherFunctions;
   const int degree = function < kCubicFunctions ? 3 : 4;
   // Functions of one degree in the order x..x, x..xy, ..., y..y (HigherBasis).

@@ -40,7 +40,7 @@ CameraSolution solveWithoutBareFrames(const CameraProblem& problem, const Camera
   CameraSolution solution = solveCameraProblem(some, at, solver);
   std::vector<Transform> poses = start.T_C0F;
   for (std::size_t i = 0; i < keep.size(); ++i) {
-    poses[static_cast<std::size_t>(keep[i])] = solution.estimate.T_C0F[i];
+    poses[keep[i]] = solution.estimate.T_C0F[i];
   }
   solution.estimate.T_C0F = std::move(poses);
   return solution;

@@ -94,7 +94,7 @@ void keepFrames(const std::vector<int>& keep, CameraProblem& problem, CameraEsti
 std::vector<int> framesWithCorners(const CameraProblem& problem) {
   std::vector<int> keep;
   for (int f = 0; f < problem.frameCount(); ++f) {
-    const Frame& frame = problem.frames[static_cast<std::size_t>(f)];
+    const Frame& frame = problem.frames[f];
     double most = 0;
     for (std::size_t c = 0; c < frame.view.size(); ++c) {
       if (frame.view[c] < 0) continue;

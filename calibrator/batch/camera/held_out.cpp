@@ -34,8 +34,8 @@ CameraPart partOf(const CameraProblem& problem, const CameraEstimate& estimate,
   part.problem.weights.clear();
   part.estimate.T_C0F.clear();
   for (const int f : frames) {
-    part.problem.frames.push_back(problem.frames[static_cast<std::size_t>(f)]);
-    part.estimate.T_C0F.push_back(estimate.T_C0F[static_cast<std::size_t>(f)]);
+    part.problem.frames.push_back(problem.frames[f]);
+    part.estimate.T_C0F.push_back(estimate.T_C0F[f]);
   }
   return part;
 }
@@ -48,9 +48,9 @@ std::vector<std::vector<int>> blocksOf(int frames, int most_frames) {
   const int stride = std::max(1, frames / most_frames);
   const int count = (frames + stride - 1) / stride;
   const int blocks = std::min(kBlocks, count / kLeastFrames);
-  std::vector<std::vector<int>> out(static_cast<std::size_t>(std::max(0, blocks)));
+  std::vector<std::vector<int>> out(std::max(0, blocks));
   for (int i = 0; i < count && blocks > 0; ++i) {
-    out[static_cast<std::size_t>(i * blocks / count)].push_back(i * stride);
+    out[i * blocks / count].push_back(i * stride);
   }
   return out;
 }

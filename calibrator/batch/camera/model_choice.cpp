@@ -235,7 +235,7 @@ void scoreAll(int frames, int threads, std::vector<CameraTrial>& trials) {
   }
   forChunks(static_cast<int>(jobs.size()), 1, threads, [&](const Chunk& chunk) {
     for (int i = chunk.begin; i < chunk.end; ++i) {
-      const auto [camera, trial] = jobs[static_cast<std::size_t>(i)];
+      const auto [camera, trial] = jobs[i];
       score(camera->mono, frames, *trial);
     }
   });

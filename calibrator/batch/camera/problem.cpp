@@ -85,7 +85,7 @@ class PlacedTarget {
     const auto n = static_cast<std::size_t>(view.padded);
     columns.resize(kColumns * n);
     for (std::size_t j = 0; j < n; ++j) {
-      const auto& row = rows_[static_cast<std::size_t>(view.id[j])];
+      const auto& row = rows_[view.id[j]];
       for (std::size_t i = 0; i < kColumns; ++i) columns[i * n + j] = row[i];
       for (std::size_t axis = 0; axis < 2; ++axis) {
         // The function at the size at which this view shows the tag: tag_edge's column, and times
@@ -244,7 +244,7 @@ void addTargetPrior(const CameraProblem& problem, const CameraEstimate& estimate
 
 CameraNormals emptyNormals(int frames, int size) {
   CameraNormals out;
-  out.H.assign(static_cast<std::size_t>(frames), Matrix6d::Zero());
+  out.H.assign(frames, Matrix6d::Zero());
   out.P.setZero(6 * frames, size);
   out.b_pose.setZero(6 * frames);
   out.G.setZero(size, size);
@@ -357,7 +357,7 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
   forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
     FrameTerms terms;
     for (int f = chunk.begin; f < chunk.end; ++f) {
-      addFrame(at, f, terms, out, sums[static_cast<std::size_t>(chunk.index)]);
+      addFrame(at, f, terms, out, sums[chunk.index]);
     }
   });
   std::vector<CameraSums> total = emptySums(layout);
@@ -402,8 +402,7 @@ Eigen::MatrixXd reducedInformation(const CameraNormals& normals) {
   // G less P^T H^-1 P of every frame; the frames have nothing in common but the cameras.
   Eigen::MatrixXd S = normals.G;
   for (std::size_t f = 0; f < normals.H.size(); ++f) {
-    const Eigen::MatrixXd W =
-        PoseElimination(normals.H[f]) * normals.P.middleRows<6>(6 * static_cast<Eigen::Index>(f));
+    const Eigen::MatrixXd W = PoseElimination(normals.H[f]) * normals.P.middleRows<6>(6 * f);
     S -= W.transpose() * W;
   }
   return S;

@@ -99,9 +99,7 @@ struct CameraProblem {
   std::function<QuadraticCost(const CameraEstimate&)> prior;
 
   int frameCount() const { return static_cast<int>(frames.size()); }
-  double weight(int frame) const {
-    return weights.empty() ? 1.0 : weights[static_cast<std::size_t>(frame)];
-  }
+  double weight(int frame) const { return weights.empty() ? 1.0 : weights[frame]; }
 };
 
 /// The board's own terms: all but tag_edge, the last, which is the recording's and its detector's.

@@ -82,10 +82,10 @@ Result<CameraStageResult> recalibrateCameras(const Session& session,
   CameraEstimate estimate = estimateOf(earlier.cameras);
   for (const FrameSegment& segment : segments) {
     for (int f = segment.first; f < segment.first + segment.count; ++f) {
-      problem.frames.push_back(earlier.frames[static_cast<std::size_t>(f)]);
+      problem.frames.push_back(earlier.frames[f]);
       // A segment that was drawn twice counts twice.
       problem.weights.push_back(segment.weight);
-      estimate.T_C0F.push_back(earlier.T_FC0[static_cast<std::size_t>(f)].inverse());
+      estimate.T_C0F.push_back(earlier.T_FC0[f].inverse());
     }
   }
   // What was solved for on the whole is solved for on the part: the board's terms are free again.

@@ -73,7 +73,7 @@ Failure notObservable(const FreeDirection& direction, const CameraStageResult& r
                       const CameraLayout& layout) {
   std::vector<std::string> names;
   for (const int i : direction.leading) {
-    names.push_back(result.summary.covariance.names[static_cast<std::size_t>(i)]);
+    names.push_back(result.summary.covariance.names[i]);
   }
   assert(!names.empty());
   // A camera's name may have points of its own; a parameter's has none.
@@ -116,7 +116,7 @@ void addView(int camera, int frame, const PackedView& view,
              const std::vector<Eigen::Vector2d>& errors, ResidualList list,
              std::vector<CornerResidual>& residuals, std::vector<Eigen::Vector2d>& used) {
   for (int k = 0; k < view.count; ++k) {
-    const Eigen::Vector2d& e = errors[static_cast<std::size_t>(k)];
+    const Eigen::Vector2d& e = errors[k];
     const bool is_used = view.w[k] > 0;
     if (is_used) used.push_back(e);
     // Counted above all the same: a draw of a bootstrap keeps its statistics.

@@ -44,8 +44,7 @@ void addFrame(const CameraProblem& one, const CameraEstimate& at, Eigen::Ref<Eig
 Pieces piecesOf(const CameraProblem& problem, const CameraEstimate& estimate) {
   const int size = CameraLayout(estimate).size;
   Pieces out{Eigen::MatrixXd(size, problem.frameCount()), {}};
-  out.information.assign(static_cast<std::size_t>(std::min(kUnits, problem.frameCount())),
-                         Eigen::MatrixXd::Zero(size, size));
+  out.information.assign(std::min(kUnits, problem.frameCount()), Eigen::MatrixXd::Zero(size, size));
   forChunks(out.units(), kUnitChunk, problem.threads, [&](const Chunk& chunk) {
     CameraProblem one = problem;
     one.threads = 1;
@@ -53,10 +52,10 @@ Pieces piecesOf(const CameraProblem& problem, const CameraEstimate& estimate) {
     CameraEstimate at = estimate;
     for (int u = chunk.begin; u < chunk.end; ++u) {
       for (int f = out.firstOfUnit(u); f < out.firstOfUnit(u + 1); ++f) {
-        one.frames = {problem.frames[static_cast<std::size_t>(f)]};
+        one.frames = {problem.frames[f]};
         one.weights = {problem.weight(f)};
-        at.T_C0F = {estimate.T_C0F[static_cast<std::size_t>(f)]};
-        addFrame(one, at, out.scores.col(f), out.information[static_cast<std::size_t>(u)]);
+        at.T_C0F = {estimate.T_C0F[f]};
+        addFrame(one, at, out.scores.col(f), out.information[u]);
       }
     }
   });
@@ -72,9 +71,9 @@ BlockScores sums(const Pieces& pieces, int blocks) {
     const int first = pieces.firstOfUnit(begin);
     out.scores.col(b) =
         pieces.scores.middleCols(first, pieces.firstOfUnit(end) - first).rowwise().sum();
-    Eigen::MatrixXd information = pieces.information[static_cast<std::size_t>(begin)];
+    Eigen::MatrixXd information = pieces.information[begin];
     for (int u = begin + 1; u < end; ++u) {
-      information += pieces.information[static_cast<std::size_t>(u)];
+      information += pieces.information[u];
     }
     out.information.push_back(std::move(information));
   }

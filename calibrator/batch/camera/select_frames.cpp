@@ -68,7 +68,7 @@ int takeBest(const PredictedError& error, const std::vector<ViewTerms>& terms,
   double least = std::numeric_limits<double>::infinity();
   for (auto i = left.begin(); i != left.end(); ++i) {
     // A value that is no number never counts as less: such a view is taken last.
-    const double E = error.valueWith(terms[static_cast<std::size_t>(*i)]);
+    const double E = error.valueWith(terms[*i]);
     if (E < least) best = i;
     least = std::min(least, E);
   }
@@ -90,14 +90,14 @@ std::vector<int> selectByError(const CameraProblem& problem, const CameraEstimat
   std::vector<int> left = fittingFrames(terms);
   if (left.empty()) return all;
   std::vector<ViewTerms> fitting;
-  for (const int i : left) fitting.push_back(terms[static_cast<std::size_t>(i)]);
+  for (const int i : left) fitting.push_back(terms[i]);
   // Of the fitting frames alone: gross errors of one would pass for misfit of the lens.
   const ErrorComponents components = guarded(errorComponents(fitting));
   PredictedError error(model->use, components);
   std::vector<int> kept;
   while (!left.empty()) {
     kept.push_back(takeBest(error, terms, left));
-    error.add(terms[static_cast<std::size_t>(kept.back())]);
+    error.add(terms[kept.back()]);
     const bool enough = static_cast<int>(kept.size()) >= options.least_views;
     if (enough && relativeExcess(error.value(), components) <= options.stop_excess) break;
   }

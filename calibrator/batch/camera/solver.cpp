@@ -37,10 +37,9 @@ class StepSolver {
     L_.resize(n.H.size());
     W_ = n.P;
     y_ = n.b_pose;
-    std::vector<Eliminated> parts(static_cast<std::size_t>(chunkCount(frames, kFrameChunk)));
-    forChunks(frames, kFrameChunk, threads_, [&](const Chunk& chunk) {
-      parts[static_cast<std::size_t>(chunk.index)] = eliminate(n, damping, chunk);
-    });
+    std::vector<Eliminated> parts(chunkCount(frames, kFrameChunk));
+    forChunks(frames, kFrameChunk, threads_,
+              [&](const Chunk& chunk) { parts[chunk.index] = eliminate(n, damping, chunk); });
     // Marquardt's scaling, here and in eliminate(): damping by shares of the diagonal needs no
     // common unit of pixels, metres and coefficients.
     Eigen::MatrixXd S = n.G;
@@ -60,7 +59,7 @@ class StepSolver {
     step.poses = -(y_ + W_ * step.cameras);
     for (int f = 0; f < frames; ++f) {
       auto x = step.poses.segment<6>(6 * f);
-      L_[static_cast<std::size_t>(f)].transpose().triangularView<Eigen::Upper>().solveInPlace(x);
+      L_[f].transpose().triangularView<Eigen::Upper>().solveInPlace(x);
     }
     if (!step.cameras.allFinite() || !step.poses.allFinite()) return std::nullopt;
     step.decrement = -(step.cameras.dot(n.b) + step.poses.dot(n.b_pose));
@@ -71,11 +70,11 @@ class StepSolver {
   Eliminated eliminate(const CameraNormals& n, double damping, const Chunk& chunk) {
     Eliminated out;
     for (int f = chunk.begin; f < chunk.end; ++f) {
-      Matrix6d A = n.H[static_cast<std::size_t>(f)];
+      Matrix6d A = n.H[f];
       A.diagonal() *= 1 + damping;
       const Eigen::LLT<Matrix6d> llt(A);
       if (llt.info() != Eigen::Success) out.positive = false;
-      Matrix6d& L = L_[static_cast<std::size_t>(f)];
+      Matrix6d& L = L_[f];
       L = llt.matrixL();
       auto W = W_.middleRows<6>(6 * f);
       for (Eigen::Index j = 0; j < W.cols(); ++j) {  // unrolled, as a whole block would not be
@@ -113,7 +112,7 @@ CameraEstimate moved(const CameraEstimate& from, const Step& step) {
   }
   if (to.target) *to.target += step.cameras.segment<kTargetTerms>(layout.target);
   for (std::size_t f = 0; f < to.T_C0F.size(); ++f) {
-    to.T_C0F[f] = twisted(from.T_C0F[f], step.poses.segment<6>(6 * static_cast<Eigen::Index>(f)));
+    to.T_C0F[f] = twisted(from.T_C0F[f], step.poses.segment<6>(6 * f));
   }
   return to;
 }

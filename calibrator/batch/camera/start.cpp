@@ -171,13 +171,13 @@ CameraPoses ownPoses(const Intrinsics& camera, const PackedCorners& corners,
   const PoseRefinementOptions one = roughPose(width, 1);
   forChunks(static_cast<int>(frames.size()), kFrameChunk, options.threads, [&](const Chunk& chunk) {
     for (int f = chunk.begin; f < chunk.end; ++f) {
-      const int v = frames[static_cast<std::size_t>(f)].view[c];
+      const int v = frames[f].view[c];
       if (v < 0 || corners.view(v).count < options.min_start_corners) continue;
       const PackedView view = corners.view(v);
       const auto found = findPose({{&camera, view, Transform()}}, kGoodPose * width,
                                   view.count > 2 * kFewCorners ? none : one);
       if (found && found->errorPx() < options.max_start_error * width) {
-        poses[static_cast<std::size_t>(f)] = found->T_C0F;
+        poses[f] = found->T_C0F;
       }
     }
   });

@@ -178,7 +178,7 @@ ViewTerms ViewTermsMaker::seen(const RigView& frame, std::span<const double> cel
       for (int k = 0; k < view.count; ++k) {
         const int cell =
             CornerCells::cellOf(view.u[k], view.v[k], cameras_.intrinsics[c].resolution);
-        roots[static_cast<std::size_t>(k)] *=
+        roots[k] *=
             std::sqrt(cell_weights[c * CornerCells::kCount + static_cast<std::size_t>(cell)]);
       }
       view.w = roots.data();
@@ -267,13 +267,13 @@ std::optional<ErrorModel> errorModel(const std::vector<RigView>& frames,
   const ViewTermsMaker all(cameras, {seenBoxes(frames, cameras), {}}, 0);
   const std::vector<double> weights = cellWeights(frames, cameras, kind);
   const int count = static_cast<int>(frames.size());
-  std::vector<LaterUse> parts(static_cast<std::size_t>(chunkCount(count, kUseChunk)));
+  std::vector<LaterUse> parts(chunkCount(count, kUseChunk));
   forChunks(count, kUseChunk, threads, [&](const Chunk& chunk) {
     std::vector<ViewTerms> terms;
     for (int i = chunk.begin; i < chunk.end; ++i) {
-      terms.push_back(all.seen(frames[static_cast<std::size_t>(i)], weights));
+      terms.push_back(all.seen(frames[i], weights));
     }
-    parts[static_cast<std::size_t>(chunk.index)] = laterUse(terms);
+    parts[chunk.index] = laterUse(terms);
   });
   LaterUse use;
   // In the order of the chunks, whatever the threads.

@@ -28,7 +28,7 @@ struct MisfitField {
   /// Of a camera's rows of `columns`, where there are any.
   Eigen::MatrixXd::ConstBlockXpr ofCamera(std::size_t camera) const {
     if (columns.size() == 0) return columns.topRows(0);
-    return columns.middleRows(static_cast<Eigen::Index>(camera) * kFieldColumns, kFieldColumns);
+    return columns.middleRows(camera * kFieldColumns, kFieldColumns);
   }
   Eigen::Index size() const {
     return columns.size() > 0 ? columns.cols()

@@ -68,8 +68,8 @@ std::vector<CameraPose> take(const FrameSelection& selection, const PosedFrames&
   std::vector<CameraPose> poses;
   problem.frames.clear();
   for (const int i : selection.chosen) {
-    problem.frames.push_back(posed.frames[static_cast<std::size_t>(i)]);
-    poses.push_back(posed.poses[static_cast<std::size_t>(i)]);
+    problem.frames.push_back(posed.frames[i]);
+    poses.push_back(posed.poses[i]);
   }
   problem.links = selection.links;
   problem.weights.assign(problem.frames.size(), 1);

@@ -44,7 +44,7 @@ void addViewGram(const FaultViewTerms& v, const PoseRows& T, MatrixXd& informati
 /// T += A_B, in its first T.cols() columns.
 void addByBorder(const FaultViewTerms& v, PoseRows& T) {
   for (std::size_t k = 0; k < v.by.size(); ++k) {
-    if (v.by[k] < T.cols()) T.col(v.by[k]) += v.A_B.col(static_cast<Index>(k));
+    if (v.by[k] < T.cols()) T.col(v.by[k]) += v.A_B.col(k);
   }
 }
 
@@ -54,12 +54,12 @@ void addView(const FaultViewTerms& v, Index n, BlockArrow& chain) {
   chain.diagonal[v.frame] += AxH * v.A_x;
   ChainBorderRows& rows = chain.to_border[v.frame];
   for (std::size_t k = 0; k < v.by.size(); ++k) {
-    if (v.by[k] < n) rows.col(v.by[k]) += AxH * v.A_B.col(static_cast<Index>(k));
+    if (v.by[k] < n) rows.col(v.by[k]) += AxH * v.A_B.col(k);
   }
   rows.col(n) += v.A_x.transpose() * v.b.head<6>();
   for (std::size_t i = 0; i < v.own.size(); ++i) {
     if (v.own[i] >= n) continue;
-    rows.col(v.own[i]) += v.A_x.transpose() * v.H.col(6 + static_cast<Index>(i));
+    rows.col(v.own[i]) += v.A_x.transpose() * v.H.col(6 + i);
   }
 }
 

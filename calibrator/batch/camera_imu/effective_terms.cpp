@@ -86,7 +86,7 @@ class ViewRows {
     Vector6d by_size = chain.A_C0Ci.leftCols<3>() * t_C0Ci;
     by_size.head<3>() -= chain.T_CiF.t;
     add(columns_.target_size, by_size);
-    out.A = A.leftCols(static_cast<Index>(out.columns.size()));
+    out.A = A.leftCols(out.columns.size());
     return out;
   }
 
@@ -297,9 +297,9 @@ std::optional<std::vector<LinkTerms>> linkTerms(const CameraImuProblem& problem,
   std::atomic<bool> covered{true};
   forChunks(static_cast<int>(list.size()), kImuChunk, problem.threads, [&](const Chunk& chunk) {
     for (int k = chunk.begin; k < chunk.end; ++k) {
-      auto link = rows.link(list[static_cast<std::size_t>(k)]);
+      auto link = rows.link(list[k]);
       if (link) {
-        out[static_cast<std::size_t>(k)] = std::move(*link);
+        out[k] = std::move(*link);
       } else {
         covered = false;
       }

@@ -161,7 +161,7 @@ void addRows(const Link& link, const Groups& information, const ChainInverse& in
   Eigen::Matrix<double, 28, 1> x;
   x << dx_i, dx_j.head<9>(), inverse.solution.border_step.segment<3>(BorderLayout::kGravity), 1;
   for (int g = 0; g < 2; ++g) {
-    const LinkGram& G = link.motion[static_cast<std::size_t>(g)];
+    const LinkGram& G = link.motion[g];
     const double rows = g == 0 ? 3 : 6;
     sum.squares(g) += information(g) * x.dot(G.lazyProduct(x));
     sum.redundancy(g) += rows - information(g) * G.cwiseProduct(joint).sum();
@@ -198,11 +198,11 @@ class VarianceComponents {
     // under these factors.
     const Groups information = factors.imu.square().inverse();
     const int count = static_cast<int>(links_.size());
-    std::vector<Evaluation> parts(static_cast<std::size_t>(chunkCount(count, kImuChunk)));
+    std::vector<Evaluation> parts(chunkCount(count, kImuChunk));
     forChunks(count, kImuChunk, threads_, [&](const Chunk& chunk) {
-      Evaluation& part = parts[static_cast<std::size_t>(chunk.index)];
+      Evaluation& part = parts[chunk.index];
       for (int k = chunk.begin; k < chunk.end; ++k) {
-        addRows(links_[static_cast<std::size_t>(k)], information, *inverse, part);
+        addRows(links_[k], information, *inverse, part);
       }
     });
     Evaluation sum;

@@ -47,12 +47,11 @@ class Linearisation {
 
   std::optional<CameraImuNormals> run() {
     const int n = problem_.frameCount();
-    std::vector<Partial> partials(static_cast<std::size_t>(chunkCount(n, kImuChunk)),
-                                  Partial(layout_.size));
+    std::vector<Partial> partials(chunkCount(n, kImuChunk), Partial(layout_.size));
     // Set by any thread; which link it was nobody asks.
     std::atomic<bool> covered{true};
     forChunks(n, kImuChunk, problem_.threads, [&](const Chunk& chunk) {
-      Partial& partial = partials[static_cast<std::size_t>(chunk.index)];
+      Partial& partial = partials[chunk.index];
       for (int i = chunk.begin; i < chunk.end; ++i) {
         addCameras(i, partial);
         if (i + 1 < n && !addLink(i, i + 1 == chunk.end, partial)) covered = false;
@@ -103,7 +102,7 @@ class Linearisation {
   }
 
   void addCameras(int i, Partial& partial) {
-    const Frame& frame = problem_.frames[static_cast<std::size_t>(i)];
+    const Frame& frame = problem_.frames[i];
     for (std::size_t c = 0; c < estimate_.cameras.size(); ++c) {
       if (frame.view[c] < 0) continue;
       // Off the frame's instant the camera's pose hangs on velocity and biases as well: 15 columns
@@ -120,17 +119,15 @@ class Linearisation {
   }
 
   double viewScale(int i) const {
-    return problem_.weights[static_cast<std::size_t>(i)] /
-           (problem_.pixel_sigma * problem_.pixel_sigma);
+    return problem_.weights[i] / (problem_.pixel_sigma * problem_.pixel_sigma);
   }
 
   CameraImuChain chainOf(int i, std::size_t c) const {
-    return cameraImuChain(estimate_.states[static_cast<std::size_t>(i)].T_FS, estimate_.T_SC0,
-                          estimate_.cameras[c].T_C0Ci);
+    return cameraImuChain(estimate_.states[i].T_FS, estimate_.T_SC0, estimate_.cameras[c].T_C0Ci);
   }
 
   PackedView viewOf(int i, std::size_t c) const {
-    return problem_.corners[c].view(problem_.frames[static_cast<std::size_t>(i)].view[c]);
+    return problem_.corners[c].view(problem_.frames[i].view[c]);
   }
 
   /// x_Ci = A_FS d_FS + A_SC0 d_SC0: the 6 x 6 Gram matrix of the view goes to three blocks.

@@ -19,7 +19,7 @@ void append(const FrameSegment& segment, const CameraImuStageResult& earlier,
             CameraImuProblem& problem, CameraImuEstimate& estimate) {
   std::vector<TimeNs> stamps;
   for (int k = 0; k < segment.count; ++k) {
-    stamps.push_back(earlier.frames[static_cast<std::size_t>(segment.first + k)].t);
+    stamps.push_back(earlier.frames[segment.first + k].t);
   }
   // Segment by segment: a frame whose only neighbours stand in another segment has no link here.
   const FrameSelection selection = selectFrames(stamps, problem.samples, gaps, choice);

@@ -29,12 +29,8 @@ void frameResiduals(const CameraImuProblem& problem, const CameraImuEstimate& es
     const auto errors = viewErrors(estimate.cameras[c].intrinsics, T_CF, view);
     for (int k = 0; k < view.count; ++k) {
       const Eigen::Vector2d uv(view.u[k], view.v[k]);
-      *out++ = {static_cast<int>(c),
-                frame,
-                view.id[k],
-                uv.cast<float>(),
-                errors[static_cast<std::size_t>(k)].cast<float>(),
-                view.w[k] > 0};
+      *out++ = {static_cast<int>(c),     frame,        view.id[k], uv.cast<float>(),
+                errors[k].cast<float>(), view.w[k] > 0};
     }
   }
 }
@@ -156,7 +152,7 @@ std::vector<CornerResidual> cornerResiduals(const CameraImuProblem& problem,
   std::vector<CornerResidual> out(first.back());
   // Every frame writes to places of its own in the list.
   forChunks(problem.frameCount(), 1, problem.threads, [&](const Chunk& chunk) {
-    CornerResidual* const begin = out.data() + first[static_cast<std::size_t>(chunk.begin)];
+    CornerResidual* const begin = out.data() + first[chunk.begin];
     frameResiduals(problem, estimate, chunk.begin, begin);
   });
   return out;

@@ -153,7 +153,7 @@ class FramePoses {
     for (const FrameView& v : views) {
       const auto all = viewErrors(*v.camera, v.T_CiC0 * T_C0F, v.view);
       for (int k = 0; k < v.view.count; ++k) {
-        if (v.view.w[k] > 0) errors.push_back(all[static_cast<std::size_t>(k)].norm());
+        if (v.view.w[k] > 0) errors.push_back(all[k].norm());
       }
     }
     return middleOf(std::move(errors));
@@ -192,7 +192,7 @@ class FramePoses {
       for (MisplacedTag tag : findMisplacedTags(session_.target, lens, view, T_CF)) {
         for (const int k : cornersOfTag(view, tag.tag)) rejectAt(k);
         tag.camera = static_cast<int>(c);
-        tag.t = session_.cameras[c].views[static_cast<std::size_t>(index)].t;
+        tag.t = session_.cameras[c].views[index].t;
         out.screening.misplaced_tags.push_back(tag);
       }
       out.screening.false_corners += static_cast<std::size_t>(
@@ -221,8 +221,7 @@ std::vector<RepeatedView> repeatedIn(const Session& session) {
   const auto repeated = repeatedViews(session);
   for (std::size_t c = 0; c < repeated.size(); ++c) {
     for (const int view : repeated[c]) {
-      out.push_back(
-          {static_cast<int>(c), session.cameras[c].views[static_cast<std::size_t>(view)].t});
+      out.push_back({static_cast<int>(c), session.cameras[c].views[view].t});
     }
   }
   return out;
@@ -265,7 +264,7 @@ FrameSelection selectFrames(std::span<const TimeNs> stamps, std::span<const ImuS
     covered.push_back(static_cast<int>(i));
   }
   out.covered = static_cast<int>(covered.size());
-  const auto stamp = [&](int index) { return stamps[static_cast<std::size_t>(index)]; };
+  const auto stamp = [&](int index) { return stamps[index]; };
   const auto isJoined = [&](std::size_t a, std::size_t b) {
     return linkBetween(stamp(covered[a]), stamp(covered[b]), gaps, options) == FrameLink::kInertial;
   };
