@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <functional>
+#include <type_traits>
+#include <vector>
 
 namespace plumbline {
 
@@ -27,6 +30,14 @@ void forChunks(int count, int size, int threads, Work&& work) {
   parallelCalls(chunkCount(count, size), threads, [&](int i) {
     work(Chunk{i, i * size, std::min(count, (i + 1) * size)});
   });
+}
+
+/// What work(0), ..., work(count - 1) give, on up to `threads` threads; work takes a std::size_t.
+template <class Work>
+auto parallelMap(std::size_t count, int threads, Work&& work) {
+  std::vector<std::invoke_result_t<Work&, std::size_t>> out(count);
+  parallelCalls(static_cast<int>(count), threads, [&](int i) { out[i] = work(i); });
+  return out;
 }
 
 /// Two calls at once, on up to `threads` threads.

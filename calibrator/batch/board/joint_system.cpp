@@ -77,7 +77,7 @@ struct HigherSums {
   std::vector<PoseHigher> pose;              ///< per camera, in its own twist
 
   HigherSums(int corners, int columns, const CameraLayout& layout)
-      : M(static_cast<std::size_t>(corners), Eigen::Matrix3d::Zero()), M_edge(M) {
+      : M(corners, Eigen::Matrix3d::Zero()), M_edge(M) {
     for (const int size : layout.intrinsics_size) {
       lens.emplace_back(M.size(), LensPoint::Zero(size, 3));
       pose.emplace_back(PoseHigher::Zero(6, columns));
@@ -156,23 +156,21 @@ HigherSums sumFrames(const CameraProblem& problem, const CameraEstimate& estimat
                      const CameraLayout& layout, const HigherBoard& board, HigherNormals& out) {
   const std::vector<CameraDerivatives> chain = derivativesOf(estimate);
   const int corners = board.basis.cornerCount();
-  std::vector<HigherSums> parts(
-      static_cast<std::size_t>(chunkCount(problem.frameCount(), kFrameChunk)),
-      HigherSums(corners, board.columns.size, layout));
+  std::vector<HigherSums> parts(chunkCount(problem.frameCount(), kFrameChunk),
+                                HigherSums(corners, board.columns.size, layout));
   const double scale = 1 / (problem.pixel_sigma * problem.pixel_sigma);
   forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
     HigherSums& sums = parts[chunk.index];
-    for (int i = chunk.begin; i < chunk.end; ++i) {
-      const auto f = static_cast<std::size_t>(i);
+    for (int f = chunk.begin; f < chunk.end; ++f) {
       for (std::size_t c = 0; c < chain.size(); ++c) {
         const int index = problem.frames[f].view[c];
         if (index < 0) continue;
         const ViewShare view =
             addHigherView(board, estimate.intrinsics[c], chain[c].T_CiC0 * estimate.T_C0F[f],
                           problem.corners[c].view(index), problem.gram.cauchy_px,
-                          scale * problem.weight(i), c, sums);
+                          scale * problem.weight(f), c, sums);
         out.P[f] += chain[c].A_pose.transpose() * view.P;
-        out.b.col(i) += view.b.transpose();
+        out.b.col(f) += view.b.transpose();
       }
     }
   });
@@ -186,9 +184,8 @@ void placeSums(const HigherSums& sums, const CameraEstimate& estimate, const Cam
                const HigherBoard& board, HigherNormals& out) {
   for (std::size_t c = 0; c < sums.lens.size(); ++c) {
     auto lens = out.G_gh.middleRows(layout.intrinsics[c], layout.intrinsics_size[c]);
-    for (std::size_t i = 0; i < sums.M.size(); ++i) {
-      const auto id = static_cast<int>(i);
-      board.columns.add(sums.lens[c][i], id, board.higher.functions(id), lens);
+    for (int id = 0; id < board.basis.cornerCount(); ++id) {
+      board.columns.add(sums.lens[c][id], id, board.higher.functions(id), lens);
     }
     if (c == 0) continue;
     const Eigen::Matrix3d A = -estimate.T_C0Ci[c].inverse().R;  // of twists, in the tangent
@@ -197,12 +194,11 @@ void placeSums(const HigherSums& sums, const CameraEstimate& estimate, const Cam
   }
   auto terms = out.G_gh.middleRows<kTargetTerms>(layout.target);
   for (int id = 0; id < board.basis.cornerCount(); ++id) {
-    const auto i = static_cast<std::size_t>(id);
     const auto& phi = board.higher.functions(id);
     const Eigen::Matrix<double, 3, kTargetTerms> B = board.basis.columns(id);
-    Eigen::Matrix<double, kTargetTerms, 3> BtM = B.transpose() * sums.M[i];
+    Eigen::Matrix<double, kTargetTerms, 3> BtM = B.transpose() * sums.M[id];
     // tag_edge alone has another column in every view, by the size at which it shows the tag.
-    BtM.row(kTargetTerms - 1) = B.col(kTargetTerms - 1).transpose() * sums.M_edge[i];
+    BtM.row(kTargetTerms - 1) = B.col(kTargetTerms - 1).transpose() * sums.M_edge[id];
     board.columns.add(BtM, id, phi, terms);
     Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(3, board.columns.size);  // of the displacement
     board.columns.add(Eigen::Matrix3d::Identity(), id, phi, Q);
@@ -210,14 +206,14 @@ void placeSums(const HigherSums& sums, const CameraEstimate& estimate, const Cam
     // Blocks of other corners stay zero: before the poses are eliminated a corner's remainder meets
     // no other's.
     out.G_hh.topLeftCorner<kHigherTerms, kHigherTerms>() +=
-        polynomials.transpose() * sums.M[i] * polynomials;
+        polynomials.transpose() * sums.M[id] * polynomials;
     if (board.columns.corners == 0) continue;
     const std::array<int, 3> at{board.columns.plane(id), board.columns.plane(id) + 1,
                                 board.columns.height(id)};
     for (int a = 0; a < 3; ++a) {
-      out.G_hh.col(at[a]).head<kHigherTerms>() = polynomials.transpose() * sums.M[i].col(a);
-      out.G_hh.row(at[a]).head<kHigherTerms>() = sums.M[i].row(a) * polynomials;
-      for (int b = 0; b < 3; ++b) out.G_hh(at[a], at[b]) = sums.M[i](a, b);
+      out.G_hh.col(at[a]).head<kHigherTerms>() = polynomials.transpose() * sums.M[id].col(a);
+      out.G_hh.row(at[a]).head<kHigherTerms>() = sums.M[id].row(a) * polynomials;
+      for (int b = 0; b < 3; ++b) out.G_hh(at[a], at[b]) = sums.M[id](a, b);
     }
   }
 }
@@ -267,15 +263,14 @@ JointSystem jointSystem(const CameraProblem& problem, const CameraEstimate& esti
     W_h.setZero(6 * count, out.S_hh.cols());
     w.setZero(6 * count);
     for (int k = 0; k < count; ++k) {
-      const int i = first + k;
-      const auto f = static_cast<std::size_t>(i);
+      const int f = first + k;
       const PoseElimination R(normals.H[f]);
       // S = G - P^T H^-1 P by W = R P, R^T R = H^-1.
-      W_g.middleRows<6>(6 * k) = R * normals.P.middleRows<6>(6 * i);
+      W_g.middleRows<6>(6 * k) = R * normals.P.middleRows<6>(6 * f);
       W_h.middleRows<6>(6 * k) = R * higher.P[f];
-      w.segment<6>(6 * k) = R * normals.b_pose.segment<6>(6 * i);
+      w.segment<6>(6 * k) = R * normals.b_pose.segment<6>(6 * f);
       // s_h of a frame less what its pose takes up.
-      out.scores.col(i).noalias() -= W_h.middleRows<6>(6 * k).transpose() * w.segment<6>(6 * k);
+      out.scores.col(f).noalias() -= W_h.middleRows<6>(6 * k).transpose() * w.segment<6>(6 * k);
     }
     out.S_gg.noalias() -= W_g.transpose() * W_g;
     out.S_gh.noalias() -= W_g.transpose() * W_h;

@@ -140,8 +140,7 @@ TargetSolution solveKnown(const AprilGrid& board, CameraProblem& problem, Camera
   CameraSolution known = std::move(stated);
   // The first solution has the tags' edges wrong, which is no noise: again with what is left.
   for (int round = 0; round < 2; ++round) {
-    auto model = targetModel(board, options.target, problem, known.estimate);
-    problem.target = std::move(model);
+    problem.target = targetModel(board, options.target, problem, known.estimate);
     CameraEstimate start = known.estimate;
     if (!start.target) start.target = problem.target->mean;
     CameraSolution next = solveCameraProblem(problem, start, solverOptions(options));
@@ -229,9 +228,7 @@ std::shared_ptr<const TargetModel> targetModel(const AprilGrid& board, TargetMod
     covariance += board.shape.covariance->topLeftCorner<kBoardTerms, kBoardTerms>();
   }
   const double noise = noiseRatio(problem, estimate);
-  if (board.shape.higher && board.shape.higher_std) {
-    model->higher = knownHigher(board.shape, noise);
-  }
+  if (board.shape.higher && board.shape.higher_std) model->higher = knownHigher(board.shape, noise);
   const Board information = noise * covariance.llt().solve(Board::Identity());
   model->information.topLeftCorner<kBoardTerms, kBoardTerms>() = information;
   // Of the gradient I (terms - mean), the mean being off by C: I C I.
