@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/camera/camera_dispatch.h"
@@ -122,8 +121,15 @@ std::vector<PackedCorners> packCorners(const Session& session) {
 std::size_t cornerCount(const Frame& frame, std::span<const PackedCorners> corners) {
   std::size_t count = 0;
   for (std::size_t c = 0; c < corners.size(); ++c) {
-    if (frame.view[c] < 0) continue;
-    count += static_cast<std::size_t>(corners[c].view(frame.view[c]).count);
+    if (frame.view[c] >= 0) count += corners[c].view(frame.view[c]).count;
+  }
+  return count;
+}
+
+double usedCount(const Frame& frame, std::span<const PackedCorners> corners) {
+  double count = 0;
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    if (frame.view[c] >= 0) count += corners[c].view(frame.view[c]).used();
   }
   return count;
 }
@@ -133,11 +139,10 @@ std::vector<PackedCorners> usedCorners(const Session& session, const std::vector
   std::vector<PackedCorners> corners = packCorners(session);
   for (const CornerResidual& r : residuals) {
     if (r.used) continue;
-    const auto c = static_cast<std::size_t>(r.camera);
-    const int index = frames[r.frame].view[c];
-    const PackedView view = corners[c].view(index);  // ids ascend within a view
+    const int index = frames[r.frame].view[r.camera];
+    const PackedView view = corners[r.camera].view(index);  // ids ascend within a view
     const int* found = std::lower_bound(view.id, view.id + view.count, r.corner_id);
-    corners[c].setWeight(index, static_cast<int>(found - view.id), 0);
+    corners[r.camera].setWeight(index, static_cast<int>(found - view.id), 0);
   }
   return corners;
 }
@@ -180,10 +185,6 @@ void weigh(const std::vector<CornerPlace>& places, double weight,
   for (const CornerPlace& p : places) corners[p.camera].setWeight(p.view, p.position, weight);
 }
 
-void checkFilter(CornerFilter filter, double sigmas) {
-  if (filter == CornerFilter::kSigma) requirePositive("filter_sigmas", sigmas);
-}
-
 std::size_t rejectAboveSigma(PackedCorners& corners, const Intrinsics& camera,
                              const std::vector<PosedView>& views, double sigmas) {
   std::vector<std::vector<double>> errors;
@@ -209,12 +210,8 @@ std::size_t rejectAboveSigma(PackedCorners& corners, const Intrinsics& camera,
 
 std::size_t rejectLikeKalibr(PackedCorners& corners, const Intrinsics& camera,
                              const std::vector<PosedView>& starts, int threads) {
-  std::vector<std::vector<int>> rejected(starts.size());
-  forChunks(static_cast<int>(starts.size()), 16, threads, [&](const Chunk& chunk) {
-    for (int i = chunk.begin; i < chunk.end; ++i) {
-      const PosedView& start = starts[i];
-      rejected[i] = kalibrOutliers(camera, corners.view(start.view), start.T_CF);
-    }
+  const auto rejected = parallelMap(starts.size(), threads, [&](std::size_t i) {
+    return kalibrOutliers(camera, corners.view(starts[i].view), starts[i].T_CF);
   });
   std::size_t count = 0;
   for (std::size_t i = 0; i < starts.size(); ++i) {

@@ -38,6 +38,8 @@ std::vector<PackedCorners> packCorners(const Session& session);
 
 /// Corners of a frame's views, rejected ones too.
 std::size_t cornerCount(const Frame& frame, std::span<const PackedCorners> corners);
+/// Those with weight alone.
+double usedCount(const Frame& frame, std::span<const PackedCorners> corners);
 
 /// The same without those that an earlier result of the session rejected (their weight is 0): its
 /// frames, and the residuals that it lists.
@@ -67,9 +69,6 @@ struct CornerPlace {
 /// Gives corners their weight: 0 rejects them.
 void weigh(const std::vector<CornerPlace>& places, double weight,
            std::vector<PackedCorners>& corners);
-
-/// Throws InputError where a sigma filter has no positive factor.
-void checkFilter(CornerFilter filter, double sigmas);
 
 /// One view of a camera (index into its PackedCorners) and the pose of the target in it.
 struct PosedView {

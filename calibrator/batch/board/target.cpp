@@ -204,11 +204,7 @@ double noiseRatio(const CameraProblem& problem, const CameraEstimate& estimate) 
   }
   double corners = 0;
   for (int f = 0; f < problem.frameCount(); ++f) {
-    const std::vector<int>& views = problem.frames[f].view;
-    for (std::size_t c = 0; c < views.size(); ++c) {
-      if (views[c] < 0) continue;
-      corners += problem.weight(f) * problem.corners[c].view(views[c]).used();
-    }
+    corners += problem.weight(f) * usedCount(problem.frames[f], problem.corners);
   }
   // The cost has half of a corner's squares, which is their mean over its two axes.
   return cost / std::max(1.0, corners);

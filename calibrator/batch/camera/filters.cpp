@@ -80,8 +80,7 @@ void keepFrames(const std::vector<int>& keep, CameraProblem& problem, CameraEsti
   std::vector<Frame> frames;
   std::vector<double> weights;
   std::vector<Transform> poses;
-  for (const int f : keep) {
-    const auto i = static_cast<std::size_t>(f);
+  for (const int i : keep) {
     frames.push_back(problem.frames[i]);
     poses.push_back(estimate.T_C0F[i]);
     if (!problem.weights.empty()) weights.push_back(problem.weights[i]);

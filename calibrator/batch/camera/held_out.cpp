@@ -7,6 +7,7 @@
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/stage.h"
+#include "calibrator/batch/corners.h"
 
 namespace plumbline {
 namespace {
@@ -15,28 +16,11 @@ constexpr int kBlocks = 10;             // of time, for the held-out error
 constexpr int kLeastFrames = 2;         // in a block
 constexpr double kTestTolerance = 0.1;  // of the halves' solutions [standard deviations]
 
-/// With their weights: what a filter rejected adds neither to the cost nor to the count.
-double usedCorners(const CameraProblem& problem, std::size_t f) {
-  double corners = 0;
-  for (std::size_t c = 0; c < problem.frames[f].view.size(); ++c) {
-    const int index = problem.frames[f].view[c];
-    if (index < 0) continue;
-    corners += problem.corners[c].view(index).used();
-  }
-  return corners;
-}
-
 /// A problem on some of the frames of another, with their poses.
 CameraPart partOf(const CameraProblem& problem, const CameraEstimate& estimate,
                   const std::vector<int>& frames) {
   CameraPart part{problem, estimate};
-  part.problem.frames.clear();
-  part.problem.weights.clear();
-  part.estimate.T_C0F.clear();
-  for (const int f : frames) {
-    part.problem.frames.push_back(problem.frames[f]);
-    part.estimate.T_C0F.push_back(estimate.T_C0F[f]);
-  }
+  keepFrames(frames, part.problem, part.estimate);
   return part;
 }
 
@@ -68,11 +52,7 @@ std::vector<double> heldOutCosts(CameraPart part, const CameraEstimate& trained,
 
 double HeldOut::rms() const { return std::sqrt(squared / std::max(1., corners)); }
 
-MinimiserOptions roughSolver() {
-  MinimiserOptions rough;
-  rough.tolerance = kTestTolerance;
-  return rough;
-}
+MinimiserOptions roughSolver() { return {.tolerance = kTestTolerance}; }
 
 CameraPart testedPart(const CameraProblem& problem, const CameraEstimate& estimate,
                       int most_frames) {
@@ -118,7 +98,8 @@ HeldOut heldOut(const CameraProblem& problem, const CameraEstimate& from, BoardD
       double sum = 0, count = 0;
       for (std::size_t f = 0; f < costs.size(); ++f) {
         sum += costs[f];
-        count += usedCorners(test.problem, f);
+        // With their weights: what a filter rejected adds neither to the cost nor to the count.
+        count += usedCount(test.problem.frames[f], test.problem.corners);
       }
       out.cost[b] = sum / std::max(1., count);
       out.squared += sum;

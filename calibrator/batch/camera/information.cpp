@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera/information.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "calibrator/base/calibration.h"
-#include "calibrator/batch/camera/problem.h"
+#include "calibrator/base/parallel.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
 
@@ -28,6 +31,71 @@ Eigen::MatrixXd cameraRows(const ImpliedShift& shift, const CameraEstimate& esti
   return M;
 }
 
+constexpr int kMostBlocks = 40;  // they know a variance to 22 %
+// Frames are summed to at most as many before they make blocks: six or more to a block, so that any
+// number of blocks cuts the recording about evenly, and no matrix is kept per frame.
+constexpr int kUnits = 240;
+
+/// Frames' scores, and information in runs of neighbouring frames.
+struct Pieces {
+  Eigen::MatrixXd scores;                    ///< a column per frame
+  std::vector<Eigen::MatrixXd> information;  ///< per unit
+  int frames() const { return static_cast<int>(scores.cols()); }
+  int units() const { return static_cast<int>(information.size()); }
+  int firstOfUnit(int unit) const { return unit * frames() / units(); }
+};
+
+/// Gradient of one frame's cost in cameras and terms, its pose eliminated, without priors, and the
+/// frame's share of the information.
+void addFrame(const CameraProblem& one, const CameraEstimate& at, Eigen::Ref<Eigen::VectorXd> score,
+              Eigen::MatrixXd& information) {
+  const CameraNormals n = normalsAt(one, at);
+  score = n.b;
+  information += reducedInformation(n);
+  // normalsAt() adds the prior to every frame's equations; it is no frame's own.
+  if (at.target) {
+    score.tail<kTargetTerms>() -= one.target->priorGradient(*at.target);
+    information.bottomRightCorner<kTargetTerms, kTargetTerms>() -= one.target->information;
+  }
+  const PoseElimination R(n.H.front());
+  score -= (R * n.P).transpose() * (R * n.b_pose);
+}
+
+Pieces piecesOf(const CameraProblem& problem, const CameraEstimate& estimate) {
+  const int size = CameraLayout(estimate).size;
+  Pieces out{Eigen::MatrixXd(size, problem.frameCount()), {}};
+  out.information.assign(std::min(kUnits, problem.frameCount()), Eigen::MatrixXd::Zero(size, size));
+  parallelCalls(out.units(), problem.threads, [&](int u) {
+    CameraProblem one = problem;
+    one.threads = 1;
+    one.prior = nullptr;
+    CameraEstimate at = estimate;
+    for (int f = out.firstOfUnit(u); f < out.firstOfUnit(u + 1); ++f) {
+      one.frames = {problem.frames[f]};
+      one.weights = {problem.weight(f)};
+      at.T_C0F = {estimate.T_C0F[f]};
+      addFrame(one, at, out.scores.col(f), out.information[u]);
+    }
+  });
+  return out;
+}
+
+/// Scores and information of blocks, each of whole units and of about as many.
+BlockScores sums(const Pieces& pieces, int blocks) {
+  BlockScores out{Eigen::MatrixXd(pieces.scores.rows(), blocks), {}};
+  for (int b = 0; b < blocks; ++b) {
+    const int begin = b * pieces.units() / blocks;
+    const int end = (b + 1) * pieces.units() / blocks;
+    const int first = pieces.firstOfUnit(begin);
+    out.scores.col(b) =
+        pieces.scores.middleCols(first, pieces.firstOfUnit(end) - first).rowwise().sum();
+    Eigen::MatrixXd information = pieces.information[begin];
+    for (int u = begin + 1; u < end; ++u) information += pieces.information[u];
+    out.information.push_back(std::move(information));
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<CameraInformation> cameraInformation(const Session& session, const CameraStageResult& at,
@@ -50,16 +118,12 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
   const Eigen::MatrixXd information = reducedInformation(normals);
   const auto covariance = covarianceOf(information);
   const auto entropy = entropyNats(information);
-  if (!covariance || !entropy) {
-    return Failure{FailureCode::kSessionInformationSingular};
-  }
+  if (!covariance || !entropy) return Failure{FailureCode::kSessionInformationSingular};
   CameraInformation out;
   out.covariance = parameterCovariance(cameraParameters(at.cameras), *covariance);
   out.entropy_nats = *entropy;
   const auto shift = impliedShift(normals.H, normals.P, options.alignment);
-  if (!shift) {
-    return Failure{FailureCode::kFramePosesFree};
-  }
+  if (!shift) return Failure{FailureCode::kFramePosesFree};
   const CameraLayout layout(estimate.intrinsics);
   Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(6 + layout.size, 6 + layout.size);
   // Of (noise of tau, g), which are independent: the rest of tau follows from g (ImpliedShift::A).
@@ -68,6 +132,32 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
   for (std::size_t c = 0; c < at.cameras.size(); ++c) {
     const Eigen::MatrixXd M = cameraRows(*shift, estimate, layout, c);
     out.projection.push_back(M * joint * M.transpose());
+  }
+  return out;
+}
+
+std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
+                                                 const CameraSolution& solution,
+                                                 const std::optional<HigherShare>& share) {
+  const int frames = problem.frameCount();
+  const auto bread = covarianceOf(reducedInformation(solution.normals));
+  if (frames < kLeastBlocks || !bread) return std::nullopt;
+  Pieces pieces = piecesOf(problem, solution.estimate);
+  // Before the correlation is looked for: the higher terms take away what neighbours have of them.
+  if (share) pieces.scores = share->eliminatedFrom(pieces.scores);
+  RobustCovariance out;
+  out.correlation_frames = correlationLength(pieces.scores, *bread);
+  out.blocks = std::min(kMostBlocks, blocksOf(frames, out.correlation_frames));
+  ClusterRobust robust = clusterRobust(sums(pieces, out.blocks), *bread);
+  // What neighbouring blocks share is in no block's own square: the sum is too small by that.
+  out.matrix =
+      robust.matrix / shareWithin(static_cast<double>(frames) / out.blocks, out.correlation_frames);
+  out.degrees = std::move(robust.degrees);
+  if (solution.estimate.target) {
+    const Eigen::MatrixXd gain = bread->rightCols<kTargetTerms>();
+    out.known = gain * problem.target->scatter * gain.transpose();
+    if (share) out.known += share->known;
+    out.matrix += out.known;
   }
   return out;
 }

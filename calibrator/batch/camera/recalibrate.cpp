@@ -19,7 +19,7 @@ void ViewSelectionOptions::check() const {
 
 void CameraStageOptions::check() const {
   MeasurementModel::check();
-  checkFilter(filter, filter_sigmas);
+  if (filter == CornerFilter::kSigma) requirePositive("filter_sigmas", filter_sigmas);
   if (select_views) select_views->check();
   frames.check();
   requireAtLeast(1, "frames.min_corners", frames.min_corners);

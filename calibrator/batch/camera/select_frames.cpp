@@ -13,8 +13,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kWorstView = 3;    // times the median RMSE
-constexpr int kSelectionChunk = 8;  // frames
+constexpr double kWorstView = 3;  // times the median RMSE
 
 std::vector<RigView> rigViews(const CameraProblem& problem, const CameraEstimate& estimate) {
   std::vector<RigView> views;
@@ -28,19 +27,6 @@ std::vector<RigView> rigViews(const CameraProblem& problem, const CameraEstimate
     views.push_back(std::move(rig));
   }
   return views;
-}
-
-/// Without cell weights: those are of later use, and make no measurement better.
-std::vector<ViewTerms> termsOf(const ViewTermsMaker& maker, const std::vector<RigView>& views,
-                               int threads) {
-  std::vector<ViewTerms> terms(views.size());
-  forChunks(static_cast<int>(views.size()), kSelectionChunk, threads, [&](const Chunk& chunk) {
-    for (auto i = static_cast<std::size_t>(chunk.begin); i < static_cast<std::size_t>(chunk.end);
-         ++i) {
-      terms[i] = maker.seen(views[i]);
-    }
-  });
-  return terms;
 }
 
 /// Frames of which none leaves far more error than the others.
@@ -86,7 +72,9 @@ std::vector<int> selectByError(const CameraProblem& problem, const CameraEstimat
       errorModel(views, estimate, problem.gram.cauchy_px, LaterUseKind::kSeen, problem.threads);
   // Frames that do not determine the cameras cannot be told apart by what they do for them.
   if (!model) return all;
-  const std::vector<ViewTerms> terms = termsOf(model->maker, views, problem.threads);
+  // Without cell weights: those are of later use, and make no measurement better.
+  const std::vector<ViewTerms> terms = parallelMap(
+      views.size(), problem.threads, [&](std::size_t i) { return model->maker.seen(views[i]); });
   std::vector<int> left = fittingFrames(terms);
   if (left.empty()) return all;
   std::vector<ViewTerms> fitting;

@@ -76,8 +76,6 @@ double rmsWidth(const CameraProblem& problem, const CameraEstimate& cameras);
 struct RefinedPoses {
   std::vector<double> cost;  ///< per frame: sum of rho(|e|^2) [px^2]
   bool converged = false;    ///< all of them
-
-  double total(double pixel_sigma) const;  ///< 0.5 sum / pixel_sigma^2
 };
 RefinedPoses refinePoses(const CameraProblem& problem, CameraEstimate& estimate);
 

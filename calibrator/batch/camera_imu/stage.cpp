@@ -80,7 +80,7 @@ MinimiserOptions solverOptions(const CameraImuOptions& options) {
 
 void CameraImuOptions::check() const {
   MeasurementModel::check();
-  checkFilter(filter, filter_sigmas);
+  if (filter == CornerFilter::kSigma) requirePositive("filter_sigmas", filter_sigmas);
   requireAtLeast(0, "margin_s", margin_s);
   requireAtLeast(1, "max_gap_intervals", max_gap_intervals);
   requirePositive("max_interval_s", max_interval_s);
