@@ -22,6 +22,8 @@ namespace plumbline {
 struct CameraModelPair {
   ProjectionModel projection = ProjectionModel::kPinhole;
   DistortionModel distortion = DistortionModel::kRadtan;
+
+  bool operator==(const CameraModelPair&) const = default;
 };
 
 /// Which frames are kept, judged at the solution of all of them. By mutual information: a frame

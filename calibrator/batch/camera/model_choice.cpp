@@ -63,9 +63,6 @@ std::vector<SeenPoint> seenPoints(const CameraPart& mono) {
   return some;
 }
 
-bool isSame(const CameraModelPair& a, const CameraModelPair& b) {
-  return a.projection == b.projection && a.distortion == b.distortion;
-}
 CameraModelPair modelOf(const Intrinsics& lens) {
   return {lens.projection_model, lens.distortion_model};
 }
@@ -130,7 +127,7 @@ bool isRuledOut(const Trialled& trial, const Trialled& best, const Trialled* usu
   if (over.mean > kRuledOutSigmas * over.std && over.mean > kRuledOutShare * best.cost()) {
     return true;
   }
-  if (stated && isSame(trial.model, *stated)) return false;
+  if (stated == trial.model) return false;
   return usual && trial.parameters() > kUsualParameters &&
          trial.cost() > (1 - kAlike) * usual->cost();
 }
@@ -173,7 +170,7 @@ std::size_t chosenOf(const std::vector<Trialled>& open,
     if (!open[i].error) continue;
     const MeanGain over = excess(open[i], best);
     if (over.mean > over.std) continue;
-    if (stated && isSame(open[i].model, *stated)) return i;
+    if (stated == open[i].model) return i;
     if (open[i].parameters() < open[chosen].parameters()) chosen = i;
   }
   return chosen;
@@ -189,15 +186,11 @@ void ruleOut(const std::optional<CameraModelPair>& stated, CameraTrial& trial) {
   });
   const std::optional<Trialled> usual =
       found == trial.open.end() ? std::nullopt : std::optional(*found);
-  std::vector<Trialled> open;
-  for (Trialled& t : trial.open) {
-    if (isRuledOut(t, best, usual ? &*usual : nullptr, stated)) {
-      trial.ruled_out.push_back(candidateOf(t, best));
-    } else {
-      open.push_back(std::move(t));
-    }
-  }
-  trial.open = std::move(open);
+  std::erase_if(trial.open, [&](const Trialled& t) {
+    const bool out = isRuledOut(t, best, usual ? &*usual : nullptr, stated);
+    if (out) trial.ruled_out.push_back(candidateOf(t, best));
+    return out;
+  });
 }
 
 /// Moves those without a solution out of the open ones, of which the best then stands first: models
@@ -220,7 +213,7 @@ bool isSettled(const CameraTrial& trial, const std::optional<CameraModelPair>& s
   if (!stated || !trial.open.front().error) return false;
   const Trialled& best = trial.open.front();
   for (const Trialled& t : trial.open) {
-    if (isSame(t.model, *stated) && t.error) return isAsGood(t, best);
+    if (t.model == *stated && t.error) return isAsGood(t, best);
   }
   return false;
 }
@@ -233,12 +226,8 @@ void scoreAll(int frames, int threads, std::vector<CameraTrial>& trials) {
     if (camera.open.size() < 2 || camera.settled) continue;
     for (Trialled& trial : camera.open) jobs.emplace_back(&camera, &trial);
   }
-  forChunks(static_cast<int>(jobs.size()), 1, threads, [&](const Chunk& chunk) {
-    for (int i = chunk.begin; i < chunk.end; ++i) {
-      const auto [camera, trial] = jobs[i];
-      score(camera->mono, frames, *trial);
-    }
-  });
+  parallelCalls(static_cast<int>(jobs.size()), threads,
+                [&](int i) { score(jobs[i].first->mono, frames, *jobs[i].second); });
 }
 
 CameraTrial trialOf(CameraPart mono, int most_parameters) {
@@ -248,7 +237,7 @@ CameraTrial trialOf(CameraPart mono, int most_parameters) {
   for (const CameraModelPair& model : candidateModels()) {
     Trialled t{model, std::nullopt, std::nullopt};
     if (t.parameters() > most_parameters) continue;
-    if (isSame(model, modelOf(solved))) {
+    if (model == modelOf(solved)) {
       // It stands in the minimum of its model already; another lens is fitted to where it puts the
       // corners.
       t.lens = solved;
@@ -262,10 +251,8 @@ CameraTrial trialOf(CameraPart mono, int most_parameters) {
 }
 
 const Trialled* find(const std::vector<Trialled>& open, const CameraModelPair& model) {
-  for (const Trialled& t : open) {
-    if (isSame(t.model, model)) return &t;
-  }
-  return nullptr;
+  const auto found = std::ranges::find(open, model, &Trialled::model);
+  return found == open.end() ? nullptr : &*found;
 }
 
 /// The models of all cameras together, as if they were one: costs of a block are sums over the
@@ -297,13 +284,12 @@ std::vector<Trialled> together(const std::vector<CameraTrial>& trials) {
 std::optional<CameraModelPair> commonModel(
     const std::vector<CameraTrial>& trials,
     const std::vector<std::optional<CameraModelPair>>& stated) {
-  for (const CameraTrial& trial : trials) {
-    if (trial.open.empty()) return std::nullopt;
-  }
+  const auto has_none = [](const CameraTrial& trial) { return trial.open.empty(); };
+  if (std::ranges::any_of(trials, has_none)) return std::nullopt;
   const std::vector<Trialled> joint = together(trials);
   if (joint.empty()) return std::nullopt;
-  const auto same = [&](const auto& s) { return s && isSame(*s, *stated.front()); };
-  const bool one_stated = stated.front() && std::all_of(stated.begin(), stated.end(), same);
+  const bool one_stated =
+      std::ranges::all_of(stated, [&](const auto& s) { return s == stated.front(); });
   const CameraModelPair model =
       joint[chosenOf(joint, one_stated ? stated.front() : std::nullopt)].model;
   for (const CameraTrial& trial : trials) {
@@ -319,10 +305,9 @@ ModelChoice choiceOf(const CameraTrial& trial, const std::optional<CameraModelPa
   if (!trial.open.empty()) {
     const Trialled& own = trial.open[chosenOf(trial.open, stated)];
     const Trialled& chosen = common ? *find(trial.open, *common) : own;
-    const bool as_stated = stated && isSame(own.model, *stated);
-    choice.reason = !isSame(chosen.model, own.model) ? ModelReason::kCommon
-                    : as_stated                      ? ModelReason::kStated
-                                                     : ModelReason::kSmallest;
+    choice.reason = chosen.model != own.model ? ModelReason::kCommon
+                    : stated == own.model     ? ModelReason::kStated
+                                              : ModelReason::kSmallest;
     lens = *chosen.lens;
     for (const Trialled& t : trial.open) {
       choice.candidates.push_back(candidateOf(t, trial.open.front()));
@@ -363,7 +348,7 @@ void addCandidates(const std::vector<ModelChoice>& earlier, std::vector<ModelCho
 
 bool ChosenModels::differ(const std::vector<Intrinsics>& from) const {
   for (std::size_t c = 0; c < lenses.size(); ++c) {
-    if (!isSame(modelOf(lenses[c]), modelOf(from[c]))) return true;
+    if (modelOf(lenses[c]) != modelOf(from[c])) return true;
   }
   return false;
 }
@@ -371,10 +356,8 @@ bool ChosenModels::differ(const std::vector<Intrinsics>& from) const {
 ChosenModels chooseModels(const Session& session, const CameraProblem& problem,
                           const CameraEstimate& solved, const CameraStageOptions& options,
                           int most_parameters) {
-  std::vector<CameraTrial> trials(session.cameras.size());
-  forChunks(static_cast<int>(trials.size()), 1, problem.threads, [&](const Chunk& chunk) {
-    const auto c = static_cast<std::size_t>(chunk.begin);
-    trials[c] = trialOf(aloneCamera(session.target, problem, solved, c, options), most_parameters);
+  auto trials = parallelMap(session.cameras.size(), problem.threads, [&](std::size_t c) {
+    return trialOf(aloneCamera(session.target, problem, solved, c, options), most_parameters);
   });
   bool more = false;
   scoreAll(kScreenFrames, problem.threads, trials);

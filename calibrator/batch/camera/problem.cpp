@@ -82,9 +82,9 @@ class PlacedTarget {
 
   /// The view with its corners on this board; `columns` is the memory of both.
   PackedView place(PackedView view, std::vector<double>& columns, TargetColumns& target) const {
-    const auto n = static_cast<std::size_t>(view.padded);
+    const int n = view.padded;
     columns.resize(kColumns * n);
-    for (std::size_t j = 0; j < n; ++j) {
+    for (int j = 0; j < n; ++j) {
       const auto& row = rows_[view.id[j]];
       for (std::size_t i = 0; i < kColumns; ++i) columns[i * n + j] = row[i];
       for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -167,15 +167,14 @@ void evaluateFrame(const Evaluation& at, std::size_t f, const GramOptions& gram,
 /// second derivative leaves the pose without a minimum, this frame is content with re-weighting.
 void addFrame(const Evaluation& at, int f, FrameTerms& terms, CameraNormals& out,
               std::vector<CameraSums>& sums) {
-  const auto index = static_cast<std::size_t>(f);
-  const Frame& frame = at.problem.frames[index];
-  evaluateFrame(at, index, at.gram, terms);
+  const Frame& frame = at.problem.frames[f];
+  evaluateFrame(at, f, at.gram, terms);
   if (at.gram.triggs_clamp > 0 && Eigen::LLT<Matrix6d>(terms.H).info() != Eigen::Success) {
-    evaluateFrame(at, index, GramOptions{at.gram.cauchy_px, 0}, terms);
+    evaluateFrame(at, f, GramOptions{at.gram.cauchy_px, 0}, terms);
   }
   // The Gram matrices are in pixels: here they get the unit of the cost.
   const double weight = at.problem.weight(f) / (at.problem.pixel_sigma * at.problem.pixel_sigma);
-  out.H[index] = weight * terms.H;
+  out.H[f] = weight * terms.H;
   auto b = out.b_pose.segment<6>(6 * f);
   for (std::size_t c = 0; c < sums.size(); ++c) {
     if (frame.view[c] < 0) continue;
@@ -352,8 +351,8 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
   if (estimate.target) target.emplace(*problem.target, *estimate.target);
   const Evaluation at{problem, estimate, layout, derivatives, gram, target};
   CameraNormals out = emptyNormals(problem.frameCount(), layout.size);
-  std::vector<std::vector<CameraSums>> sums(
-      static_cast<std::size_t>(chunkCount(problem.frameCount(), kFrameChunk)), emptySums(layout));
+  std::vector<std::vector<CameraSums>> sums(chunkCount(problem.frameCount(), kFrameChunk),
+                                            emptySums(layout));
   forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
     FrameTerms terms;
     for (int f = chunk.begin; f < chunk.end; ++f) {

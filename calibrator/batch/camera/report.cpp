@@ -150,6 +150,23 @@ TargetCovariance stretched(const TargetCovariance& formal, const TargetTerms& ro
   return ratio.asDiagonal() * formal * ratio.asDiagonal();
 }
 
+/// Of the higher terms at the noise that is left, stretched by as much as the cluster-robust
+/// deviations of the other terms exceed the formal ones (RMS).
+HigherTerms higherDeviations(const HigherShare& share, const CameraProblem& problem,
+                             const CameraStageResult& result, const TargetCovariance& formal) {
+  const double rmse = result.summary.reprojection.rmse_px / problem.pixel_sigma;
+  const double noise = 0.5 * rmse * rmse;  // per axis
+  double stretch = 1;
+  if (result.robust_covariance) {
+    const TargetTerms robust = result.robust_covariance->matrix.diagonal().tail<kTargetTerms>();
+    const TargetTerms ratio = robust.cwiseQuotient(noise * formal.diagonal());
+    // Without tag_edge: it errs with the detector and the sizes of the tags in the images, not with
+    // the board.
+    stretch = std::sqrt(ratio.cwiseMax(1).head<kBoardTerms>().mean());
+  }
+  return stretch * share.deviations(noise);
+}
+
 }  // namespace
 
 std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
@@ -159,9 +176,7 @@ std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
   const CameraLayout layout(intrinsics);
   ParameterCovariance& out = result.summary.covariance;
   out = parameterCovariance(cameraParameters(result.cameras));
-  if (!information.allFinite()) {
-    return Failure{FailureCode::kInformationNotFinite};
-  }
+  if (!information.allFinite()) return Failure{FailureCode::kInformationNotFinite};
   // Before the covariance: a weak direction has one as well, only a large one.
   const Eigen::VectorXd sizes = worthlessErrors(result.cameras, layout);
   const auto free = freeDirections(information, sizes);
@@ -173,9 +188,7 @@ std::optional<Failure> addCovariance(const Eigen::MatrixXd& information,
   }
   const auto covariance = covarianceOf(information);
   const auto entropy = entropyNats(information);
-  if (!covariance || !entropy) {
-    return Failure{FailureCode::kInformationSingular};
-  }
+  if (!covariance || !entropy) return Failure{FailureCode::kInformationSingular};
   out.matrix = *covariance;
   result.summary.entropy_nats = *entropy;
   const Eigen::VectorXd std = out.standardDeviations();
@@ -241,27 +254,6 @@ void addResiduals(const Session& session, const CameraProblem& problem,
   }
   addReprojection(errors, session, summary);
 }
-
-namespace {
-
-/// Of the higher terms at the noise that is left, stretched by as much as the cluster-robust
-/// deviations of the other terms exceed the formal ones (RMS).
-HigherTerms higherDeviations(const HigherShare& share, const CameraProblem& problem,
-                             const CameraStageResult& result, const TargetCovariance& formal) {
-  const double rmse = result.summary.reprojection.rmse_px / problem.pixel_sigma;
-  const double noise = 0.5 * rmse * rmse;  // per axis
-  double stretch = 1;
-  if (result.robust_covariance) {
-    const TargetTerms robust = result.robust_covariance->matrix.diagonal().tail<kTargetTerms>();
-    const TargetTerms ratio = robust.cwiseQuotient(noise * formal.diagonal());
-    // Without tag_edge: it errs with the detector and the sizes of the tags in the images, not with
-    // the board.
-    stretch = std::sqrt(ratio.cwiseMax(1).head<kBoardTerms>().mean());
-  }
-  return stretch * share.deviations(noise);
-}
-
-}  // namespace
 
 Result<CameraStageResult> stageResult(const Session& session, const CameraProblem& problem,
                                       const CameraSolution& solution, ResidualList list) {

@@ -106,9 +106,7 @@ CameraEstimate moved(const CameraEstimate& from, const Step& step) {
     const int first = layout.intrinsics[c];
     const int size = layout.intrinsics_size[c];
     to.intrinsics[c].setStacked(from.intrinsics[c].stacked() + step.cameras.segment(first, size));
-    if (c > 0) {
-      to.T_C0Ci[c] = boxplus(from.T_C0Ci[c], step.cameras.segment<6>(layout.T_C0Ci[c]));
-    }
+    if (c > 0) to.T_C0Ci[c] = boxplus(from.T_C0Ci[c], step.cameras.segment<6>(layout.T_C0Ci[c]));
   }
   if (to.target) *to.target += step.cameras.segment<kTargetTerms>(layout.target);
   for (std::size_t f = 0; f < to.T_C0F.size(); ++f) {
@@ -167,9 +165,7 @@ class Steps {
   // The equations that are handed on are those of re-weighting: as information they are never
   // indefinite, as the loss' own curvature may be.
   CameraSolution solution(const MinimiserSummary& summary) && {
-    if (gram_.triggs_clamp != problem_.gram.triggs_clamp) {
-      normals_ = normalsAt(problem_, estimate_);
-    }
+    if (gram_.triggs_clamp != problem_.gram.triggs_clamp) normals_ = normalsAt(problem_, estimate_);
     return {std::move(estimate_), std::move(normals_), summary.converged(), summary.iterations};
   }
 

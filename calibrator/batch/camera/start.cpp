@@ -41,7 +41,6 @@ std::vector<int> startableViews(const PackedCorners& corners, const std::vector<
 std::vector<int> spreadViews(const PackedCorners& corners, const std::vector<int>& views,
                              int count) {
   std::vector<int> sizes;
-  sizes.reserve(views.size());
   for (const int v : views) sizes.push_back(corners.view(v).count);
   std::sort(sizes.begin(), sizes.end());
   // Not the largest: one view of a strange size would not decide.
@@ -54,9 +53,7 @@ std::vector<int> spreadViews(const PackedCorners& corners, const std::vector<int
   const std::vector<int>& from = static_cast<int>(rich.size()) >= kLeastViews ? rich : views;
   if (static_cast<int>(from.size()) <= count) return from;
   std::vector<int> some;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    some.push_back(from[i * from.size() / static_cast<std::size_t>(count)]);
-  }
+  for (int i = 0; i < count; ++i) some.push_back(from[i * from.size() / count]);
   return some;
 }
 
@@ -69,10 +66,7 @@ struct MonoSolution {
 
 /// Poses of a start: gross errors take little part.
 PoseRefinementOptions roughPose(double width, int iterations) {
-  PoseRefinementOptions options;
-  options.max_iterations = iterations;
-  options.gram.cauchy_px = kStartLoss * width;
-  return options;
+  return {.gram = {kStartLoss * width, 0}, .max_iterations = iterations};
 }
 
 MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
@@ -97,10 +91,8 @@ MonoSolution solveMono(const Intrinsics& plain, const PackedCorners& corners,
   if (problem.frameCount() < kLeastViews) return {plain};
   // Coarsely: what is asked is whether this focal length leads anywhere, and the batch goes on from
   // it.
-  MinimiserOptions coarse;
-  coarse.max_iterations = 30;
-  coarse.cost_tolerance = 1e-4;
-  const CameraSolution solution = solveCameraProblem(problem, estimate, coarse);
+  const CameraSolution solution =
+      solveCameraProblem(problem, estimate, {.max_iterations = 30, .cost_tolerance = 1e-4});
   const Intrinsics& camera = solution.estimate.intrinsics[0];
   // A focal length that has passed through zero mirrors the image: no start, however small the
   // error.
@@ -118,7 +110,6 @@ MonoSolution firstSolution(const CameraStream& stream, const PackedCorners& corn
   const std::vector<int> some = spreadViews(corners, views, options.start_views);
   const PackedCorners few = corners.thinned(some, kRungCorners);
   std::vector<PackedView> packed;
-  packed.reserve(some.size());
   for (int i = 0; i < few.viewCount(); ++i) packed.push_back(few.view(i));
   MonoSolution best;
   for (const double focal :
@@ -163,25 +154,21 @@ Intrinsics firstOfAnyModel(const CameraStream& stream, const PackedCorners& corn
 CameraPoses ownPoses(const Intrinsics& camera, const PackedCorners& corners,
                      const std::vector<Frame>& frames, std::size_t c,
                      const CameraStageOptions& options) {
-  CameraPoses poses(frames.size());
   const double width = camera.resolution.width;
   // As the homography has it, for the batch moves all poses; one of few corners is often so far off
   // that its frame would be left out, and one step brings it in.
   const PoseRefinementOptions none = roughPose(width, 0);
   const PoseRefinementOptions one = roughPose(width, 1);
-  forChunks(static_cast<int>(frames.size()), kFrameChunk, options.threads, [&](const Chunk& chunk) {
-    for (int f = chunk.begin; f < chunk.end; ++f) {
-      const int v = frames[f].view[c];
-      if (v < 0 || corners.view(v).count < options.min_start_corners) continue;
-      const PackedView view = corners.view(v);
-      const auto found = findPose({{&camera, view, Transform()}}, kGoodPose * width,
-                                  view.count > 2 * kFewCorners ? none : one);
-      if (found && found->errorPx() < options.max_start_error * width) {
-        poses[f] = found->T_C0F;
-      }
-    }
+  return parallelMap(frames.size(), options.threads, [&](std::size_t f) {
+    std::optional<Transform> pose;
+    const int v = frames[f].view[c];
+    if (v < 0 || corners.view(v).count < options.min_start_corners) return pose;
+    const PackedView view = corners.view(v);
+    const auto found = findPose({{&camera, view, Transform()}}, kGoodPose * width,
+                                view.count > 2 * kFewCorners ? none : one);
+    if (found && found->errorPx() < options.max_start_error * width) pose = found->T_C0F;
+    return pose;
   });
-  return poses;
 }
 
 /// Cameras that have a pose of their own in a frame, the one with most corners first.
@@ -229,12 +216,8 @@ std::optional<Transform> bestPose(const Frame& frame, std::size_t f,
 Result<CameraStart> withPoses(CameraEstimate cameras, std::span<const PackedCorners> corners,
                               const std::vector<Frame>& frames, const std::vector<CameraPoses>& own,
                               const CameraStageOptions& options) {
-  std::vector<std::optional<Transform>> poses(frames.size());
-  forChunks(static_cast<int>(frames.size()), kFrameChunk, options.threads, [&](const Chunk& chunk) {
-    for (int i = chunk.begin; i < chunk.end; ++i) {
-      const auto f = static_cast<std::size_t>(i);
-      poses[f] = bestPose(frames[f], f, corners, cameras, own, options.max_start_error);
-    }
+  const auto poses = parallelMap(frames.size(), options.threads, [&](std::size_t f) {
+    return bestPose(frames[f], f, corners, cameras, own, options.max_start_error);
   });
   CameraStart start{{}, std::move(cameras)};
   for (std::size_t f = 0; f < frames.size(); ++f) {
@@ -242,9 +225,7 @@ Result<CameraStart> withPoses(CameraEstimate cameras, std::span<const PackedCorn
     start.frames.push_back(frames[f]);
     start.estimate.T_C0F.push_back(*poses[f]);
   }
-  if (start.frames.empty()) {
-    return Failure{FailureCode::kNoFramePose, {{"frames", frames.size()}}};
-  }
+  if (start.frames.empty()) return Failure{FailureCode::kNoFramePose, {{"frames", frames.size()}}};
   return start;
 }
 

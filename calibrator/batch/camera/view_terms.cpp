@@ -115,7 +115,7 @@ class ViewTermsMaker::Sum {
     const MisfitField& field = maker_.field_;
     // Combinations are over all cameras and share their columns; without, each camera has its own.
     const bool combined = field.columns.size() > 0;
-    const Eigen::Index at = combined ? 0 : static_cast<Eigen::Index>(c) * kFieldColumns;
+    const Eigen::Index at = combined ? 0 : c * kFieldColumns;
     const Eigen::Index columns = g.H_k_f.cols();
     out_.C.block(maker_.layout_.intrinsics[c], at, g.H_k_f.rows(), columns) += g.H_k_f;
     auto X = X_.middleCols(n_ + at, columns);
@@ -178,8 +178,7 @@ ViewTerms ViewTermsMaker::seen(const RigView& frame, std::span<const double> cel
       for (int k = 0; k < view.count; ++k) {
         const int cell =
             CornerCells::cellOf(view.u[k], view.v[k], cameras_.intrinsics[c].resolution);
-        roots[k] *=
-            std::sqrt(cell_weights[c * CornerCells::kCount + static_cast<std::size_t>(cell)]);
+        roots[k] *= std::sqrt(cell_weights[c * CornerCells::kCount + cell]);
       }
       view.w = roots.data();
     }
@@ -217,7 +216,7 @@ std::vector<double> cellWeights(const std::vector<RigView>& frames, const Camera
         const int cell =
             CornerCells::cellOf(view.u[k], view.v[k], cameras.intrinsics[c].resolution);
         // By weight, so that rejected corners make no cell look seen.
-        weights[c * CornerCells::kCount + static_cast<std::size_t>(cell)] += view.w[k];
+        weights[c * CornerCells::kCount + cell] += view.w[k];
         corners += view.w[k];
       }
     }
