@@ -26,18 +26,12 @@ constexpr int kFewestFrames = 10;
 
 std::optional<Failure> checkInputs(const Session& session,
                                    const std::vector<CameraCalibration>& cameras) {
-  if (!session.imu || session.imu->samples.empty()) {
-    return Failure{FailureCode::kNoImu};
-  }
+  if (!session.imu || session.imu->samples.empty()) return Failure{FailureCode::kNoImu};
   if (cameras.size() != session.cameras.size()) {
     return Failure{FailureCode::kCameraCountDiffers,
                    {{"calibrated", cameras.size()}, {"session", session.cameras.size()}}};
   }
   return std::nullopt;
-}
-
-Failure tooFewFrames(std::size_t frames) {
-  return {FailureCode::kTooFewPosedFrames, {{"frames", frames}, {"needed", kFewestFrames}}};
 }
 
 /// Why a selection leaves too few frames.
@@ -161,13 +155,9 @@ void rejectLikeKalibr(std::vector<PackedCorners>& corners,
                       const std::vector<Frame>& frames, int threads) {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const Intrinsics& lens = cameras[c].intrinsics;
-    std::vector<std::optional<Transform>> found(frames.size());
-    forChunks(static_cast<int>(frames.size()), 16, threads, [&](const Chunk& chunk) {
-      for (int i = chunk.begin; i < chunk.end; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        const int view = frames[at].view[c];
-        if (view >= 0) found[at] = homographyPose(lens, corners[c].view(view));
-      }
+    const auto found = parallelMap(frames.size(), threads, [&](std::size_t i) {
+      const int view = frames[i].view[c];
+      return view >= 0 ? homographyPose(lens, corners[c].view(view)) : std::nullopt;
     });
     std::vector<PosedView> starts;
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -177,21 +167,22 @@ void rejectLikeKalibr(std::vector<PackedCorners>& corners,
   }
 }
 
-/// What the session tells of the calibration that was held.
-void addInformation(CameraImuProblem problem, const CameraImuSolution& solution, double cauchy_px,
-                    StageSummary& summary) {
-  auto covariance = fixedCovariance(std::move(problem), solution, cauchy_px);
-  if (covariance) setCovariance(std::move(*covariance), summary);
-}
-
-/// Nothing where the options ask for no tests.
-std::optional<FaultDiagnosis> faultsUnder(const CameraImuOptions& options,
-                                          const CameraImuProblem& problem,
-                                          const CameraImuSolution& solution) {
-  if (!options.diagnose_faults) return std::nullopt;
-  DiagnosisOptions tests;
-  tests.cameras_given = options.cameras_given;
-  return diagnoseFaults(problem, solution, tests);
+/// The frames that have a pose, with the weight of the problem's corners by what their views show
+/// and by options.filter; both come before anything is refined.
+Result<PosedFrames> posedFrames(const Session& session,
+                                const std::vector<CameraCalibration>& cameras,
+                                const CameraImuOptions& options, CameraImuProblem& problem) {
+  PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
+  if (posed.frames.size() < kFewestFrames) {
+    return Failure{FailureCode::kTooFewPosedFrames,
+                   {{"frames", posed.frames.size()}, {"needed", kFewestFrames}}};
+  }
+  // Before any filter: what stands in the wrong place would spoil its limits.
+  weigh(posed.rejected, 0, problem.corners);
+  if (options.filter == CornerFilter::kKalibr) {
+    rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
+  }
+  return posed;
 }
 
 /// All that was left out of the recording, with stamps as recorded.
@@ -223,16 +214,12 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
   CameraImuProblem problem = makeProblem(session, options);
   problem.free_cameras = false;
   problem.fixed_calibration = true;
-  const PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
-  if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
-  weigh(posed.rejected, 0, problem.corners);
-  const CameraImuStart start = startFromCalibration(posed.poses, problem.samples, imu);
-  if (options.filter == CornerFilter::kKalibr) {
-    rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
-  }
+  const auto posed = posedFrames(session, cameras, options, problem);
+  if (!posed) return posed.failure();
+  const CameraImuStart start = startFromCalibration(posed->poses, problem.samples, imu);
   StageSeconds seconds;
   seconds.initialise = watch.lap();
-  auto selected = selectAndSolve(problem, posed, start, cameras, options);
+  auto selected = selectAndSolve(problem, *posed, start, cameras, options);
   if (!selected) return selected.failure();
   CameraImuSolution& solution = selected.value().solution;
   seconds.solve = watch.lap();
@@ -240,11 +227,12 @@ Result<CameraImuStageResult> scoreCameraImu(const Session& session,
   auto result = scoreResult(problem, solution, session);
   if (!result) return result;
   result.value().imu.T_SC0 = imu.T_SC0;  // steps of length zero round
-  addLeftOut(posed, problem, *selected, options, result.value());
+  addLeftOut(*posed, problem, *selected, options, result.value());
   result.value().summary.seconds = seconds;
   if (options.score_information_px) {
-    addInformation(std::move(problem), solution, *options.score_information_px,
-                   result.value().summary);
+    // What the session tells of the calibration that was held.
+    auto covariance = fixedCovariance(std::move(problem), solution, *options.score_information_px);
+    if (covariance) setCovariance(std::move(*covariance), result.value().summary);
   }
   return result;
 }
@@ -256,30 +244,28 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   const Stopwatch total;
   Stopwatch watch;
   CameraImuProblem problem = makeProblem(session, options);
-  const PosedFrames posed = poseFrames(session, problem.corners, cameras, options);
-  if (posed.frames.size() < kFewestFrames) return tooFewFrames(posed.frames.size());
-  // Before any filter: what stands in the wrong place would spoil its limits.
-  weigh(posed.rejected, 0, problem.corners);
+  const auto posed = posedFrames(session, cameras, options, problem);
+  if (!posed) return posed.failure();
   CameraImuOptions with_noise = options;
   // The alignment with gravity judges its residuals by the densities, the session's if the options
   // have none.
   with_noise.noise = problem.noise;
-  auto start = startCameraImu(posed.poses, problem.samples, session.target, with_noise);
+  auto start = startCameraImu(posed->poses, problem.samples, session.target, with_noise);
   if (!start) return withCutOff(start.failure(), problem.recorded);
-  freeOwnOffsets(session, posed.frames, start.value().time_offsets);
-  if (options.filter == CornerFilter::kKalibr) {
-    rejectLikeKalibr(problem.corners, cameras, posed.frames, options.threads);
-  }
+  freeOwnOffsets(session, posed->frames, start.value().time_offsets);
   StageSeconds seconds;
   seconds.initialise = watch.lap();
 
-  auto selected = selectAndSolve(problem, posed, *start, cameras, options);
+  auto selected = selectAndSolve(problem, *posed, *start, cameras, options);
   if (!selected) return selected.failure();
   CameraImuSolution& solution = selected.value().solution;
   seconds.solve = watch.lap();
 
   // Before the residuals are listed: no other step takes as much memory.
-  std::optional<FaultDiagnosis> faults = faultsUnder(options, problem, solution);
+  std::optional<FaultDiagnosis> faults;
+  if (options.diagnose_faults) {
+    faults = diagnoseFaults(problem, solution, {.cameras_given = options.cameras_given});
+  }
   seconds.checks = watch.lap();
   // Offsets that wander so far that no test at the optimum reaches them show in the rates alone.
   // Cameras of another recording are no explanation of them. Whoever asks for no tests is not
@@ -293,7 +279,7 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
   seconds.covariance = watch.lap();
-  addLeftOut(posed, problem, *selected, options, result.value());
+  addLeftOut(*posed, problem, *selected, options, result.value());
   result.value().faults = std::move(faults);
   // Last: the check takes problem and solution over.
   if (options.noise_check) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera_imu/effective_terms.h"
 
-#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <type_traits>
@@ -43,9 +42,7 @@ class ViewRows {
              twist, out);
     const Index k = camera.intrinsics.stacked().size();
     for (Index i_k = 0; i_k < k; ++i_k) out.own.push_back(columns_.intrinsics[c] + i_k);
-    for (int term = 0; term < kBoardTerms; ++term) {
-      out.own.push_back(columns_.shape + term);
-    }
+    for (int term = 0; term < kBoardTerms; ++term) out.own.push_back(columns_.shape + term);
     out.own.push_back(columns_.line_delay);
     out.A_x = chain.A_FS * pose.by_state;
     const PoseColumns moved = poseColumns(pose, chain, c, camera.T_C0Ci.t, twist);
@@ -74,8 +71,8 @@ class ViewRows {
     Eigen::Matrix<double, 6, kFixed + 1 + 6 + 1> A;
     PoseColumns out;
     const auto add = [&](int first, const auto& columns) {
-      A.middleCols<std::decay_t<decltype(columns)>::ColsAtCompileTime>(
-          static_cast<Index>(out.columns.size())) = columns;
+      A.middleCols<std::decay_t<decltype(columns)>::ColsAtCompileTime>(out.columns.size()) =
+          columns;
       for (Index k = 0; k < columns.cols(); ++k) out.columns.push_back(first + k);
     };
     Eigen::Matrix<double, 6, kFixed> by_calibration = chain.A_FS * pose.by_calibration;
@@ -167,9 +164,7 @@ class LinkRows {
 
  private:
   void addWalk(std::size_t k, LinkTerms& out) const {
-    const ImuWeight& weight = solution_.weights[k];
-    Vector6d w;
-    w << Eigen::Vector3d::Constant(weight.gyro_walk), Eigen::Vector3d::Constant(weight.accel_walk);
+    const Vector6d w = solution_.weights[k].walk();
     const auto& states = solution_.estimate.states;
     out.r.tail<6>() = w.cwiseProduct(biasWalkResidual(states[k], states[k + 1]));
     // The walk's residual is the later biases less the earlier ones.
@@ -275,14 +270,8 @@ std::vector<FaultViewTerms> viewTerms(const CameraImuProblem& problem,
       if (problem.frames[i].view[c] >= 0) list.push_back({i, c});
     }
   }
-  std::vector<FaultViewTerms> out(list.size());
-  forChunks(static_cast<int>(list.size()), kImuChunk, problem.threads, [&](const Chunk& chunk) {
-    for (int k = chunk.begin; k < chunk.end; ++k) {
-      const auto at = static_cast<std::size_t>(k);
-      out[at] = rows.view(list[at].frame, list[at].camera);
-    }
-  });
-  return out;
+  return parallelMap(list.size(), problem.threads,
+                     [&](std::size_t k) { return rows.view(list[k].frame, list[k].camera); });
 }
 
 std::optional<std::vector<LinkTerms>> linkTerms(const CameraImuProblem& problem,
@@ -293,19 +282,13 @@ std::optional<std::vector<LinkTerms>> linkTerms(const CameraImuProblem& problem,
   for (std::size_t k = 0; k < problem.links.size(); ++k) {
     if (problem.links[k] != FrameLink::kBroken) list.push_back(k);
   }
-  std::vector<LinkTerms> out(list.size());
-  std::atomic<bool> covered{true};
-  forChunks(static_cast<int>(list.size()), kImuChunk, problem.threads, [&](const Chunk& chunk) {
-    for (int k = chunk.begin; k < chunk.end; ++k) {
-      auto link = rows.link(list[k]);
-      if (link) {
-        out[k] = std::move(*link);
-      } else {
-        covered = false;
-      }
-    }
-  });
-  if (!covered) return std::nullopt;
+  auto links =
+      parallelMap(list.size(), problem.threads, [&](std::size_t k) { return rows.link(list[k]); });
+  std::vector<LinkTerms> out;
+  for (auto& link : links) {
+    if (!link) return std::nullopt;
+    out.push_back(std::move(*link));
+  }
   return out;
 }
 

@@ -23,14 +23,14 @@ using Eigen::VectorXd;
 MatrixXd inverseOf(const MatrixXd& A) { return finiteInverse(A, 1e-30, 1e-12); }
 
 template <class Entry>
+VectorXd vectorOf(const Terms& a, const Entry& entry) {
+  return VectorXd::NullaryExpr(a.size(), [&](Index i) { return entry(a[i]); });
+}
+
+template <class Entry>
 MatrixXd matrix(const Terms& a, const Terms& b, const Entry& entry) {
-  MatrixXd out(static_cast<Index>(a.size()), static_cast<Index>(b.size()));
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      out(static_cast<Index>(i), static_cast<Index>(j)) = entry(a[i], b[j]);
-    }
-  }
-  return out;
+  return MatrixXd::NullaryExpr(a.size(), b.size(),
+                               [&](Index i, Index j) { return entry(a[i], b[j]); });
 }
 
 /// T_SC0 and the time offset among the first columns, which are the border's.
@@ -57,11 +57,7 @@ Scores::Scores(std::vector<ScoreBlock> blocks) : blocks_(std::move(blocks)), tai
 }
 
 VectorXd Scores::gradient(const Terms& terms) const {
-  VectorXd out(static_cast<Index>(terms.size()));
-  for (std::size_t i = 0; i < terms.size(); ++i) {
-    out(static_cast<Index>(i)) = tails_[terms[i].from].gradient(terms[i].column);
-  }
-  return out;
+  return vectorOf(terms, [&](const Term& t) { return tails_[t.from].gradient(t.column); });
 }
 
 MatrixXd Scores::information(const Terms& a, const Terms& b) const {
@@ -72,12 +68,9 @@ MatrixXd Scores::information(const Terms& a, const Terms& b) const {
 }
 
 VectorXd Scores::gradient(const Terms& terms, std::size_t block) const {
-  VectorXd out(static_cast<Index>(terms.size()));
-  for (std::size_t i = 0; i < terms.size(); ++i) {
-    const bool acts = block >= terms[i].from;
-    out(static_cast<Index>(i)) = acts ? blocks_[block].gradient(terms[i].column) : 0.0;
-  }
-  return out;
+  return vectorOf(terms, [&](const Term& t) {
+    return block >= t.from ? blocks_[block].gradient(t.column) : 0.0;
+  });
 }
 
 MatrixXd Scores::information(const Terms& a, const Terms& b, std::size_t block) const {
@@ -132,7 +125,7 @@ VectorXd ScoreTests::scoreAtEstimate(std::size_t block) const {
 RobustDeviations ScoreTests::clusterRobustDeviations() const {
   const auto count = static_cast<int>(scores_.count());
   MatrixXd pieces(S_.rows(), count);
-  for (int b = 0; b < count; ++b) pieces.col(b) = scoreAtEstimate(static_cast<std::size_t>(b));
+  for (int b = 0; b < count; ++b) pieces.col(b) = scoreAtEstimate(b);
   const double length = correlationLength(pieces, S_);
   const int joined = blocksOf(count, length);
   BlockScores blocks{MatrixXd::Zero(S_.rows(), joined), {}};
@@ -141,16 +134,14 @@ RobustDeviations ScoreTests::clusterRobustDeviations() const {
     // About equally many to each, in time order.
     for (int b = j * count / joined; b < (j + 1) * count / joined; ++b) {
       blocks.scores.col(j) += pieces.col(b);
-      information += scores_.information(model_, model_, static_cast<std::size_t>(b));
+      information += scores_.information(model_, model_, b);
     }
     blocks.information.push_back(std::move(information));
   }
   const ClusterRobust robust = clusterRobust(blocks, S_);
   const double share = shareWithin(static_cast<double>(count) / joined, length);
   VectorXd dof(S_.rows());
-  for (Index k = 0; k < dof.size(); ++k) {
-    dof(k) = robust.degrees.of(VectorXd::Unit(dof.size(), k));
-  }
+  for (Index k = 0; k < dof.size(); ++k) dof(k) = robust.degrees.of(VectorXd::Unit(dof.size(), k));
   return {listed((robust.matrix.diagonal() / share).cwiseSqrt()), listed(dof)};
 }
 

@@ -26,18 +26,16 @@ int countUsedViews(const std::vector<CornerResidual>& residuals) {
   return views;
 }
 
-void fillReprojection(const Session& session, CameraImuStageResult& result) {
-  addReprojection(usedErrors(result.residuals, session.cameras.size()), session, result.summary);
-  result.summary.views_used = countUsedViews(result.residuals);
-}
-
-CameraImuStageResult estimates(const CameraImuProblem& problem, const CameraImuSolution& solution) {
+/// All that is said of a solution but deviations.
+CameraImuStageResult estimates(const CameraImuProblem& problem, const CameraImuSolution& solution,
+                               const Session& session) {
   const CameraImuEstimate& e = solution.estimate;
   CameraImuStageResult result;
   result.imu.T_SC0 = e.T_SC0;
   result.imu.time_offsets = e.time_offsets;
   result.imu.gravity_m_s2 = problem.gravity_m_s2;
   result.imu.noise = problem.noise;
+  result.imu.rostopic = session.imu->rostopic;
   // The size of gravity is given, its direction estimated.
   result.gravity_F = problem.gravity_m_s2 * e.gravity_direction;
   result.cameras = e.cameras;
@@ -48,6 +46,10 @@ CameraImuStageResult estimates(const CameraImuProblem& problem, const CameraImuS
   result.summary.iterations = solution.iterations;
   result.summary.converged = solution.end == MinimiserEnd::kConverged;
   result.summary.cost = solution.normals.cost;
+  // At the exposures, like the cost (targetInCamera()).
+  result.residuals = cornerResiduals(problem, e);
+  addReprojection(usedErrors(result.residuals, session.cameras.size()), session, result.summary);
+  result.summary.views_used = countUsedViews(result.residuals);
   return result;
 }
 
@@ -70,10 +72,6 @@ void fillCovariance(ParameterCovariance covariance, bool free_cameras,
     result.cameras[c].T_C0Ci_std = Vector6d(deviations.segment<6>(at));
     at += 6;
   }
-}
-
-MinimiserOptions solverOptions(const CameraImuOptions& options) {
-  return {.max_iterations = options.max_iterations, .tolerance = options.tolerance};
 }
 
 }  // namespace
@@ -124,12 +122,8 @@ CameraImuProblem makeProblem(const Session& session, const CameraImuOptions& opt
 }
 
 CameraImuEstimate calibrationEstimate(const CameraImuStageResult& result) {
-  CameraImuEstimate estimate;
-  estimate.T_SC0 = result.imu.T_SC0;
-  estimate.gravity_direction = result.gravity_F.normalized();
-  estimate.time_offsets = result.imu.time_offsets;
-  estimate.cameras = result.cameras;
-  return estimate;
+  return {
+      {}, result.imu.T_SC0, result.gravity_F.normalized(), result.imu.time_offsets, result.cameras};
 }
 
 SolvedCameraImu solvedBatch(const Session& session, const CameraImuStageResult& result,
@@ -153,11 +147,7 @@ SolvedCameraImu solvedBatch(const Session& session, const CameraImuStageResult& 
 }
 
 FrameSelectionOptions selectionOptions(const CameraImuOptions& options, double time_offset_s) {
-  FrameSelectionOptions selection;
-  selection.time_offset_s = time_offset_s;
-  selection.margin_s = options.margin_s;
-  selection.max_interval_s = options.max_interval_s;
-  return selection;
+  return {time_offset_s, options.margin_s, options.max_interval_s};
 }
 
 CameraImuSolution solveFrom(CameraImuProblem& problem, const CameraImuEstimate& start,
@@ -176,7 +166,8 @@ CameraImuSolution solveFrom(CameraImuProblem& problem, const CameraImuEstimate& 
 
 CameraImuSolution solveFromSolution(const CameraImuProblem& problem, const CameraImuEstimate& start,
                                     const CameraImuOptions& options) {
-  return solveCameraImu(problem, start, solverOptions(options));
+  return solveCameraImu(problem, start,
+                        {.max_iterations = options.max_iterations, .tolerance = options.tolerance});
 }
 
 Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
@@ -186,12 +177,8 @@ Result<CameraImuStageResult> stageResult(const CameraImuProblem& problem,
   // A solver that ran out of steps is told of (summary.converged), not refused.
   auto covariance = cameraImuCovariance(problem, solution, options);
   if (!covariance) return covariance.failure();
-  CameraImuStageResult result = estimates(problem, solution);
-  result.imu.rostopic = session.imu->rostopic;
+  CameraImuStageResult result = estimates(problem, solution, session);
   fillCovariance(std::move(covariance).value(), problem.free_cameras, result);
-  // At the exposures, like the cost (targetInCamera()).
-  result.residuals = cornerResiduals(problem, solution.estimate);
-  fillReprojection(session, result);
   if (options.state_covariances) result.state_covariances = stateCovariances(problem, solution);
   return result;
 }
@@ -202,11 +189,7 @@ Result<CameraImuStageResult> scoreResult(const CameraImuProblem& problem,
   if (solution.end == MinimiserEnd::kLeftDomain) return Failure{FailureCode::kOffsetLeftSamples};
   // With the calibration held no covariance tells of a start that went nowhere: the solver has to.
   if (solution.end == MinimiserEnd::kNoStep) return Failure{FailureCode::kNoDescent};
-  CameraImuStageResult result = estimates(problem, solution);
-  result.imu.rostopic = session.imu->rostopic;
-  result.residuals = cornerResiduals(problem, solution.estimate);
-  fillReprojection(session, result);
-  return result;
+  return estimates(problem, solution, session);
 }
 
 }  // namespace plumbline

@@ -120,12 +120,9 @@ class FramePoses {
         [](const FrameView& a, const FrameView& b) { return a.view.count < b.view.count; });
     const auto start = homographyPose(*fullest->camera, fullest->view);
     if (!start) return std::nullopt;
-    PoseRefinementOptions options;
-    options.max_iterations = kPoseIterations;
-    const auto refined = refinePose(views, fullest->T_CiC0.inverse() * *start, options);
-    if (!(std::sqrt(refined.cost / refined.corners) < options_.max_start_rms_px)) {
-      return std::nullopt;
-    }
+    const auto refined =
+        refinePose(views, fullest->T_CiC0.inverse() * *start, {.max_iterations = kPoseIterations});
+    if (!(refined.errorPx() < options_.max_start_rms_px)) return std::nullopt;
     return refined;
   }
 
@@ -195,8 +192,8 @@ class FramePoses {
         tag.t = session_.cameras[c].views[index].t;
         out.screening.misplaced_tags.push_back(tag);
       }
-      out.screening.false_corners += static_cast<std::size_t>(
-          std::count_if(wrong.begin(), wrong.end(), [&](int k) { return told.count(k) == 0; }));
+      out.screening.false_corners +=
+          std::ranges::count_if(wrong, [&](int k) { return told.count(k) == 0; });
       // Squared error is asked for where every corner shall count.
       if (options_.cauchy_px > 0) std::for_each(wrong.begin(), wrong.end(), rejectAt);
     }
@@ -238,7 +235,6 @@ std::vector<ImuSample> shiftedSamples(const std::vector<ImuSample>& samples, Tim
 std::vector<ImuGap> imuGaps(std::span<const ImuSample> samples, double max_intervals) {
   if (samples.size() < 2) return {};
   std::vector<double> intervals;
-  intervals.reserve(samples.size());
   for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
     intervals.push_back(secondsBetween(samples[k].t, samples[k + 1].t));
   }
@@ -298,13 +294,8 @@ PosedFrames poseFrames(const Session& session, const std::vector<PackedCorners>&
     });
   }
   const FramePoses find(session, corners, cameras, options);
-  std::vector<std::optional<PosedFrame>> posed(all.size());
-  forChunks(static_cast<int>(all.size()), 16, options.threads, [&](const Chunk& chunk) {
-    for (int i = chunk.begin; i < chunk.end; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      posed[at] = find.of(all[at]);
-    }
-  });
+  const auto posed =
+      parallelMap(all.size(), options.threads, [&](std::size_t i) { return find.of(all[i]); });
   PosedFrames out;
   out.screening.repeated_views = repeatedIn(session);
   for (std::size_t i = 0; i < all.size(); ++i) {
