@@ -43,7 +43,7 @@ class Elimination {
         border_(system.border()),
         columns_(kBorder + filledUp(system.border() + 1)),
         middle_(system.blocks() / 2),
-        eliminated_(static_cast<std::size_t>(system.blocks())) {}
+        eliminated_(system.blocks()) {}
 
   // From both ends towards the middle, whatever the number of threads: the halves meet in one
   // block, and the order of all sums is the same for one thread and for two.
@@ -100,22 +100,21 @@ class Elimination {
 
   /// Eliminates block i towards its neighbour i + direction (none for direction 0).
   void eliminate(int i, int direction, Carry& carry) {
-    const auto at = static_cast<std::size_t>(i);
-    RowMatrix& rows = eliminated_[at];
+    RowMatrix& rows = eliminated_[i];
     rows.setZero(kB, columns_);
     // Only the upper triangle: factoriseRows() reads no more.
     for (int r = 0; r < kB; ++r) {
-      for (int c = r; c < kB; ++c) rows(r, c) = system_.diagonal[at](r, c);
+      for (int c = r; c < kB; ++c) rows(r, c) = system_.diagonal[i](r, c);
       rows(r, r) *= 1 + options_.damping;
     }
     // Damping scales the system's own diagonal, before the Schur complement of the blocks before.
     rows.leftCols<kPart>() -= carry.gram.topLeftCorner<kB, kPart>();
-    if (direction > 0) rows.middleCols<kB>(kNeighbour) = system_.next[at];
-    if (direction < 0) rows.middleCols<kB>(kNeighbour) = system_.next[at - 1].transpose();
+    if (direction > 0) rows.middleCols<kB>(kNeighbour) = system_.next[i];
+    if (direction < 0) rows.middleCols<kB>(kNeighbour) = system_.next[i - 1].transpose();
     const int border = system_.border() + 1;
     rows.middleCols(kBorder, border) =
-        system_.to_border[at] - carry.gram.block(0, kPart, kB, border);
-    if (released_) released_->to_border[at].resize(kB, 0);
+        system_.to_border[i] - carry.gram.block(0, kPart, kB, border);
+    if (released_) released_->to_border[i].resize(kB, 0);
     carry.positive = factoriseRows(rows);
     if (!carry.positive) return;
     // Rows of the first part were this block's own and are used up; from here on they are the
@@ -193,18 +192,16 @@ class Elimination {
     RowMatrix S = RowMatrix::Zero(coupled, coupled);
     S.block(kPart, kPart, m, m) = out.border;
     if (neighbour < 0) return S;
-    const auto at = static_cast<std::size_t>(neighbour);
-    S.topLeftCorner<kB, kB>() = out.diagonal[at];
-    S.block(0, kPart, kB, m) = out.to_border[at];
-    S.block(kPart, 0, m, kB) = out.to_border[at].transpose();
+    S.topLeftCorner<kB, kB>() = out.diagonal[neighbour];
+    S.block(0, kPart, kB, m) = out.to_border[neighbour];
+    S.block(kPart, 0, m, kB) = out.to_border[neighbour].transpose();
     return S;
   }
 
   // With x_i = -K (neighbour | border) + noise of covariance (L L')^-1, outwards from the middle:
   // only the blocks of the inverse that the system itself has are formed (Takahashi's recursion).
   void blockCovariance(int i, int direction, ChainCovariance& out) const {
-    const auto at = static_cast<std::size_t>(i);
-    const RowMatrix& rows = eliminated_[at];
+    const RowMatrix& rows = eliminated_[i];
     const int m = system_.border();
     // K = A^-1 c = L'^-1 (L^-1 c). Its gradient column meets only zeros of S.
     const RowMatrix K = solveUpper(rows, rows.rightCols(columns_ - kNeighbour));
@@ -216,21 +213,20 @@ class Elimination {
     transposed.leftCols<kB>() = K.transpose();
     const ChainMatrix S_ii = product(KS, transposed).leftCols<kB>() +
                              inverse.leftCols<kB>().lazyProduct(inverse.leftCols<kB>().transpose());
-    out.diagonal[at] = 0.5 * (S_ii + S_ii.transpose());
-    out.to_border[at] = -KS.middleCols(kPart, m);
-    if (direction > 0) out.next[at] = -KS.leftCols<kB>();
-    if (direction < 0) out.next[at - 1] = -KS.leftCols<kB>().transpose();
+    out.diagonal[i] = 0.5 * (S_ii + S_ii.transpose());
+    out.to_border[i] = -KS.middleCols(kPart, m);
+    if (direction > 0) out.next[i] = -KS.leftCols<kB>();
+    if (direction < 0) out.next[i - 1] = -KS.leftCols<kB>().transpose();
   }
 
   /// W_i = -K_B - K_N W_neighbour, the columns of K = A^-1 (N | C) by whom they couple to.
   void blockResponse(int i, int direction, std::vector<ChainResponse>& out) {
-    const auto at = static_cast<std::size_t>(i);
-    RowMatrix& rows = eliminated_[at];
+    RowMatrix& rows = eliminated_[i];
     const RowMatrix K = solveUpper(rows, rows.rightCols(columns_ - kNeighbour));
     rows.resize(0, 0);
-    out[at] = -K.middleCols(kPart, border_);
+    out[i] = -K.middleCols(kPart, border_);
     if (direction == 0) return;
-    out[at].noalias() -= K.leftCols<kB>() * out[i + direction];
+    out[i].noalias() -= K.leftCols<kB>() * out[i + direction];
   }
 
   const BlockArrow& system_;
@@ -247,11 +243,20 @@ class Elimination {
 }  // namespace
 
 BlockArrow::BlockArrow(int blocks, int border)
-    : diagonal(static_cast<std::size_t>(blocks), ChainMatrix::Zero()),
-      next(static_cast<std::size_t>(blocks), ChainMatrix::Zero()),
-      to_border(static_cast<std::size_t>(blocks), ChainBorderRows::Zero(kB, border + 1)),
+    : diagonal(blocks, ChainMatrix::Zero()),
+      next(blocks, ChainMatrix::Zero()),
+      to_border(blocks, ChainBorderRows::Zero(kB, border + 1)),
       border_block(Eigen::MatrixXd::Zero(border, border)),
       border_gradient(Eigen::VectorXd::Zero(border)) {}
+
+void BlockArrow::hold(int parameter) {
+  border_block.row(parameter).setZero();
+  border_block.col(parameter).setZero();
+  // Any positive number: without coupling and gradient its step is zero.
+  border_block(parameter, parameter) = 1;
+  border_gradient(parameter) = 0;
+  for (ChainBorderRows& rows : to_border) rows.col(parameter).setZero();
+}
 
 std::optional<ChainSolution> solveChain(const BlockArrow& system, const ChainOptions& options) {
   return Elimination(system, options).run();

@@ -29,6 +29,8 @@ struct BlockArrow {
 
   int blocks() const { return static_cast<int>(diagonal.size()); }
   int border() const { return static_cast<int>(border_gradient.size()); }
+  /// Takes a parameter of the border out of the system: its step is zero.
+  void hold(int parameter);
 
   std::vector<ChainMatrix> diagonal;       ///< D_i, n
   std::vector<ChainMatrix> next;           ///< N_i = H(i, i + 1), n (the last one is unused)

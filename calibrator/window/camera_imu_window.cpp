@@ -15,17 +15,6 @@ namespace {
 constexpr double kFirstDamping = 1e-9;  // the window starts next to its minimum
 constexpr double kSampleMargin = 0.5;   // [s] of samples kept before the first frame
 
-/// Takes the time offset out of the system: it keeps the value that the batch gave it.
-void fixOffset(BlockArrow& chain) {
-  constexpr int k = BorderLayout::kOffset;
-  chain.border_block.row(k).setZero();
-  chain.border_block.col(k).setZero();
-  // Any positive number: without coupling and gradient its step is zero.
-  chain.border_block(k, k) = 1;
-  chain.border_gradient(k) = 0;
-  for (ChainBorderRows& rows : chain.to_border) rows.col(k).setZero();
-}
-
 /// Without those that the batch has rejected.
 std::vector<Corner> cornersOf(const PackedView& view) {
   std::vector<Corner> corners;
@@ -187,7 +176,8 @@ std::optional<CameraImuNormals> CameraImuWindow::system(const CameraImuEstimate&
   auto normals = normalsAt(problem_, estimate, weights_);
   if (!normals) return std::nullopt;
   if (prior_) addPrior(*prior_, estimate, *normals);
-  fixOffset(normals->chain);
+  // The time offset keeps the value that the batch gave it.
+  normals->chain.hold(BorderLayout::kOffset);
   return normals;
 }
 

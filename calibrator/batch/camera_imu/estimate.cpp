@@ -88,8 +88,7 @@ double exposureDelay(const CameraImuProblem& problem, const CameraImuEstimate& e
   double delay = 0;
   if (!problem.view_stamps.empty()) {
     const Frame& frame = problem.frames[i];
-    const auto view = static_cast<std::size_t>(frame.view[c]);
-    delay = secondsBetween(frame.t, problem.view_stamps[c][view]);
+    delay = secondsBetween(frame.t, problem.view_stamps[c][frame.view[c]]);
   }
   return delay + (estimate.timeOffset(c) - estimate.timeOffset());
 }

@@ -35,12 +35,6 @@ struct Link {
   Vector6d walk_weight = Vector6d::Zero();  ///< Jacobian: - and + this
 };
 
-Vector6d walkWeight(const ImuWeight& weight) {
-  Vector6d rows;
-  rows << Eigen::Vector3d::Constant(weight.gyro_walk), Eigen::Vector3d::Constant(weight.accel_walk);
-  return rows;
-}
-
 /// Once, at the solution; afterwards only the factors change, and no sample is visited again.
 std::optional<std::vector<Link>> linksOf(const CameraImuProblem& problem,
                                          const CameraImuEstimate& estimate,
@@ -50,7 +44,7 @@ std::optional<std::vector<Link>> linksOf(const CameraImuProblem& problem,
     if (problem.links[k] == FrameLink::kBroken) continue;
     Link& link = links.emplace_back();
     link.at = static_cast<int>(k);
-    link.walk_weight = walkWeight(weights[k]);
+    link.walk_weight = weights[k].walk();
     link.walk =
         biasWalkResidual(estimate.states[k], estimate.states[k + 1]).cwiseProduct(link.walk_weight);
     if (problem.links[k] != FrameLink::kInertial) continue;
@@ -78,7 +72,7 @@ Vector6d walkRows(const Groups& groups) {
 
 /// Adds a link, each group of its rows times its factor on the information.
 void addLink(const Link& link, const Groups& information, BlockArrow& chain) {
-  const auto at = static_cast<std::size_t>(link.at);
+  const int at = link.at;
   const int last = chain.border();
   const Vector6d weight = walkRows(information).cwiseProduct(link.walk_weight);
   const Vector6d walk_information = weight.cwiseProduct(link.walk_weight);
@@ -125,7 +119,7 @@ struct Evaluation {
 };
 
 /// Covariance of the unknowns of link.motion; 0 in the residual's row and column.
-LinkGram jointCovariance(std::size_t at, const ChainCovariance& S) {
+LinkGram jointCovariance(int at, const ChainCovariance& S) {
   constexpr int kGravity = BorderLayout::kGravity;
   LinkGram joint = LinkGram::Zero();
   joint.topLeftCorner<15, 15>() = S.diagonal[at];
@@ -141,7 +135,7 @@ LinkGram jointCovariance(std::size_t at, const ChainCovariance& S) {
 /// Adds a link's rows: (J dx + r)^2 from their Gram, and 1 - J S J' summed as a trace.
 void addRows(const Link& link, const Groups& information, const ChainInverse& inverse,
              Evaluation& sum) {
-  const auto at = static_cast<std::size_t>(link.at);
+  const int at = link.at;
   const ChainCovariance& S = inverse.covariance;
   const auto& dx_i = inverse.solution.step[at];
   const auto& dx_j = inverse.solution.step[at + 1];
@@ -266,7 +260,7 @@ std::vector<int> spreadFrames(int n, int most) {
 void keepOnly(const std::vector<int>& kept, CameraImuProblem& problem,
               CameraImuSolution& solution) {
   for (std::size_t k = 0; k < kept.size(); ++k) {
-    const auto from = static_cast<std::size_t>(kept[k]);  // never before k
+    const int from = kept[k];  // never before k
     problem.frames[k] = problem.frames[from];
     problem.weights[k] = problem.weights[from];
     solution.estimate.states[k] = solution.estimate.states[from];
@@ -327,25 +321,6 @@ std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
   return holds ? chosen : fit;
 }
 
-}  // namespace
-
-ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
-                             const ImuNoiseOptions& options) {
-  solution.normals = CameraImuNormals();  // large, and not needed here
-  keepOnly(spreadFrames(problem.frameCount(), options.max_frames), problem, solution);
-  auto cameras = cameraInformationAt(problem, solution.estimate);
-  auto links = linksOf(problem, solution.estimate, solution.weights);
-  if (!links) return {};
-  const VarianceComponents components(std::move(cameras.chain), std::move(*links), problem.threads);
-  const auto assumed = components.at({});
-  const auto fit = assumed ? fitVariances(components, *assumed, options) : std::nullopt;
-  if (!fit) return {};
-  const auto check = [&](int group) { return checkOf(group, *assumed, fit->at, fit->factors.imu); };
-  return {check(0), check(1), check(2), check(3), fit->factors.pixel * problem.pixel_sigma};
-}
-
-namespace {
-
 // What a group of rows brings of the border's information once the chain has followed it: with W
 // the chain's response (chainResponses()), the sum of (W', 1) J' J (W', 1)' over the chain.
 
@@ -378,7 +353,7 @@ std::optional<std::array<Eigen::MatrixXd, kGroups>> linksInBorder(
   for (std::size_t k = 0; k < problem.links.size(); ++k) {
     if (problem.links[k] == FrameLink::kBroken) continue;
     const Eigen::MatrixXd walk =
-        walkWeight(weights[k]).asDiagonal() * (responses[k + 1] - responses[k]).bottomRows<6>();
+        weights[k].walk().asDiagonal() * (responses[k + 1] - responses[k]).bottomRows<6>();
     add(2, walk.topRows<3>());
     add(3, walk.bottomRows<3>());
     if (problem.links[k] != FrameLink::kInertial) continue;
@@ -394,6 +369,21 @@ std::optional<std::array<Eigen::MatrixXd, kGroups>> linksInBorder(
 }
 
 }  // namespace
+
+ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
+                             const ImuNoiseOptions& options) {
+  solution.normals = CameraImuNormals();  // large, and not needed here
+  keepOnly(spreadFrames(problem.frameCount(), options.max_frames), problem, solution);
+  auto cameras = cameraInformationAt(problem, solution.estimate);
+  auto links = linksOf(problem, solution.estimate, solution.weights);
+  if (!links) return {};
+  const VarianceComponents components(std::move(cameras.chain), std::move(*links), problem.threads);
+  const auto assumed = components.at({});
+  const auto fit = assumed ? fitVariances(components, *assumed, options) : std::nullopt;
+  if (!fit) return {};
+  const auto check = [&](int group) { return checkOf(group, *assumed, fit->at, fit->factors.imu); };
+  return {check(0), check(1), check(2), check(3), fit->factors.pixel * problem.pixel_sigma};
+}
 
 std::optional<Eigen::MatrixXd> covarianceUnder(const SolvedCameraImu& solved,
                                                const NoiseFactors& noise) {

@@ -88,16 +88,8 @@ class Linearisation {
 
   /// Takes every border column but gravity's out of the system.
   void fixCalibration() {
-    BlockArrow& chain = normals_.chain;
-    // Without coupling and gradient, and with any positive number on the diagonal, the step is
-    // zero.
     for (int j = 0; j < layout_.size; ++j) {
-      if (j >= BorderLayout::kGravity && j < BorderLayout::kOffset) continue;
-      chain.border_block.row(j).setZero();
-      chain.border_block.col(j).setZero();
-      chain.border_block(j, j) = 1;
-      chain.border_gradient(j) = 0;
-      for (ChainBorderRows& rows : chain.to_border) rows.col(j).setZero();
+      if (j < BorderLayout::kGravity || j >= BorderLayout::kOffset) normals_.chain.hold(j);
     }
   }
 
@@ -107,8 +99,7 @@ class Linearisation {
       if (frame.view[c] < 0) continue;
       // Off the frame's instant the camera's pose hangs on velocity and biases as well: 15 columns
       // of the state in place of 6.
-      if (exposureDelay(problem_, estimate_, static_cast<std::size_t>(i), c) != 0 ||
-          layout_.own_offset[c] >= 0) {
+      if (exposureDelay(problem_, estimate_, i, c) != 0 || layout_.own_offset[c] >= 0) {
         addMovedView(i, c, partial);
       } else if (problem_.free_cameras) {
         addFreeView(i, c, partial);
@@ -137,11 +128,10 @@ class Linearisation {
     // Corners are in pixels throughout the kernels: pixel_sigma and the frame's weight come in
     // here.
     const double scale = viewScale(i);
-    const auto at = static_cast<std::size_t>(i);
     const Matrix6d AtH = scale * (chain.A_FS.transpose() * g.H);
     const Vector6d b = scale * g.b;
-    normals_.chain.diagonal[at].topLeftCorner<6, 6>() += AtH * chain.A_FS;
-    ChainBorderRows& rows = normals_.chain.to_border[at];
+    normals_.chain.diagonal[i].topLeftCorner<6, 6>() += AtH * chain.A_FS;
+    ChainBorderRows& rows = normals_.chain.to_border[i];
     rows.topLeftCorner<6, 6>() += AtH * chain.A_SC0;
     rows.col(layout_.size).head<6>() += chain.A_FS.transpose() * b;
     const Matrix6d HA = scale * (g.H * chain.A_SC0);
@@ -205,10 +195,9 @@ class Linearisation {
   /// Adds a view's H and b to D_i, (C_i | b_i) and B.
   void scatter(const Places& places, const Eigen::MatrixXd& H, const Eigen::VectorXd& b,
                Partial& partial) {
-    const auto at = static_cast<std::size_t>(places.frame);
     const int n = places.state;
-    normals_.chain.diagonal[at].topLeftCorner(n, n) += H.topLeftCorner(n, n);
-    ChainBorderRows& rows = normals_.chain.to_border[at];
+    normals_.chain.diagonal[places.frame].topLeftCorner(n, n) += H.topLeftCorner(n, n);
+    ChainBorderRows& rows = normals_.chain.to_border[places.frame];
     rows.col(layout_.size).head(n) += b.head(n);
     for (const Part& p : places.parts) {
       rows.block(0, p.border, n, p.size) += H.block(0, p.local, n, p.size);
@@ -222,26 +211,21 @@ class Linearisation {
 
   /// Adds the link between frames i and i + 1; false where the samples do not cover it.
   bool addLink(int i, bool last_of_chunk, Partial& partial) {
-    const auto at = static_cast<std::size_t>(i);
-    const FrameLink link = problem_.links[at];
+    const FrameLink link = problem_.links[i];
     // Across a broken link nothing is carried, not even the biases: the segments of a bootstrap are
     // draws of their own.
     if (link == FrameLink::kBroken || purpose_ == Purpose::kCameraInformation) return true;
     // The later frame may belong to another thread's chunk.
-    ChainMatrix& D = last_of_chunk ? partial.next_diagonal : normals_.chain.diagonal[at + 1];
-    ChainBorderRows& rows = last_of_chunk ? partial.next_rows : normals_.chain.to_border[at + 1];
-    addBiasWalk(at, D, rows, partial);
-    return link != FrameLink::kInertial || addMotion(at, D, rows, partial);
+    ChainMatrix& D = last_of_chunk ? partial.next_diagonal : normals_.chain.diagonal[i + 1];
+    ChainBorderRows& rows = last_of_chunk ? partial.next_rows : normals_.chain.to_border[i + 1];
+    addBiasWalk(i, D, rows, partial);
+    return link != FrameLink::kInertial || addMotion(i, D, rows, partial);
   }
 
   /// With J = (-1, 1) on the biases of both frames: +, -, + the information in D_i, N_i, D_i+1.
   void addBiasWalk(std::size_t at, ChainMatrix& D, ChainBorderRows& rows, Partial& partial) {
-    const ImuWeight& weight = weights_[at];
     const Vector6d r = biasWalkResidual(estimate_.states[at], estimate_.states[at + 1]);
-    Vector6d information;
-    information << Eigen::Vector3d::Constant(weight.gyro_walk * weight.gyro_walk),
-        Eigen::Vector3d::Constant(weight.accel_walk * weight.accel_walk);
-    information *= problem_.weights[at];
+    const Vector6d information = weights_[at].walk().cwiseAbs2() * problem_.weights[at];
     const Vector6d b = information.cwiseProduct(r);
     BlockArrow& chain = normals_.chain;
     chain.diagonal[at].diagonal().tail<6>() += information;
@@ -314,27 +298,24 @@ class Linearisation {
 
 std::optional<ImuWeights> imuWeights(const CameraImuProblem& problem,
                                      const CameraImuEstimate& estimate) {
-  ImuWeights weights(problem.links.size());
-  std::atomic<bool> covered{true};
-  const int count = static_cast<int>(problem.links.size());
-  forChunks(count, kImuChunk, problem.threads, [&](const Chunk& chunk) {
-    for (int k = chunk.begin; k < chunk.end; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      if (problem.links[i] == FrameLink::kBroken) continue;
-      const ImuWindow window{problem.frames[i].t, problem.frames[i + 1].t, estimate.timeOffset()};
-      // Missing samples say nothing of the motion, but the biases walk on over the pause.
-      weights[i] = biasWalkWeight(problem.noise, window.duration_s());
-      if (problem.links[i] == FrameLink::kBiasWalk) continue;
-      const ImuBias bias{estimate.states[i].gyro_bias, estimate.states[i].accel_bias};
-      const auto P = preintegrationCovariance(problem.samples, window, bias, problem.noise);
-      if (P) {
-        weights[i] = imuWeight(*P, problem.noise, window.duration_s());
-      } else {
-        covered = false;
-      }
+  // Empty where the samples do not cover an inertial link.
+  const auto of = [&](std::size_t i) -> std::optional<ImuWeight> {
+    if (problem.links[i] == FrameLink::kBroken) return ImuWeight();
+    const ImuWindow window{problem.frames[i].t, problem.frames[i + 1].t, estimate.timeOffset()};
+    // Missing samples say nothing of the motion, but the biases walk on over the pause.
+    if (problem.links[i] == FrameLink::kBiasWalk) {
+      return biasWalkWeight(problem.noise, window.duration_s());
     }
-  });
-  if (!covered) return std::nullopt;
+    const ImuBias bias{estimate.states[i].gyro_bias, estimate.states[i].accel_bias};
+    const auto P = preintegrationCovariance(problem.samples, window, bias, problem.noise);
+    if (!P) return std::nullopt;
+    return imuWeight(*P, problem.noise, window.duration_s());
+  };
+  ImuWeights weights;
+  for (const auto& weight : parallelMap(problem.links.size(), problem.threads, of)) {
+    if (!weight) return std::nullopt;
+    weights.push_back(*weight);
+  }
   return weights;
 }
 

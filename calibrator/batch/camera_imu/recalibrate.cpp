@@ -27,7 +27,7 @@ void append(const FrameSegment& segment, const CameraImuStageResult& earlier,
   if (!problem.frames.empty()) problem.links.push_back(FrameLink::kBroken);
   problem.links.insert(problem.links.end(), selection.links.begin(), selection.links.end());
   for (const int k : selection.chosen) {
-    const auto at = static_cast<std::size_t>(segment.first + k);
+    const int at = segment.first + k;
     problem.frames.push_back(earlier.frames[at]);
     problem.weights.push_back(segment.weight);
     estimate.states.push_back(earlier.states[at]);
@@ -59,7 +59,7 @@ Eigen::VectorXd difference(const CameraImuStageResult& to, const CameraImuStageR
     if (std::find(names.begin(), names.end(), name) == names.end()) continue;
     d.push_back(to.imu.timeOffset(c) - from.imu.timeOffset(c));
   }
-  return Eigen::Map<const Eigen::VectorXd>(d.data(), static_cast<Eigen::Index>(d.size()));
+  return Eigen::Map<const Eigen::VectorXd>(d.data(), d.size());
 }
 
 }  // namespace
@@ -81,9 +81,7 @@ Result<CameraImuStageResult> recalibrateCameraImu(const Session& session,
     assert(segment.first + segment.count <= static_cast<int>(earlier.frames.size()));
     append(segment, earlier, gaps, choice, problem, estimate);
   }
-  if (problem.frames.size() < 2) {
-    return Failure{FailureCode::kTooFewLinkedFrames};
-  }
+  if (problem.frames.size() < 2) return Failure{FailureCode::kTooFewLinkedFrames};
   // No warm start by squared errors: it would lead away from a solution under the loss.
   const CameraImuSolution solution = solveFromSolution(problem, estimate, options);
   return stageResult(problem, solution, session, options);

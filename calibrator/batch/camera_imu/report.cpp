@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -20,11 +21,10 @@ namespace {
 /// Writes the residuals of one frame, camera by camera, from `out` on.
 void frameResiduals(const CameraImuProblem& problem, const CameraImuEstimate& estimate, int frame,
                     CornerResidual* out) {
-  const auto at = static_cast<std::size_t>(frame);
-  const Frame& f = problem.frames[at];
+  const Frame& f = problem.frames[frame];
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     if (f.view[c] < 0) continue;
-    const Transform T_CF = targetInCamera(problem, estimate, at, c);
+    const Transform T_CF = targetInCamera(problem, estimate, frame, c);
     const PackedView view = problem.corners[c].view(f.view[c]);
     const auto errors = viewErrors(estimate.cameras[c].intrinsics, T_CF, view);
     for (int k = 0; k < view.count; ++k) {
@@ -74,15 +74,28 @@ ParameterList withOwnOffsets(ParameterList list, const CameraImuEstimate& estima
 /// Of the listed parameters, from that of the border: J Sigma J', where an own offset is camera 0's
 /// plus the difference that its column holds.
 Eigen::MatrixXd listedCovariance(const ParameterList& list, const Eigen::MatrixXd& border) {
-  Eigen::MatrixXd J =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(list.rows.size()), border.cols());
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(list.rows.size(), border.cols());
   for (std::size_t i = 0; i < list.rows.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
-    J(at, list.rows[i]) = 1;
-    if (i >= list.own_offsets) J(at, BorderLayout::kOffset) = 1;
+    J(i, list.rows[i]) = 1;
+    if (i >= list.own_offsets) J(i, BorderLayout::kOffset) = 1;
   }
   const Eigen::MatrixXd out = J * border * J.transpose();
   return 0.5 * (out + out.transpose());
+}
+
+/// Covariance of the border's first `size` parameters, the others held. With the solution's own
+/// weights of the intervals, not with renewed ones: of the cost that was minimised.
+std::optional<Eigen::MatrixXd> sandwich(const CameraImuProblem& problem,
+                                        const CameraImuSolution& solution, int size) {
+  const auto normals = informationAt(problem, solution.estimate, solution.weights);
+  const auto chain = normals ? solveChain(normals->chain, {0, problem.threads}) : std::nullopt;
+  if (!chain) return std::nullopt;
+  Eigen::MatrixXd full = borderCovariance(chain->border_information.topLeftCorner(size, size));
+  // Sandwich: the gradient by t_d varies by more than the information says, by the variance n.
+  // H^-1 (H + n e e^T) H^-1 = H^-1 + n h h^T, e the offset's unit vector and h its column of H^-1.
+  const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
+  full += normals->offset_noise * offset * offset.transpose();
+  return full;
 }
 
 /// Of a variance that rounding may have made negative. One that is no number stays so.
@@ -151,10 +164,8 @@ std::vector<CornerResidual> cornerResiduals(const CameraImuProblem& problem,
   }
   std::vector<CornerResidual> out(first.back());
   // Every frame writes to places of its own in the list.
-  forChunks(problem.frameCount(), 1, problem.threads, [&](const Chunk& chunk) {
-    CornerResidual* const begin = out.data() + first[chunk.begin];
-    frameResiduals(problem, estimate, chunk.begin, begin);
-  });
+  parallelCalls(problem.frameCount(), problem.threads,
+                [&](int i) { frameResiduals(problem, estimate, i, out.data() + first[i]); });
   return out;
 }
 
@@ -179,8 +190,7 @@ std::vector<ImuIntervalResidual> imuIntervalResiduals(const CameraImuProblem& pr
     interval.velocity_m_s = r.segment<3>(3);
     interval.position_m = r.tail<3>();
     // By the weights of the solution, so that their squares are the cost's.
-    interval.normalised << weights[k].sqrt_information * r, walk.head<3>() * weights[k].gyro_walk,
-        walk.tail<3>() * weights[k].accel_walk;
+    interval.normalised << weights[k].sqrt_information * r, walk.cwiseProduct(weights[k].walk());
     addReadings(*motion, i, j, gravity, weights[k].sqrt_information, interval);
     out.push_back(interval);
   }
@@ -232,20 +242,9 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
   const CameraImuEstimate& estimate = solution.estimate;
   const ParameterList list =
       withOwnOffsets(parameterList(estimate, problem.free_cameras), estimate, problem.free_cameras);
-  // With the solution's own weights of the intervals, not with renewed ones: of the cost that was
-  // minimised.
-  const auto normals = informationAt(problem, estimate, solution.weights);
-  std::optional<ChainSolution> chain;
-  if (normals) chain = solveChain(normals->chain, {0, problem.threads});
-  if (!chain) {
-    return Failure{FailureCode::kMotionInformationSingular};
-  }
-  Eigen::MatrixXd full = borderCovariance(chain->border_information);
-  // Sandwich: the gradient by t_d varies by more than the information says, by the variance n.
-  // H^-1 (H + n e e^T) H^-1 = H^-1 + n h h^T, e the offset's unit vector and h its column of H^-1.
-  const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
-  full += normals->offset_noise * offset * offset.transpose();
-  ParameterCovariance out = parameterCovariance(list.parameters, listedCovariance(list, full));
+  const auto full = sandwich(problem, solution, BorderLayout(estimate, problem.free_cameras).size);
+  if (!full) return Failure{FailureCode::kMotionInformationSingular};
+  ParameterCovariance out = parameterCovariance(list.parameters, listedCovariance(list, *full));
   if (const auto failure = unobservable(out.matrix, options)) return *failure;
   return out;
 }
@@ -257,16 +256,11 @@ std::optional<ParameterCovariance> fixedCovariance(CameraImuProblem problem,
   problem.fixed_calibration = false;
   problem.free_cameras = false;
   problem.gram.cauchy_px = cauchy_px;
-  const auto normals = informationAt(problem, solution.estimate, solution.weights);
-  if (!normals) return std::nullopt;
-  const auto chain = solveChain(normals->chain, {0, problem.threads});
-  if (!chain) return std::nullopt;
-  constexpr int kFixed = BorderLayout::kFixed;  // own offsets stand behind: leaving them out holds
-  Eigen::MatrixXd full = borderCovariance(chain->border_information.topLeftCorner(kFixed, kFixed));
-  const Eigen::VectorXd offset = full.col(BorderLayout::kOffset);
-  full += normals->offset_noise * offset * offset.transpose();
+  // Own offsets stand behind: leaving them out holds them.
+  const auto full = sandwich(problem, solution, BorderLayout::kFixed);
+  if (!full) return std::nullopt;
   const ParameterList list = parameterList(solution.estimate, false);
-  ParameterCovariance out = parameterCovariance(list.parameters, full(list.rows, list.rows));
+  ParameterCovariance out = parameterCovariance(list.parameters, (*full)(list.rows, list.rows));
   if (!out.matrix.allFinite() || Eigen::LLT<Eigen::MatrixXd>(out.matrix).info() != Eigen::Success) {
     return std::nullopt;
   }
@@ -292,6 +286,48 @@ std::optional<ImuStateCovariances> stateCovariances(const CameraImuProblem& prob
   const Eigen::Vector2d offset = S.border.block<2, 1>(kGravity, kOffset);
   out.gravity_direction = S.border.block<2, 2>(kGravity, kGravity) +
                           normals->offset_noise * offset * offset.transpose();
+  return out;
+}
+
+FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate& estimate) {
+  constexpr int kDelay = MovedView::kDelay;
+  // Re-weighted, as all else that is said of the optimum.
+  const GramOptions gram{problem.gram.cauchy_px, 0};
+  FrameErrors out;
+  // (free: sum of b' H^-1 b, along: sum of b_d^2 / H_dd.)
+  double squares = 0, corners = 0, free = 0, along = 0, weight = 0, products = 0, before = 0;
+  for (std::size_t i = 0; i < problem.frames.size(); ++i) {
+    Matrix6d H = Matrix6d::Zero();
+    Vector6d b = Vector6d::Zero();
+    double H_d = 0, b_d = 0;
+    for (std::size_t c = 0; c < problem.corners.size(); ++c) {
+      if (problem.frames[i].view[c] < 0) continue;
+      const MovedView view = movedView(problem, estimate, gram, {i, c});
+      H += view.H.topLeftCorner<6, 6>();
+      b += view.b.head<6>();
+      H_d += view.H(kDelay, kDelay);
+      b_d += view.b(kDelay);
+      squares += view.squared_error;
+      corners += problem.corners[c].view(problem.frames[i].view[c]).used();
+    }
+    // Twice what the cost falls by with the pose free, and below with its stamp alone free.
+    free += b.dot(H.ldlt().solve(b));
+    const double taken = H_d > 0 ? b_d / std::sqrt(H_d) : 0;
+    along += taken * taken;
+    weight += H_d;
+    products += taken * before;
+    before = taken;
+  }
+  const auto n = static_cast<double>(problem.frames.size());
+  if (!(corners > 0 && weight > 0 && along > 0)) return out;
+  out.rmse_px = std::sqrt(squares / corners);
+  out.free_rmse_px = std::sqrt(std::max(0.0, squares - free) / corners);
+  out.along = along / n;
+  // What noise takes along any one direction.
+  out.across = (free - along) / (5 * n);
+  out.neighbours = products / along;
+  // A shift of d seconds takes H_dd d^2 beyond that.
+  out.jitter_s = std::sqrt(std::max(0.0, along - n * out.across) / weight);
   return out;
 }
 
