@@ -65,7 +65,7 @@ class ViewPatches {
   explicit ViewPatches(const AprilGrid& board)
       : places_(placesOf(board)),
         basis_(affineBasis(board)),
-        patches_(static_cast<std::size_t>((board.cols / kPatchTags) * (board.rows / kPatchTags))) {}
+        patches_((board.cols / kPatchTags) * (board.rows / kPatchTags)) {}
 
   void add(const CornerResidual& r) {
     const PatchPlace& place = places_[r.corner_id];

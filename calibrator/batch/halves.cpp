@@ -41,8 +41,7 @@ std::optional<Half> solveHalf(const Session& session, const CameraStageResult& w
                               const CameraStageOptions& options) {
   CameraProblem problem = problemOf(corners, {}, options);
   CameraEstimate start = estimateOf(whole.cameras);
-  for (int i = half.first; i < half.first + half.count; ++i) {
-    const auto f = static_cast<std::size_t>(i);
+  for (int f = half.first; f < half.first + half.count; ++f) {
     problem.frames.push_back(whole.frames[f]);
     start.T_C0F.push_back(whole.T_FC0[f].inverse());
   }

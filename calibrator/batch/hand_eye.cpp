@@ -274,9 +274,7 @@ Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEy
   for (int round = 0; round < kRounds; ++round) {
     const Noise noise = noiseOf(squares, pairs.size(), options);
     const auto state = refined(pairs, out.state, noise, options.with_offset);
-    if (!state) {
-      return Failure{FailureCode::kHandEyeNotConverged};
-    }
+    if (!state) return Failure{FailureCode::kHandEyeNotConverged};
     out.state = *state;
     squares = squaresOf(pairs, out.state);
   }

@@ -10,16 +10,6 @@
 #include "calibrator/base/parallel.h"
 
 namespace plumbline {
-namespace {
-
-/// Random numbers of one draw, unlike those of any other seed or draw.
-std::mt19937_64 randomOf(std::uint64_t seed, int draw) {
-  std::seed_seq words{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
-                      static_cast<std::uint32_t>(draw)};
-  return std::mt19937_64(words);
-}
-
-}  // namespace
 
 void ResampleOptions::check() const {
   requireAtLeast(2, "draws", draws);
@@ -32,7 +22,11 @@ std::vector<FrameSegment> drawSegments(int frame_count, const ResampleOptions& o
   std::vector<FrameSegment> segments;
   if (count <= 0) return segments;
   std::vector<int> drawn(count, 0);
-  std::mt19937_64 random = randomOf(options.seed, draw);
+  // Random numbers of one draw, unlike those of any other seed or draw.
+  std::seed_seq words{static_cast<std::uint32_t>(options.seed),
+                      static_cast<std::uint32_t>(options.seed >> 32),
+                      static_cast<std::uint32_t>(draw)};
+  std::mt19937_64 random(words);
   // A bootstrap of blocks that do not overlap (Carlstein 1986), of about equal length.
   // As many draws as segments, with replacement. A segment that is drawn k times counts k times: it
   // enters once with weight k, which costs no more than once.
@@ -69,21 +63,17 @@ Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int fr
                                    const ResampleOptions& options, const std::string& stage,
                                    const DrawSolver& solve) {
   options.check();
-  std::vector<std::optional<Eigen::VectorXd>> solved(options.draws);
   // Draws side by side rather than threads within a draw: they share nothing.
-  forChunks(static_cast<int>(solved.size()), 1, options.threads, [&](const Chunk& chunk) {
-    solved[chunk.index] = solve(drawSegments(frame_count, options, chunk.index));
+  const auto solved = parallelMap(options.draws, options.threads, [&](int draw) {
+    return solve(drawSegments(frame_count, options, draw));
   });
-  Eigen::MatrixXd draws(static_cast<Eigen::Index>(parameters.names.size()),
-                        static_cast<Eigen::Index>(solved.size()));
+  Eigen::MatrixXd draws(parameters.names.size(), solved.size());
   // In the order of the draws, whatever thread solved them.
   int count = 0;
   for (const auto& draw : solved) {
     if (draw) draws.col(count++) = *draw;
   }
-  if (count < 2) {
-    return Failure{FailureCode::kTooFewDraws, {{"stage", stage}}};
-  }
+  if (count < 2) return Failure{FailureCode::kTooFewDraws, {{"stage", stage}}};
   return summariseDraws(parameters, draws.leftCols(count), options.draws - count);
 }
 

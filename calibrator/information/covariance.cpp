@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/information/covariance.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -12,19 +13,18 @@
 namespace plumbline {
 namespace {
 
-// Of A = D L L' D.
-double logDeterminantOf(const ScaledCholesky& f) {
-  return 2 * (f.llt.matrixLLT().diagonal().array().log().sum() + f.D.array().log().sum());
-}
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 // log_determinant: of the covariance of n parameters.
-double gaussianEntropy(Eigen::Index n, double log_determinant) {
+double gaussianEntropy(Index n, double log_determinant) {
   const double log_2_pi_e = std::log(2 * std::numbers::pi * std::numbers::e);
   return 0.5 * (static_cast<double>(n) * log_2_pi_e + log_determinant);
 }
 
 // The parameters that carry a direction: those within a factor of three of the largest.
-std::vector<int> leadingOf(const Eigen::VectorXd& weights) {
+std::vector<int> leadingOf(const VectorXd& weights) {
   const double least = 0.3 * weights.cwiseAbs().maxCoeff();
   std::vector<int> leading;
   for (int i = 0; i < weights.size(); ++i) {
@@ -36,44 +36,58 @@ std::vector<int> leadingOf(const Eigen::VectorXd& weights) {
   return leading;
 }
 
-}  // namespace
+constexpr double kUncorrelated = 0.1;  // where the correlation of pieces is taken to end
+constexpr double kLengths = 2;         // of it in a block
+// What a block alone determines leaves no residual to judge by: the score there is zero but for
+// rounding, which is not to be magnified.
+constexpr double kLeastRedundancy = 1e-3;
 
-std::optional<double> logDeterminant(const Eigen::MatrixXd& information) {
-  const auto f = scaledCholesky(information);
-  if (!f) return std::nullopt;
-  return logDeterminantOf(*f);
+/// (I - G)^(-1/2) of a block's leverage G, eigenvalues from 0 to 1.
+MatrixXd adjustment(const MatrixXd& leverage) {
+  const SymmetricEigen eigen = symmetricEigen(leverage);
+  const VectorXd redundancy = (1 - eigen.values.array()).cwiseMax(kLeastRedundancy).cwiseMin(1);
+  return eigen.vectors * redundancy.cwiseSqrt().cwiseInverse().asDiagonal() *
+         eigen.vectors.transpose();
 }
 
-std::optional<Eigen::MatrixXd> covarianceOf(const Eigen::MatrixXd& information) {
+}  // namespace
+
+std::optional<double> logDeterminant(const MatrixXd& information) {
   const auto f = scaledCholesky(information);
   if (!f) return std::nullopt;
-  const Eigen::Index n = information.rows();
-  const Eigen::VectorXd inverse = f->D.cwiseInverse();
+  // Of A = D L L' D.
+  return 2 * (f->llt.matrixLLT().diagonal().array().log().sum() + f->D.array().log().sum());
+}
+
+std::optional<MatrixXd> covarianceOf(const MatrixXd& information) {
+  const auto f = scaledCholesky(information);
+  if (!f) return std::nullopt;
+  const Index n = information.rows();
+  const VectorXd inverse = f->D.cwiseInverse();
   // L^-1 first: its product with its transpose has no negative eigenvalue but for rounding. The
   // mean with the transpose, below, makes it symmetric to the last bit, in whatever order the
   // product sums.
-  Eigen::MatrixXd L_inverse = Eigen::MatrixXd::Identity(n, n);
+  MatrixXd L_inverse = MatrixXd::Identity(n, n);
   f->llt.matrixL().solveInPlace(L_inverse);
-  const Eigen::MatrixXd scaled = L_inverse * inverse.asDiagonal();
-  Eigen::MatrixXd covariance = scaled.transpose() * scaled;
+  const MatrixXd scaled = L_inverse * inverse.asDiagonal();
+  MatrixXd covariance = scaled.transpose() * scaled;
   covariance = (0.5 * (covariance + covariance.transpose())).eval();
   return covariance;
 }
 
-std::optional<double> entropyNats(const Eigen::MatrixXd& information) {
+std::optional<double> entropyNats(const MatrixXd& information) {
   const auto log_determinant = logDeterminant(information);
   if (!log_determinant) return std::nullopt;
   return gaussianEntropy(information.rows(), -*log_determinant);
 }
 
-std::optional<double> entropyNatsOfCovariance(const Eigen::MatrixXd& covariance) {
+std::optional<double> entropyNatsOfCovariance(const MatrixXd& covariance) {
   const auto log_determinant = logDeterminant(covariance);
   if (!log_determinant) return std::nullopt;
   return gaussianEntropy(covariance.rows(), *log_determinant);
 }
 
-std::optional<double> mutualInformationNats(const Eigen::MatrixXd& before,
-                                            const Eigen::MatrixXd& after) {
+std::optional<double> mutualInformationNats(const MatrixXd& before, const MatrixXd& after) {
   // 0.5 log(|Sigma| / |Sigma given z|), the paper's mutual information (after Maye et al., IV
   // 2013), by the determinants of the inverses: no matrix is inverted.
   const auto log_before = logDeterminant(before);
@@ -84,15 +98,14 @@ std::optional<double> mutualInformationNats(const Eigen::MatrixXd& before,
 
 double bitsFromNats(double nats) { return nats / std::numbers::ln2; }
 
-std::vector<FreeDirection> freeDirections(const Eigen::MatrixXd& information,
-                                          const Eigen::VectorXd& sizes) {
+std::vector<FreeDirection> freeDirections(const MatrixXd& information, const VectorXd& sizes) {
   assert(information.rows() == sizes.size());
   // In units of the sizes an eigenvalue below 1 is a deviation above 1: a worthless direction.
-  const Eigen::MatrixXd scaled = sizes.asDiagonal() * information * sizes.asDiagonal();
+  const MatrixXd scaled = sizes.asDiagonal() * information * sizes.asDiagonal();
   const SymmetricEigen eigen = symmetricEigen(scaled);
   std::vector<FreeDirection> free;
   // Ascending; an eigenvalue that is NaN counts as free.
-  for (Eigen::Index i = 0; i < sizes.size() && !(eigen.values(i) >= 1); ++i) {
+  for (Index i = 0; i < sizes.size() && !(eigen.values(i) >= 1); ++i) {
     FreeDirection direction;
     const double eigenvalue = eigen.values(i);
     direction.std =
@@ -102,6 +115,59 @@ std::vector<FreeDirection> freeDirections(const Eigen::MatrixXd& information,
     free.push_back(std::move(direction));
   }
   return free;
+}
+
+ClusterRobust clusterRobust(const BlockScores& blocks, const MatrixXd& covariance) {
+  assert(blocks.scores.cols() == static_cast<Index>(blocks.information.size()));
+  const Index n = covariance.rows();
+  const MatrixXd C = covariance.llt().matrixL();  // whitens: C' H_b C add up to I
+  ClusterRobust out;
+  MatrixXd half(n, blocks.scores.cols());
+  for (const MatrixXd& information : blocks.information) {
+    const Index b = out.degrees.leverage.size();
+    const MatrixXd G = C.transpose() * information * C;
+    out.degrees.leverage.emplace_back(0.5 * (G + G.transpose()));
+    out.degrees.adjustment.emplace_back(adjustment(out.degrees.leverage.back()) * C.transpose());
+    half.col(b) = out.degrees.adjustment.back() * blocks.scores.col(b);
+  }
+  // S^-1 u = C (I - G)^(-1/2) C' s, for (I - H S^-1)^(-1/2) = C'^-1 (I - G)^(-1/2) C'.
+  const MatrixXd root = C * half;
+  out.matrix = root * root.transpose();
+  return out;
+}
+
+double correlationLength(const MatrixXd& scores, const MatrixXd& covariance) {
+  // covariance = L L', and L' s has the covariance I where s has that of white noise. No mean is
+  // taken off: at an optimum the scores add up to zero.
+  const MatrixXd half = covariance.llt().matrixU();
+  const MatrixXd white = half * scores;
+  const double power = white.squaredNorm();
+  if (!(power > 0)) return 1;
+  // The integrated autocorrelation: the mean of N such pieces varies as that of N / length
+  // independent ones.
+  double length = 1;
+  const Index pieces = white.cols();
+  for (Index k = 1; k <= pieces / kLeastBlocks; ++k) {
+    const Index rest = pieces - k;
+    const double rho = white.leftCols(rest).cwiseProduct(white.rightCols(rest)).sum() / power;
+    if (rho < kUncorrelated) break;
+    // Up to there, lest the noise of many small correlations adds up.
+    length += 2 * rho;
+  }
+  return length;
+}
+
+int blocksOf(int pieces, double correlation_length) {
+  const double per_block = correlation_length > 1 ? kLengths * correlation_length : 1;
+  return std::max(std::min(kLeastBlocks, pieces), static_cast<int>(pieces / per_block));
+}
+
+double shareWithin(double pieces, double correlation_length) {
+  if (!(correlation_length > 1)) return 1;
+  // rho(k) = exp(-k / tau) has the length 2 tau. The double integral of rho over a block of n
+  // pieces is the variance of their sum, n length (1 - (1 - exp(-x)) / x) with x = n / tau.
+  const double x = 2 * pieces / correlation_length;
+  return 1 - (1 - std::exp(-x)) / x;
 }
 
 }  // namespace plumbline

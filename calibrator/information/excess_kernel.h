@@ -26,10 +26,10 @@ class Rows {
         side(wholeLanes(n)),
         fields(wholeLanes(C.cols())),
         stride(2 * side + fields),
-        inverse_pivot(static_cast<std::size_t>(n)),
-        values_(static_cast<std::size_t>(n * stride), 0.0) {
+        inverse_pivot(n),
+        values_(n * stride, 0.0) {
     for (int i = 0; i < n; ++i) {
-      std::memcpy(H_of(i), H.col(i).data(), static_cast<std::size_t>(n) * sizeof(double));
+      std::memcpy(H_of(i), H.col(i).data(), n * sizeof(double));
       for (int j = 0; j <= i; ++j) L_of(i)[j] = L(i, j);
       for (int j = 0; j < C.cols(); ++j) C_of(i)[j] = C(i, j);
     }

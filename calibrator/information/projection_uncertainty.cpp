@@ -53,6 +53,44 @@ std::optional<ImpliedShift> crossReprojection(const std::vector<Matrix6d>& H,
   return shift;
 }
 
+/// J^T J over the grid, J = d uv / d (rho, phi, dk).
+struct ImageFitSums {
+  Matrix6d H = Matrix6d::Zero();
+  Rows6 H_k;
+  Eigen::MatrixXd K;
+  int pixels = 0;  ///< that have a ray
+};
+
+ImageFitSums imageFitSums(const Intrinsics& camera, Eigen::Index parameters,
+                          const ImageFitOptions& options) {
+  ImageFitSums sums;
+  sums.H_k = Rows6::Zero(6, parameters);
+  sums.K = Eigen::MatrixXd::Zero(parameters, parameters);
+  for (const Eigen::Vector2d& uv : pixelGrid(camera.resolution, options.columns, options.rows)) {
+    const auto ray = unproject(camera, uv);
+    const auto J = ray ? pixelJacobian(camera, *ray, options.range_m) : std::nullopt;
+    if (!J) continue;
+    sums.H += J->leftCols<6>().transpose() * J->leftCols<6>();
+    sums.H_k += J->leftCols<6>().transpose() * J->rightCols(parameters);
+    sums.K.noalias() += J->rightCols(parameters).transpose() * J->rightCols(parameters);
+    ++sums.pixels;
+  }
+  return sums;
+}
+
+/// The shift (rho, phi) that makes up best for dk, 6 x K: -H^+ H_k. Without a range only the
+/// rotation is there to be fitted. Over a narrow field a step aside looks like a turn: the
+/// pseudo-inverse leaves out what is alike to rounding.
+Eigen::MatrixXd fittedShift(const ImageFitSums& sums, bool finite) {
+  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(6, sums.H_k.cols());
+  const int first = finite ? 0 : 3;
+  const int size = 6 - first;
+  shift.middleRows(first, size) =
+      -symmetricPseudoInverse(sums.H.bottomRightCorner(size, size), 1e-15) *
+      sums.H_k.bottomRows(size);
+  return shift;
+}
+
 }  // namespace
 
 // To the very border, where lenses are known worst.
@@ -94,57 +132,14 @@ void ImageFitOptions::check() const {
   requireOption(columns >= 1 && rows >= 1, "columns x rows", columns * rows, "1 x 1 or more");
 }
 
-namespace {
-
-/// J^T J over the grid, J = d uv / d (rho, phi, dk).
-struct ImageFitSums {
-  Matrix6d H = Matrix6d::Zero();
-  Rows6 H_k;
-  Eigen::MatrixXd K;
-  int pixels = 0;  ///< that have a ray
-};
-
-ImageFitSums imageFitSums(const Intrinsics& camera, Eigen::Index parameters,
-                          const ImageFitOptions& options) {
-  ImageFitSums sums;
-  sums.H_k = Rows6::Zero(6, parameters);
-  sums.K = Eigen::MatrixXd::Zero(parameters, parameters);
-  for (const Eigen::Vector2d& uv : pixelGrid(camera.resolution, options.columns, options.rows)) {
-    const auto ray = unproject(camera, uv);
-    const auto J = ray ? pixelJacobian(camera, *ray, options.range_m) : std::nullopt;
-    if (!J) continue;
-    sums.H += J->leftCols<6>().transpose() * J->leftCols<6>();
-    sums.H_k += J->leftCols<6>().transpose() * J->rightCols(parameters);
-    sums.K.noalias() += J->rightCols(parameters).transpose() * J->rightCols(parameters);
-    ++sums.pixels;
-  }
-  return sums;
-}
-
-/// The shift (rho, phi) that makes up best for dk, 6 x K: -H^+ H_k. Without a range only the
-/// rotation is there to be fitted. Over a narrow field a step aside looks like a turn: the
-/// pseudo-inverse leaves out what is alike to rounding.
-Eigen::MatrixXd fittedShift(const ImageFitSums& sums, bool finite) {
-  Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(6, sums.H_k.cols());
-  const int first = finite ? 0 : 3;
-  const int size = 6 - first;
-  shift.middleRows(first, size) =
-      -symmetricPseudoInverse(sums.H.bottomRightCorner(size, size), 1e-15) *
-      sums.H_k.bottomRows(size);
-  return shift;
-}
-
-}  // namespace
-
 ProjectionCovariance imageFitCovariance(const Intrinsics& camera,
                                         const Eigen::MatrixXd& intrinsics_covariance,
                                         const ImageFitOptions& options) {
   options.check();
   const Eigen::Index K = intrinsics_covariance.rows();
   const ImageFitSums sums = imageFitSums(camera, K, options);
-  Eigen::MatrixXd M = Eigen::MatrixXd::Identity(6 + K, K);  // x = M dk
-  M.bottomRows(K).setIdentity();
-  M.topRows<6>() = fittedShift(sums, std::isfinite(options.range_m));
+  Eigen::MatrixXd M(6 + K, K);  // x = M dk
+  M << fittedShift(sums, std::isfinite(options.range_m)), Eigen::MatrixXd::Identity(K, K);
   return M * intrinsics_covariance * M.transpose();
 }
 

@@ -16,7 +16,7 @@ int lines(int count) { return (count + kLanes - 1) / kLanes; }
 class EdgeScales {
  public:
   explicit EdgeScales(const AprilGrid& target)
-      : at_(static_cast<std::size_t>(target.cornerCount())), scales_(at_.size() / 4) {}
+      : at_(target.cornerCount()), scales_(at_.size() / 4) {}
 
   /// By the mean length of the tag's edges that the view has; of tags without an edge by the mean
   /// of the others.
@@ -98,7 +98,7 @@ PackedCorners::PackedCorners(const AprilGrid& target, const std::vector<ImageVie
     // that is there projects to finite numbers, where zeros might divide by zero.
     for (int j = 0; j < kLanes * step; ++j) {
       const Corner& corner = corners[std::min(j, n - 1)];
-      const double scale = scales[static_cast<std::size_t>(corner.id) / 4];
+      const double scale = scales[corner.id / 4];
       const Eigen::Vector3d p_F = board.point(corner.id, scale);
       const double row[kColumns] = {p_F.x(),       p_F.y(),         p_F.z(), corner.uv.x(),
                                     corner.uv.y(), j < n ? 1. : 0., scale};

@@ -60,13 +60,21 @@ Eigen::Vector2d directionMinus(const Eigen::Vector3d& to, const Eigen::Vector3d&
 
 /// The first `count` frames' terms alone: the frame after them has no corners.
 CameraImuProblem dropped(const CameraImuProblem& problem, int count) {
-  const auto kept = static_cast<std::size_t>(count);
   CameraImuProblem out = problem;
-  out.frames.resize(kept + 1);
-  out.links.resize(kept);
-  out.weights.resize(kept + 1);
+  out.frames.resize(count + 1);
+  out.links.resize(count);
+  out.weights.resize(count + 1);
   std::fill(out.frames.back().view.begin(), out.frames.back().view.end(), -1);
   return out;
+}
+
+/// Adds the prior's noise to the corners' part of a chain that begins with its state.
+void addNoise(const CameraImuPrior& prior, const CameraImuEstimate& estimate, BlockArrow& corners) {
+  constexpr int m = BorderLayout::kFixed;
+  const Eigen::MatrixXd noise = prior.at(estimate).noise;
+  corners.diagonal[0] += noise.topLeftCorner<kState, kState>();
+  corners.to_border[0].leftCols(m) += noise.topRightCorner(kState, m);
+  corners.border_block += noise.bottomRightCorner(m, m);
 }
 
 }  // namespace
@@ -82,7 +90,7 @@ std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, const Bloc
   std::vector<int> keep(kState + m);
   std::iota(keep.begin(), keep.end(), kState);
   for (int i = 0; i < count && end; ++i) {
-    end = marginalised(joined(*end, chain, corners, static_cast<std::size_t>(i)), keep);
+    end = marginalised(joined(*end, chain, corners, i), keep);
   }
   return end;
 }
@@ -118,12 +126,21 @@ void addPrior(const CameraImuPrior& prior, const CameraImuEstimate& estimate,
   normals.cost += at.c;
 }
 
-void addNoise(const CameraImuPrior& prior, const CameraImuEstimate& estimate, BlockArrow& corners) {
-  constexpr int m = BorderLayout::kFixed;
-  const Eigen::MatrixXd noise = prior.at(estimate).noise;
-  corners.diagonal[0] += noise.topLeftCorner<kState, kState>();
-  corners.to_border[0].leftCols(m) += noise.topRightCorner(kState, m);
-  corners.border_block += noise.bottomRightCorner(m, m);
+std::optional<QuadraticCost> frontCost(const CameraImuProblem& problem,
+                                       const CameraImuEstimate& estimate, const ImuWeights& weights,
+                                       const std::optional<CameraImuPrior>& prior, int count) {
+  auto normals = informationAt(problem, estimate, weights);
+  if (!normals) return std::nullopt;
+  assert(normals->chain.border() == BorderLayout::kFixed);
+  BlockArrow corners = cameraInformationAt(problem, estimate).chain;
+  if (prior) {
+    addPrior(*prior, estimate, *normals);
+    addNoise(*prior, estimate, corners);
+  }
+  auto cost = frontEliminated(normals->chain, corners, count);
+  // frontEliminated() starts at a cost of 0; the terms' own (and the prior's) comes on top.
+  if (cost) cost->c += normals->cost;
+  return cost;
 }
 
 std::optional<CameraImuPrior> marginaliseFront(const CameraImuProblem& problem,
@@ -133,19 +150,8 @@ std::optional<CameraImuPrior> marginaliseFront(const CameraImuProblem& problem,
                                                int count) {
   assert(count > 0 && count < problem.frameCount() && !problem.free_cameras);
   // Linearised where the estimate is now, for the last time.
-  const CameraImuProblem leaving = dropped(problem, count);
-  auto normals = informationAt(leaving, estimate, weights);
-  if (!normals) return std::nullopt;
-  assert(normals->chain.border() == BorderLayout::kFixed);
-  BlockArrow corners = cameraInformationAt(leaving, estimate).chain;
-  if (prior) {
-    addPrior(*prior, estimate, *normals);
-    addNoise(*prior, estimate, corners);
-  }
-  auto cost = frontEliminated(normals->chain, corners, count);
+  auto cost = frontCost(dropped(problem, count), estimate, weights, prior, count);
   if (!cost) return std::nullopt;
-  // frontEliminated() starts at a cost of 0; the terms' own (and the prior's) comes on top.
-  cost->c += normals->cost;
   CameraImuEstimate point = estimate;
   point.states = {estimate.states[count]};
   return CameraImuPrior{std::move(*cost), std::move(point)};

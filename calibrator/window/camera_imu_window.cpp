@@ -60,9 +60,7 @@ std::optional<CameraImuWindow> CameraImuWindow::fromBatch(const CameraImuProblem
   window.problem_ = problem;
   window.problem_.threads = 1;  // three frames
   window.estimate_ = estimate;
-  for (const Frame& frame : problem.frames) {
-    window.corners_.push_back(frameCorners(problem, frame));
-  }
+  for (const Frame& frame : problem.frames) window.corners_.push_back(frameCorners(problem, frame));
   const auto weights = imuWeights(problem, estimate);
   if (!weights) return std::nullopt;
   window.weights_ = *weights;
@@ -239,15 +237,8 @@ double CameraImuWindow::rmsePx() const {
 }
 
 std::optional<WindowKnowledge> CameraImuWindow::knowledge() const {
-  auto normals = informationAt(problem_, estimate_, weights_);
-  if (!normals) return std::nullopt;
-  BlockArrow corners = cameraInformationAt(problem_, estimate_).chain;
-  if (prior_) {
-    addPrior(*prior_, estimate_, *normals);
-    addNoise(*prior_, estimate_, corners);
-  }
-  // Of the offset as well, which system() holds: its column is in `normals` as it is.
-  auto cost = frontEliminated(normals->chain, corners, problem_.frameCount() - 1);
+  // Of the offset as well, which system() holds: its column is in the information as it is.
+  auto cost = frontCost(problem_, estimate_, weights_, prior_, problem_.frameCount() - 1);
   if (!cost) return std::nullopt;
   WindowKnowledge out{std::move(cost->H), estimate_, lastStamp(), std::move(cost->noise)};
   out.estimate.states = {estimate_.states.back()};

@@ -27,8 +27,12 @@ void addPrior(const CameraImuPrior& prior, const CameraImuEstimate& estimate,
 std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, const BlockArrow& corners,
                                              int count);
 
-/// Adds the prior's noise to the corners' part of a chain that begins with its state.
-void addNoise(const CameraImuPrior& prior, const CameraImuEstimate& estimate, BlockArrow& corners);
+/// All that problem and prior (on the first state, if there is one) say of frame `count` and the
+/// border, the frames before it eliminated (frontEliminated()), by informationAt(). Empty where
+/// those are not determined or left the IMU samples.
+std::optional<QuadraticCost> frontCost(const CameraImuProblem& problem,
+                                       const CameraImuEstimate& estimate, const ImuWeights& weights,
+                                       const std::optional<CameraImuPrior>& prior, int count);
 
 /// All terms of the problem's first `count` frames (their corners, the links after them, and the
 /// prior on the first state, if there is one) as a prior on the frame after them. Weights of

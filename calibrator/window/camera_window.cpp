@@ -161,14 +161,8 @@ std::vector<Frame> CameraWindow::allFrames() const {
   return frames;
 }
 
-QuadraticCost CameraWindow::priorAt(const CameraEstimate& cameras) const {
-  return prior_.at(cameras);
-}
-
 void CameraWindow::pack() {
-  for (std::size_t c = 0; c < views_.size(); ++c) {
-    corners_[c] = PackedCorners(target_, views_[c]);
-  }
+  for (std::size_t c = 0; c < views_.size(); ++c) corners_[c] = PackedCorners(target_, views_[c]);
 }
 
 }  // namespace plumbline

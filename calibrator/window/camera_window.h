@@ -59,7 +59,7 @@ class CameraWindow {
 
   /// What the frames that left say, as a cost about other cameras (poses are not read), in their
   /// tangents and the layout's order, in units of pixel_sigma.
-  QuadraticCost priorAt(const CameraEstimate& cameras) const;
+  QuadraticCost priorAt(const CameraEstimate& cameras) const { return prior_.at(cameras); }
   /// Of the cameras: prior and frames held, their poses marginalised.
   Eigen::MatrixXd information() const;
   /// sqrt(mean |e|^2) over the corners of the frames held [px]; empty without any.
