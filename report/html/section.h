@@ -35,7 +35,7 @@ std::string scaledSeconds(double seconds, double std);
 std::string grouped(std::size_t count);
 
 /// Whether a noise check tells a density. A group of less redundancy than the check moves
-/// (ImuNoiseOptions::least_redundancy) keeps a factor of 1, which says nothing.
+/// (kLeastRedundancy in camera_imu/noise.cpp) keeps a factor of 1, which says nothing.
 inline bool tellsDensity(const ImuNoiseCheck& check) { return check.redundancy >= 10; }
 
 /// A quantity in the unit in which people read it: m as mm, rad as degrees, s as ms.

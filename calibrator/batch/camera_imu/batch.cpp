@@ -8,7 +8,6 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/time.h"
-#include "calibrator/batch/camera_imu/diagnosis.h"
 #include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/batch/camera_imu/start.h"
@@ -263,9 +262,7 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
 
   // Before the residuals are listed: no other step takes as much memory.
   std::optional<FaultDiagnosis> faults;
-  if (options.diagnose_faults) {
-    faults = diagnoseFaults(problem, solution, {.cameras_given = options.cameras_given});
-  }
+  if (options.diagnose_faults) faults = diagnoseFaults(problem, solution, options.cameras_given);
   seconds.checks = watch.lap();
   // Offsets that wander so far that no test at the optimum reaches them show in the rates alone.
   // Cameras of another recording are no explanation of them. Whoever asks for no tests is not

@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/diagnosis.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "calibrator/base/option_check.h"
-#include "calibrator/batch/camera_imu/effective_terms.h"
 #include "calibrator/batch/camera_imu/score_tests.h"
+#include "calibrator/batch/camera_imu/stage.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kEdge = 0.1;  // share of the recording on either side in which no change is sought
+constexpr double kBlock = 1;   // [s] length of the blocks of the robust deviations
+constexpr std::size_t kFewestBlocks = 8;  // below that nothing is diagnosed
+// Of a cause, in standard deviations; of one whose instant was searched as well, or its frequency.
+constexpr double kSignificance = 5;
+constexpr double kSignificanceSince = 6;
+constexpr double kSignificanceFrequency = 7;
+constexpr int kMostCauses = 3;
+constexpr double kAlike = 0.9;  // share of the first cause's chi2 that an alternative explains
 
 /// A fault with its columns.
 struct Candidate {
@@ -237,10 +242,10 @@ Tested tested(const Scores& scores, const ScoreTests& tests, const Candidate& ca
   return out;
 }
 
-bool isSignificant(const FaultTest& test, const DiagnosisOptions& options, std::size_t blocks) {
-  const double deviations = test.frequency_hz ? options.significance_frequency
-                            : test.since      ? options.significance_since
-                                              : options.significance;
+bool isSignificant(const FaultTest& test, std::size_t blocks) {
+  const double deviations = test.frequency_hz ? kSignificanceFrequency
+                            : test.since      ? kSignificanceSince
+                                              : kSignificance;
   return test.significance > significanceBound(deviations, test.dof, blocks);
 }
 
@@ -263,14 +268,14 @@ bool isOfClock(UnmodelledFault fault) {
 /// Whether a fault is one of its own beside causes that were found. What begins when a cause does
 /// is the same event, whose instant is known to a block. Where the first cause moves the
 /// calibration far, its own terms of second order look like other faults.
-bool standsAlone(const FaultTest& test, const FaultDiagnosis& found, double block_s) {
+bool standsAlone(const FaultTest& test, const FaultDiagnosis& found) {
   constexpr double kSameEvent = 2;  // blocks
   constexpr double kFar = 20;       // formal deviations
   constexpr double kShare = 1.0 / 3;
   for (const FaultTest& cause : found.causes) {
     if (isOfClock(test.fault) && isOfClock(cause.fault)) return false;
     if (!test.since || !cause.since) continue;
-    if (std::abs(secondsBetween(*cause.since, *test.since)) < kSameEvent * block_s) return false;
+    if (std::abs(secondsBetween(*cause.since, *test.since)) < kSameEvent * kBlock) return false;
   }
   if (found.causes.empty()) return true;
   const FaultTest& first = found.causes.front();
@@ -282,16 +287,16 @@ bool standsAlone(const FaultTest& test, const FaultDiagnosis& found, double bloc
 
 /// Takes the faults that explain most into the model, one after the other.
 void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms model,
-                const DiagnosisOptions& options, FaultDiagnosis& out) {
-  for (int round = 0; round < options.most_causes; ++round) {
+                FaultDiagnosis& out) {
+  for (int round = 0; round < kMostCauses; ++round) {
     const ScoreTests tests(scores, model);
     std::vector<Tested> significant;
     for (const Candidate& candidate : all) {
       Tested t = tested(scores, tests, candidate);
       if (round == 0) out.tests.push_back(t.test);
-      if (!isSignificant(t.test, options, scores.count())) continue;
+      if (!isSignificant(t.test, scores.count())) continue;
       if (round > 0 && !isKnown(t.test)) continue;
-      if (standsAlone(t.test, out, options.block_s)) significant.push_back(std::move(t));
+      if (standsAlone(t.test, out)) significant.push_back(std::move(t));
     }
     if (significant.empty()) return;
     std::sort(significant.begin(), significant.end(), [&](const Tested& a, const Tested& b) {
@@ -300,7 +305,7 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
     const Tested& first = significant.front();
     out.causes.push_back(first.test);
     if (round == 0 && significant.size() > 1 &&
-        significant[1].test.explained > options.alike * first.test.explained) {
+        significant[1].test.explained > kAlike * first.test.explained) {
       out.alternative = significant[1].test;
     }
     model.insert(model.end(), first.terms.begin(), first.terms.end());
@@ -309,25 +314,12 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
 
 }  // namespace
 
-void DiagnosisOptions::check() const {
-  requirePositive("DiagnosisOptions.block_s", block_s);
-  requireAtLeast(4, "DiagnosisOptions.fewest_blocks", fewest_blocks);
-  requirePositive("DiagnosisOptions.significance", significance);
-  requirePositive("DiagnosisOptions.significance_since", significance_since);
-  requirePositive("DiagnosisOptions.significance_frequency", significance_frequency);
-  requireAtLeast(0, "DiagnosisOptions.most_causes", most_causes);
-  requireWithin(0, 1, "DiagnosisOptions.alike", alike);
-}
-
 std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
                                              const CameraImuSolution& solution,
-                                             const DiagnosisOptions& options) {
-  options.check();
+                                             bool cameras_given) {
   const FaultColumns columns(solution.estimate, problem.free_cameras);
-  auto found = effectiveScores(problem, solution, columns, options.block_s);
-  if (!found || found->blocks.size() < static_cast<std::size_t>(options.fewest_blocks)) {
-    return std::nullopt;
-  }
+  auto found = effectiveScores(problem, solution, columns, kBlock);
+  if (!found || found->blocks.size() < kFewestBlocks) return std::nullopt;
   const Scores scores(std::move(found->blocks));
   const Terms model = termRange(0, columns.border.size);
   FaultDiagnosis out;
@@ -340,10 +332,10 @@ std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
     out.by_cameras = tests.response(heldCameras(columns, solution.estimate));
   }
   std::vector<Candidate> all = faultCandidates(columns, solution.estimate, *found);
-  if (options.cameras_given && !problem.free_cameras) {
+  if (cameras_given && !problem.free_cameras) {
     all.push_back(givenCameras(columns, solution.estimate));
   }
-  findCauses(scores, all, model, options, out);
+  findCauses(scores, all, model, out);
   return out;
 }
 

@@ -16,7 +16,12 @@ constexpr int kSegment = 100;  // frames
 constexpr int kGroups = 4;     // rotation; velocity and position; gyro walk; accelerometer walk
 constexpr double kLeastFactor = 1e-3;
 constexpr double kMostFactor = 1e3;
-constexpr double kTriedRedundancy = 1;  // from which a group may move to see where it leads
+// A group keeps its assumed density where its redundancy is below this, also under the factor that
+// it would have; from the other it may move to see where it leads.
+constexpr double kLeastRedundancy = 10;
+constexpr double kTriedRedundancy = 1;
+constexpr int kMostRounds = 8;
+constexpr double kTolerance = 0.02;  // end where no factor is asked to change by more, relative
 using Groups = Eigen::Array<double, kGroups, 1>;
 
 double limited(double factor) { return std::clamp(factor, kLeastFactor, kMostFactor); }
@@ -283,17 +288,16 @@ struct VarianceFit {
 
 /// From the densities as assumed; a group moves while its redundancy is at least `least`.
 std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
-                                        const Evaluation& assumed, const Groups& least,
-                                        const ImuNoiseOptions& options) {
+                                        const Evaluation& assumed, const Groups& least) {
   VarianceFit fit{{}, assumed};
-  for (int round = 0; round < options.max_rounds; ++round) {
+  for (int round = 0; round < kMostRounds; ++round) {
     const double pixel = components.pixelFactor(fit.at);
     const Groups ratio =
         (fit.at.redundancy >= least).select(fit.at.squares / fit.at.redundancy, 1.0);
     // Both in the logarithm of a standard deviation; `ratio` is of variances.
     const double change = std::max(std::abs(std::log(pixel / fit.factors.pixel)),
                                    0.5 * ratio.max(1e-12).log().abs().maxCoeff());
-    if (change < options.tolerance) break;
+    if (change < kTolerance) break;
     fit.factors = {pixel, nextFactors(fit.factors.imu, ratio)};
     const auto next = components.at(fit.factors);
     if (!next) return std::nullopt;
@@ -307,16 +311,16 @@ std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
 /// it had under the density assumed; the others keep that. Where that does not come out with the
 /// others held, nothing is released.
 std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
-                                        const Evaluation& assumed, const ImuNoiseOptions& options) {
-  const Groups least = Groups::Constant(options.least_redundancy);
-  const auto fit = fitVariances(components, assumed, least, options);
+                                        const Evaluation& assumed) {
+  const Groups least = Groups::Constant(kLeastRedundancy);
+  const auto fit = fitVariances(components, assumed, least);
   const Groups tried = least.min(kTriedRedundancy);
   if (!fit || (fit->at.redundancy >= least || fit->at.redundancy < tried).all()) return fit;
-  const auto released = fitVariances(components, assumed, tried, options);
+  const auto released = fitVariances(components, assumed, tried);
   if (!released) return fit;
   const auto found = (released->at.redundancy >= least).eval();
   if ((found == (fit->at.redundancy >= least)).all()) return fit;
-  const auto chosen = fitVariances(components, assumed, found.select(tried, least), options);
+  const auto chosen = fitVariances(components, assumed, found.select(tried, least));
   const bool holds = chosen && (!found || chosen->at.redundancy >= least).all();
   return holds ? chosen : fit;
 }
@@ -370,16 +374,15 @@ std::optional<std::array<Eigen::MatrixXd, kGroups>> linksInBorder(
 
 }  // namespace
 
-ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
-                             const ImuNoiseOptions& options) {
+ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution) {
   solution.normals = CameraImuNormals();  // large, and not needed here
-  keepOnly(spreadFrames(problem.frameCount(), options.max_frames), problem, solution);
+  keepOnly(spreadFrames(problem.frameCount(), kMostNoiseFrames), problem, solution);
   auto cameras = cameraInformationAt(problem, solution.estimate);
   auto links = linksOf(problem, solution.estimate, solution.weights);
   if (!links) return {};
   const VarianceComponents components(std::move(cameras.chain), std::move(*links), problem.threads);
   const auto assumed = components.at({});
-  const auto fit = assumed ? fitVariances(components, *assumed, options) : std::nullopt;
+  const auto fit = assumed ? fitVariances(components, *assumed) : std::nullopt;
   if (!fit) return {};
   const auto check = [&](int group) { return checkOf(group, *assumed, fit->at, fit->factors.imu); };
   return {check(0), check(1), check(2), check(3), fit->factors.pixel * problem.pixel_sigma};

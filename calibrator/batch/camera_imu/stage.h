@@ -98,16 +98,28 @@ void setCovariance(ParameterCovariance covariance, StageSummary& summary);
 /// shift of the stamp takes.
 FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate& estimate);
 
-struct ImuNoiseOptions {
-  /// A group keeps its assumed density where its redundancy is below this, also under the factor
-  /// that it would have.
-  double least_redundancy = 10;
-  int max_rounds = 8;
-  double tolerance = 0.02;  ///< end where no factor is asked to change by more, relative
-  /// Longer recordings are judged on segments of 100 frames spread evenly over them, this many
-  /// frames in all: more would cost as much as the calibration and say little more.
-  int max_frames = 300;
-};
+/// Score (Lagrange multiplier) tests at the optimum of the camera-IMU batch: one more block of
+/// information for each fault, no new solution. With s the gradient and I the information about a
+/// fault's parameters theta, all states and calibration parameters adapting (effectiveScores()),
+///   theta = -I^-1 s,   chi2 = s' I^-1 s,   shift = dcalibration/dtheta theta
+/// (Rao 1948; for a change at an unknown instant the largest over instants, Andrews 1993). The
+/// deviations are cluster-robust: the scores of blocks of time, the fault taken out, take the place
+/// of the assumed noise (sandwich, with n / (n - 1 - dof) for few blocks). chi2 is the smaller of
+/// the robust one and the formal one over the factor by which robust variances of the calibration
+/// exceed formal ones, since either alone can be fooled (few blocks; a wrong pixel_sigma).
+///
+/// The first cause is the significant fault that explains most (Schwarz's criterion: what the cost
+/// falls by over that factor, less dof log(blocks)), the next ones are those
+/// that remain significant with the first in the model. Estimates are right to first order: faults
+/// that move the calibration far are found, their size is then a guess. Empty where the recording
+/// has too few blocks or the system has no inverse.
+/// `cameras_given`: the cameras are tested too, see CameraImuOptions.
+std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
+                                             const CameraImuSolution& solution, bool cameras_given);
+
+/// Longer recordings are judged by checkImuNoise() on segments of 100 frames spread evenly over
+/// them, this many frames in all: more would cost as much as the calibration and say little more.
+inline constexpr int kMostNoiseFrames = 300;
 
 /// What the inertial residuals say of the assumed densities.
 ///
@@ -130,8 +142,7 @@ struct ImuNoiseOptions {
 /// redundancy) or somewhat more. Vibration, scale and alignment errors of the IMU and distortion of
 /// the integration count as noise of the IMU. Redundancies are 0 where the system has no inverse.
 /// Takes over problem and solution, which are large: move them in where they are needed no more.
-ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
-                             const ImuNoiseOptions& options = {});
+ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution);
 
 /// True standard deviations of the noise over those that a batch's weights assume.
 struct NoiseFactors {

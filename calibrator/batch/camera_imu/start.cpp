@@ -16,21 +16,16 @@
 namespace plumbline {
 namespace {
 
-/// Whether a gap overlaps [from - margin, to + margin] of the camera's clock.
-bool gapBetween(TimeNs from, TimeNs to, std::span<const ImuGap> gaps,
-                const FrameSelectionOptions& options) {
+/// By the biases' walk where a gap overlaps [from - margin, to + margin] of the camera's clock.
+FrameLink linkBetween(TimeNs from, TimeNs to, std::span<const ImuGap> gaps,
+                      const FrameSelectionOptions& options) {
   const TimeNs offset = toNanoseconds(options.time_offset_s);
   const TimeNs margin = toNanoseconds(options.margin_s);
-  return std::any_of(gaps.begin(), gaps.end(), [&](const ImuGap& gap) {
+  const bool paused = std::ranges::any_of(gaps, [&](const ImuGap& gap) {
     // The gaps are on the IMU's clock, t_imu = t_cam + t_d.
     return gap.from < to + offset + margin && gap.to > from + offset - margin;
   });
-}
-
-FrameLink linkBetween(TimeNs from, TimeNs to, std::span<const ImuGap> gaps,
-                      const FrameSelectionOptions& options) {
-  const bool joined =
-      secondsBetween(from, to) <= options.max_interval_s && !gapBetween(from, to, gaps, options);
+  const bool joined = secondsBetween(from, to) <= options.max_interval_s && !paused;
   return joined ? FrameLink::kInertial : FrameLink::kBiasWalk;
 }
 
@@ -233,16 +228,12 @@ std::vector<ImuSample> shiftedSamples(const std::vector<ImuSample>& samples, Tim
 }
 
 std::vector<ImuGap> imuGaps(std::span<const ImuSample> samples, double max_intervals) {
-  if (samples.size() < 2) return {};
-  std::vector<double> intervals;
-  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
-    intervals.push_back(secondsBetween(samples[k].t, samples[k + 1].t));
-  }
   // Of the median: pauses, however many, hardly move it.
-  const double longest = max_intervals * median(intervals);
+  const double longest = max_intervals * medianSampleInterval(samples);
   std::vector<ImuGap> gaps;
-  for (std::size_t k = 0; k < intervals.size(); ++k) {
-    if (intervals[k] > longest) gaps.push_back({samples[k].t, samples[k + 1].t});
+  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
+    const ImuGap gap{samples[k].t, samples[k + 1].t};
+    if (secondsBetween(gap.from, gap.to) > longest) gaps.push_back(gap);
   }
   return gaps;
 }
