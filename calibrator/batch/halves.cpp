@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include <boost/math/distributions/chi_squared.hpp>
 
@@ -15,7 +14,6 @@
 #include "calibrator/batch/board/target.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/batch/corners.h"
 #include "calibrator/information/covariance.h"
 
 namespace plumbline {

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/transform.h"
 #include "calibrator/linear/levenberg_marquardt.h"
 
 namespace plumbline {

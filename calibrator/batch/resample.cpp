@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <optional>
 #include <random>
 
 #include "calibrator/base/option_check.h"

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/linear/dense.h"
 

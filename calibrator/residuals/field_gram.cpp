@@ -5,7 +5,6 @@
 #include <cassert>
 #include <variant>
 
-#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/residuals/field_kernel.h"
 

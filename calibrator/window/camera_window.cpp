@@ -7,8 +7,6 @@
 #include <utility>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/transform.h"
-#include "calibrator/batch/camera/problem.h"
 
 namespace plumbline {
 namespace {

@@ -15,7 +15,6 @@
 #include "calibrator/base/error.h"
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/batch/corners.h"
 #include "calibrator/batch/halves.h"
 #include "calibrator/linear/dense.h"
 

@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
 
 #include "calibrator/batch/board/higher_terms.h"

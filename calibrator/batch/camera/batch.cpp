@@ -6,14 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/calibration.h"
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/board/target.h"
 #include "calibrator/batch/camera/model_choice.h"
-#include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/batch/corners.h"
 #include "calibrator/initialise/screening.h"
 
 namespace plumbline {

@@ -7,7 +7,6 @@
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/batch/corners.h"
 
 namespace plumbline {
 namespace {

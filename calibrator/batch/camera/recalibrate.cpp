@@ -5,9 +5,7 @@
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/batch/board/target.h"
-#include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/batch/corners.h"
 
 namespace plumbline {
 

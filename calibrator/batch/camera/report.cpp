@@ -11,7 +11,6 @@
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/batch/corners.h"
 #include "calibrator/batch/halves.h"
 #include "calibrator/information/covariance.h"
 

@@ -5,9 +5,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/time.h"
-#include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/batch/corners.h"
 #include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {

@@ -2,16 +2,12 @@
 #include "calibrator/batch/camera_imu/batch.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/time.h"
-#include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/batch/camera_imu/stage.h"
-#include "calibrator/batch/camera_imu/start.h"
-#include "calibrator/batch/corners.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/screening.h"
 

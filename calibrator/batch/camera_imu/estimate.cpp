@@ -4,7 +4,6 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/problem.h"
-#include "calibrator/residuals/imu_residual.h"
 
 namespace plumbline {
 namespace {

@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "calibrator/batch/camera/batch.h"
-#include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/camera_imu/stage.h"
-#include "calibrator/batch/corners.h"
 
 namespace plumbline {
 namespace {

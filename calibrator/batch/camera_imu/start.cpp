@@ -10,7 +10,6 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/initialise/camera_poses.h"
-#include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/screening.h"
 
 namespace plumbline {
