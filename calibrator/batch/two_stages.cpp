@@ -55,8 +55,7 @@ std::vector<FrameSegment> segmentsAtTheSameTime(const std::vector<FrameSegment>&
     if (other == 0) return 0;
     if (other == count) return static_cast<int>(frames.size());
     const TimeNs from = other_frames[other].t;
-    const auto at = std::lower_bound(frames.begin(), frames.end(), from,
-                                     [](const Frame& frame, TimeNs t) { return frame.t < t; });
+    const auto at = std::ranges::lower_bound(frames, from, {}, &Frame::t);
     return static_cast<int>(at - frames.begin());
   };
   std::vector<FrameSegment> out;

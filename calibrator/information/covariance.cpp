@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -30,9 +31,7 @@ std::vector<int> leadingOf(const VectorXd& weights) {
   for (int i = 0; i < weights.size(); ++i) {
     if (std::abs(weights(i)) > least) leading.push_back(i);
   }
-  std::stable_sort(leading.begin(), leading.end(), [&weights](int a, int b) {
-    return std::abs(weights(a)) > std::abs(weights(b));
-  });
+  std::ranges::stable_sort(leading, std::greater(), [&](int i) { return std::abs(weights(i)); });
   return leading;
 }
 

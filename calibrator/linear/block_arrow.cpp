@@ -141,7 +141,9 @@ class Elimination {
     // b' H^-1 b: the eliminated blocks' share has been summed as the gradient column went along;
     // the border adds s' S^-1 s = -s' x_B.
     out.decrement = handed_on(m, m) - s.dot(out.border_step);
-    backSweeps(out);
+    out.step.resize(system_.blocks());
+    if (system_.blocks() == 0) return out;
+    fromMiddle([&](int i, int direction) { blockStep(i, direction, out); });
     return out;
   }
 
@@ -158,13 +160,6 @@ class Elimination {
         [&] {
           for (int i = middle_ + 1; i < system_.blocks(); ++i) work(i, -1);
         });
-  }
-
-  void backSweeps(ChainSolution& out) const {
-    const int n = system_.blocks();
-    out.step.resize(n);
-    if (n == 0) return;
-    fromMiddle([&](int i, int direction) { blockStep(i, direction, out); });
   }
 
   /// L' x_i = -L^-1 (b_i + C_i x_B + N x_neighbour), whose terms stand in the rows as they are.

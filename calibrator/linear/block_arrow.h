@@ -59,11 +59,10 @@ std::optional<ChainSolution> solveChain(const BlockArrow& system, const ChainOpt
 /// The blocks of H^-1 where H has blocks: the covariance of each state, of each state with the next
 /// one, and of each with the border.
 struct ChainCovariance {
-  using BorderColumns = Eigen::Matrix<double, kChainBlock, Eigen::Dynamic, Eigen::RowMajor>;
-  std::vector<ChainMatrix> diagonal;     ///< H^-1(i, i), n
-  std::vector<ChainMatrix> next;         ///< H^-1(i, i + 1), n (the last one is zero)
-  std::vector<BorderColumns> to_border;  ///< H^-1(i, border), n of 15 x m
-  Eigen::MatrixXd border;                ///< H^-1(border, border), m x m
+  std::vector<ChainMatrix> diagonal;       ///< H^-1(i, i), n
+  std::vector<ChainMatrix> next;           ///< H^-1(i, i + 1), n (the last one is zero)
+  std::vector<ChainBorderRows> to_border;  ///< H^-1(i, border), n of 15 x m
+  Eigen::MatrixXd border;                  ///< H^-1(border, border), m x m
 };
 
 struct ChainInverse {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
-#include <span>
 
-#include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/residuals/imu_residual.h"
 
@@ -25,8 +22,7 @@ struct ImuSegment {
 /// Index k of the sample interval [t_k, t_k+1] that holds from + t_d; 0 .. size - 2.
 std::size_t segmentStart(std::span<const ImuSample> samples, const ImuWindow& window) {
   const TimeNs start = window.from + toNanoseconds(window.time_offset_s);
-  const auto after = std::upper_bound(samples.begin(), samples.end(), start,
-                                      [](TimeNs t, const ImuSample& s) { return t < s.t; });
+  const auto after = std::ranges::upper_bound(samples, start, {}, &ImuSample::t);
   auto k = static_cast<std::ptrdiff_t>(after - samples.begin()) - 1;
   k = std::clamp<std::ptrdiff_t>(k, 0, static_cast<std::ptrdiff_t>(samples.size()) - 2);
   return static_cast<std::size_t>(k);
@@ -198,9 +194,8 @@ void advanceCovariance(const ImuSegment& s, const Eigen::Matrix3d& R, const Eige
 ImuBias meanAround(std::span<const ImuSample> samples, TimeNs centre, double half_width_s,
                    const ImuBias& bias) {
   const TimeNs reach = toNanoseconds(half_width_s);
-  const auto at = [](const ImuSample& s, TimeNs t) { return s.t < t; };
-  auto first = std::lower_bound(samples.begin(), samples.end(), centre - reach, at);
-  auto last = std::lower_bound(first, samples.end(), centre + reach + 1, at);
+  auto first = std::ranges::lower_bound(samples, centre - reach, {}, &ImuSample::t);
+  auto last = std::ranges::lower_bound(first, samples.end(), centre + reach + 1, {}, &ImuSample::t);
   if (first == last) {
     if (first == samples.end()) --first;
     last = first + 1;

@@ -102,8 +102,7 @@ void score(const CameraPart& mono, int frames, Trialled& trial) {
   CameraEstimate from = mono.estimate;
   from.intrinsics = {*trial.lens};
   HeldOut error = heldOut(mono.problem, from, BoardDetail::kTwelve, frames, trialSolver());
-  const bool finite = std::all_of(error.cost.begin(), error.cost.end(),
-                                  [](double cost) { return std::isfinite(cost); });
+  const bool finite = std::ranges::all_of(error.cost, [](double c) { return std::isfinite(c); });
   if (finite && error.cost.size() >= kLeastJudgedBlocks) trial.error = std::move(error);
 }
 
@@ -133,10 +132,7 @@ bool isRuledOut(const Trialled& trial, const Trialled& best, const Trialled* usu
 }
 
 /// The best first; those without a solution last; among equals the order of the models.
-void rank(std::vector<Trialled>& trials) {
-  std::stable_sort(trials.begin(), trials.end(),
-                   [](const Trialled& a, const Trialled& b) { return a.cost() < b.cost(); });
-}
+void rank(std::vector<Trialled>& trials) { std::ranges::stable_sort(trials, {}, &Trialled::cost); }
 
 /// What was tried on one camera.
 struct CameraTrial {
@@ -181,9 +177,8 @@ void ruleOut(const std::optional<CameraModelPair>& stated, CameraTrial& trial) {
   rank(trial.open);
   const Trialled best = trial.open.front();
   if (!best.error) return;
-  const auto found = std::find_if(trial.open.begin(), trial.open.end(), [](const Trialled& t) {
-    return t.error && t.parameters() <= kUsualParameters;
-  });
+  const auto found = std::ranges::find_if(
+      trial.open, [](const Trialled& t) { return t.error && t.parameters() <= kUsualParameters; });
   const std::optional<Trialled> usual =
       found == trial.open.end() ? std::nullopt : std::optional(*found);
   std::erase_if(trial.open, [&](const Trialled& t) {
@@ -197,8 +192,8 @@ void ruleOut(const std::optional<CameraModelPair>& stated, CameraTrial& trial) {
 /// that solved on few frames may fail on more. Where none has one, nothing was compared.
 void ruleOutUnsolved(CameraTrial& trial) {
   rank(trial.open);
-  const auto unsolved = std::find_if(trial.open.begin(), trial.open.end(),
-                                     [](const Trialled& t) { return !t.error; });
+  const auto unsolved =
+      std::ranges::find_if(trial.open, [](const Trialled& t) { return !t.error; });
   if (unsolved != trial.open.begin()) {
     for (auto t = unsolved; t != trial.open.end(); ++t) {
       trial.ruled_out.push_back(candidateOf(*t, trial.open.front()));

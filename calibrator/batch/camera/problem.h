@@ -28,8 +28,6 @@ struct CameraEstimate {
   std::vector<Transform> T_C0F;   ///< one per frame
   /// The board's terms [m] where they are estimated; otherwise the corners hold its shape.
   std::optional<TargetTerms> target;
-
-  int cameraCount() const { return static_cast<int>(intrinsics.size()); }
 };
 
 /// The cameras as given, and a frame for each pose.

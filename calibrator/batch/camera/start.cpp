@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "calibrator/base/parallel.h"
@@ -179,8 +180,7 @@ std::vector<std::size_t> camerasWithPose(const Frame& frame, std::size_t f,
     if (own[c][f]) cameras.push_back(c);
   }
   const auto count = [&](std::size_t c) { return corners[c].view(frame.view[c]).count; };
-  std::stable_sort(cameras.begin(), cameras.end(),
-                   [&](std::size_t a, std::size_t b) { return count(a) > count(b); });
+  std::ranges::stable_sort(cameras, std::greater(), count);
   return cameras;
 }
 

@@ -81,9 +81,8 @@ int pausesWithin(const CameraImuProblem& problem, const CameraImuOptions& option
   const auto pauses = imuGaps(problem.recorded, options.max_gap_intervals);
   const TimeNs from = problem.frames.front().t + toNanoseconds(offset_s);
   const TimeNs to = problem.frames.back().t + toNanoseconds(offset_s);
-  return static_cast<int>(std::count_if(pauses.begin(), pauses.end(), [&](const ImuGap& gap) {
-    return gap.to > from && gap.from < to;
-  }));
+  return std::ranges::count_if(pauses,
+                               [&](const ImuGap& gap) { return gap.to > from && gap.from < to; });
 }
 
 std::size_t rejectAboveSigma(CameraImuProblem& problem, const CameraImuEstimate& estimate,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "calibrator/batch/camera_imu/score_tests.h"
@@ -299,9 +300,8 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
       if (standsAlone(t.test, out)) significant.push_back(std::move(t));
     }
     if (significant.empty()) return;
-    std::sort(significant.begin(), significant.end(), [&](const Tested& a, const Tested& b) {
-      return a.evidence(scores.count()) > b.evidence(scores.count());
-    });
+    std::ranges::sort(significant, std::greater(),
+                      [&](const Tested& t) { return t.evidence(scores.count()); });
     const Tested& first = significant.front();
     out.causes.push_back(first.test);
     if (round == 0 && significant.size() > 1 &&

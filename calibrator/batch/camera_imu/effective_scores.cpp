@@ -6,8 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "calibrator/base/statistics/statistics.h"
-#include "calibrator/batch/camera_imu/effective_terms.h"
+#include "calibrator/batch/camera_imu/score_tests.h"
 
 namespace plumbline {
 namespace {
@@ -295,10 +294,8 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   if (!W) return std::nullopt;
   out.blocks = emptyBlocks(problem, columns.size, block_s);
   const auto blockOf = [&](std::size_t frame) -> ScoreBlock& {
-    const auto next =
-        std::upper_bound(out.blocks.begin(), out.blocks.end(), problem.frames[frame].t,
-                         [](TimeNs t, const ScoreBlock& block) { return t < block.begin; });
-    return *(next - 1);
+    const TimeNs t = problem.frames[frame].t;
+    return *(std::ranges::upper_bound(out.blocks, t, {}, &ScoreBlock::begin) - 1);
   };
   for (const FaultViewTerms& v : views) addTo(blockOf(v.frame), v, (*W)[v.frame]);
   for (const LinkTerms& t : *links) addTo(blockOf(t.at), t, *W);

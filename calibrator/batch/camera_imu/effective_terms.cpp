@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/effective_terms.h"
-
 #include <cmath>
 #include <numbers>
 #include <type_traits>
@@ -8,6 +6,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/batch/camera_imu/score_tests.h"
 #include "calibrator/camera/camera.h"
 
 namespace plumbline {

@@ -16,8 +16,7 @@ struct Reading {
 
 Reading readingAt(const std::vector<ImuSample>& samples, TimeNs frame, double after_frame_s) {
   const TimeNs t = frame + toNanoseconds(after_frame_s);
-  auto next = std::upper_bound(samples.begin(), samples.end(), t,
-                               [](TimeNs at, const ImuSample& s) { return at < s.t; });
+  auto next = std::ranges::upper_bound(samples, t, {}, &ImuSample::t);
   // A delay of milliseconds may lead past the last sample though its frame is covered.
   next = std::clamp(next, samples.begin() + 1, samples.end() - 1);
   const ImuSample& a = *(next - 1);

@@ -46,8 +46,7 @@ Eigen::Vector3d downFromMeanForce(std::span<const CameraPose> poses,
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const CameraPose& pose : poses) {
     const TimeNs t = pose.t + toNanoseconds(start.time_offsets.front().s);
-    const auto next = std::lower_bound(samples.begin(), samples.end(), t,
-                                       [](const ImuSample& s, TimeNs at) { return s.t < at; });
+    const auto next = std::ranges::lower_bound(samples, t, {}, &ImuSample::t);
     if (next == samples.end()) continue;
     // From S to C0 to F.
     sum += pose.T_FC0.R * (start.T_SC0.R.transpose() * next->accel);
@@ -109,9 +108,8 @@ class FramePoses {
 
   std::optional<PoseRefinement> plainPose(const std::vector<FrameView>& views) const {
     // The start by one view, the refinement by all.
-    const auto fullest = std::max_element(
-        views.begin(), views.end(),
-        [](const FrameView& a, const FrameView& b) { return a.view.count < b.view.count; });
+    const auto fullest =
+        std::ranges::max_element(views, {}, [](const FrameView& v) { return v.view.count; });
     const auto start = homographyPose(*fullest->camera, fullest->view);
     if (!start) return std::nullopt;
     const auto refined =
