@@ -45,12 +45,8 @@ std::vector<FrameSegment> drawSegments(int frame_count, const ResampleOptions& o
 ResampleSummary summariseDraws(const ParameterCovariance& parameters, const Eigen::MatrixXd& draws,
                                int failed) {
   assert(static_cast<std::size_t>(draws.rows()) == parameters.names.size());
-  ResampleSummary summary;
-  summary.names = parameters.names;
-  summary.units = parameters.units;
-  summary.draws = draws;
-  summary.failed = failed;
-  summary.std.setZero(draws.rows());
+  ResampleSummary summary{parameters.names, parameters.units, Eigen::VectorXd::Zero(draws.rows()),
+                          draws, failed};
   if (draws.cols() < 2) return summary;
   const Eigen::MatrixXd centred = draws.colwise() - draws.rowwise().mean();
   summary.std =

@@ -333,14 +333,9 @@ JointTarget joinTargets(const std::vector<BoardSystem>& sessions,
     all << twelve, higher.information;
     fit = fitUnder(sessions, all, prior);
   }
-  JointTarget out;
-  out.shape = shapeOf(fit);
-  out.dispersion = fit.dispersion;
-  out.undetermined = undeterminedBy(sessions, fit.columns, options.prior_std);
-  out.members = std::move(fit.members);
-  out.higher_chi2 = higher.chi2;
-  out.higher_limit = higher.limit;
-  return out;
+  return {shapeOf(fit), fit.dispersion,
+          fit.members,  undeterminedBy(sessions, fit.columns, options.prior_std),
+          higher.chi2,  higher.limit};
 }
 
 TargetShape JointTarget::undispersed() const {

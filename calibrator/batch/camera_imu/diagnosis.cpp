@@ -88,7 +88,8 @@ std::vector<Candidate> clockFaults(const FaultColumns& columns) {
 
 /// All parameters of cameras that were not calibrated on the recording.
 Candidate givenCameras(const FaultColumns& columns, const CameraImuEstimate& estimate) {
-  Candidate out{.fault = UnmodelledFault::kGivenCameras};
+  Candidate out;
+  out.fault = UnmodelledFault::kGivenCameras;
   const auto add = [&](int first, int count) {
     for (int k = 0; k < count; ++k) out.columns.push_back(first + k);
   };

@@ -24,8 +24,6 @@ constexpr int kMostRounds = 8;
 constexpr double kTolerance = 0.02;  // end where no factor is asked to change by more, relative
 using Groups = Eigen::Array<double, kGroups, 1>;
 
-double limited(double factor) { return std::clamp(factor, kLeastFactor, kMostFactor); }
-
 /// (J | r)'(J | r) of some rows of a link. Columns: state i (15), state j without biases (9),
 /// gravity (2), offset (1), residual (1).
 using LinkGram = Eigen::Matrix<double, 28, 28>;
@@ -220,7 +218,8 @@ class VarianceComponents {
   double pixelFactor(const Evaluation& e) const {
     const double redundancy = (e.rows - e.redundancy).sum() -
                               (kChainBlock - 6.0) * cameras_.blocks() - BorderLayout::kFixed;
-    return limited(std::sqrt(e.pose_squares / std::max(redundancy, 1.0)));
+    return std::clamp(std::sqrt(e.pose_squares / std::max(redundancy, 1.0)), kLeastFactor,
+                      kMostFactor);
   }
 
  private:
@@ -237,12 +236,9 @@ Groups nextFactors(const Groups& factors, const Groups& ratio) {
 
 ImuNoiseCheck checkOf(int group, const Evaluation& assumed, const Evaluation& end,
                       const Groups& factors) {
-  ImuNoiseCheck check;
-  check.expected_rms =
-      std::sqrt(std::max(0.0, assumed.redundancy(group)) / std::max(assumed.rows(group), 1.0));
-  check.factor = factors(group);
-  check.redundancy = end.redundancy(group);
-  return check;
+  const double share =
+      std::max(0.0, assumed.redundancy(group)) / std::max(assumed.rows(group), 1.0);
+  return {std::sqrt(share), factors(group), end.redundancy(group)};
 }
 
 /// All of n frames, or `most` of them in evenly spread segments.
