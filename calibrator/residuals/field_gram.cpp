@@ -12,11 +12,6 @@ namespace plumbline {
 namespace {
 
 // Only these functions carry the instruction set.
-template <class Model, bool kRobust>
-void computeBaseline(const gram::Input& in, const fields::FieldInput& f, FieldGram& out) {
-  fields::compute<2, Model, kRobust>(in, f, out);
-}
-
 #if defined(__x86_64__)
 template <class Model, bool kRobust>
 PLUMBLINE_AVX2 void computeAvx2(const gram::Input& in, const fields::FieldInput& f,
@@ -31,7 +26,7 @@ void computeWith(InstructionSet set, const gram::Input& in, const fields::FieldI
 #if defined(__x86_64__)
   if (set == InstructionSet::kAvx2) return computeAvx2<Model, kRobust>(in, f, out);
 #endif
-  computeBaseline<Model, kRobust>(in, f, out);
+  fields::compute<2, Model, kRobust>(in, f, out);
 }
 
 /// Corner by corner, for models that the kernel is not compiled for.

@@ -240,16 +240,6 @@ void addTargetPrior(const CameraProblem& problem, const CameraEstimate& estimate
   out.cost += 0.5 * gradient.dot(*estimate.target - model.mean);
 }
 
-CameraNormals emptyNormals(int frames, int size) {
-  CameraNormals out;
-  out.H.assign(frames, Matrix6d::Zero());
-  out.P.setZero(6 * frames, size);
-  out.b_pose.setZero(6 * frames);
-  out.G.setZero(size, size);
-  out.b.setZero(size);
-  return out;
-}
-
 constexpr double kFreePose = 1e-12;  // share of a pose's information that is rounding
 
 }  // namespace
@@ -349,14 +339,17 @@ CameraNormals normalsAt(const CameraProblem& problem, const CameraEstimate& esti
   std::optional<PlacedTarget> target;
   if (estimate.target) target.emplace(*problem.target, *estimate.target);
   const Evaluation at{problem, estimate, layout, derivatives, gram, target};
-  CameraNormals out = emptyNormals(problem.frameCount(), layout.size);
-  std::vector<std::vector<CameraSums>> sums(chunkCount(problem.frameCount(), kFrameChunk),
-                                            emptySums(layout));
-  forChunks(problem.frameCount(), kFrameChunk, problem.threads, [&](const Chunk& chunk) {
+  const int frames = problem.frameCount();
+  CameraNormals out;
+  out.H.assign(frames, Matrix6d::Zero());
+  out.P.setZero(6 * frames, layout.size);
+  out.b_pose.setZero(6 * frames);
+  out.G.setZero(layout.size, layout.size);
+  out.b.setZero(layout.size);
+  std::vector<std::vector<CameraSums>> sums(chunkCount(frames, kFrameChunk), emptySums(layout));
+  forChunks(frames, kFrameChunk, problem.threads, [&](const Chunk& chunk) {
     FrameTerms terms;
-    for (int f = chunk.begin; f < chunk.end; ++f) {
-      addFrame(at, f, terms, out, sums[chunk.index]);
-    }
+    for (int f = chunk.begin; f < chunk.end; ++f) addFrame(at, f, terms, out, sums[chunk.index]);
   });
   std::vector<CameraSums> total = emptySums(layout);
   // Chunk by chunk in their order, so that no sum depends on the threads.

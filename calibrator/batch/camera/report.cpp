@@ -136,12 +136,6 @@ Eigen::MatrixXd marginalInformation(const Eigen::MatrixXd& information, int n) {
          information.topRightCorner(n, rest) * llt.solve(information.bottomLeftCorner(rest, n));
 }
 
-std::optional<TargetCovariance> targetCovariance(const Eigen::MatrixXd& information) {
-  const auto covariance = covarianceOf(information);
-  if (!covariance) return std::nullopt;
-  return TargetCovariance(covariance->bottomRightCorner<kTargetTerms, kTargetTerms>());
-}
-
 /// At the size of the larger deviations, correlations as they are: D C D, D diagonal.
 TargetCovariance stretched(const TargetCovariance& formal, const TargetTerms& robust_variance) {
   const TargetTerms ratio =
@@ -262,7 +256,8 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
   const auto share = higherShare(problem, solution.estimate);
   // Higher terms are unknown as well, though the batch held them.
   if (share) information = share->marginalised(information);
-  if (solution.estimate.target) result.target.covariance = targetCovariance(information);
+  const auto all = solution.estimate.target ? covarianceOf(information) : std::nullopt;
+  if (all) result.target.covariance = all->bottomRightCorner<kTargetTerms, kTargetTerms>();
   auto failure = addCovariance(
       marginalInformation(information, CameraLayout(solution.estimate).camerasSize()), result);
   if (failure && failure->values.count("camera") > 0) {

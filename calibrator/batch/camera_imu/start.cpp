@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/start.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/screening.h"
 

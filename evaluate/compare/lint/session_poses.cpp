@@ -5,7 +5,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/batch/camera_imu/start.h"
+#include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/camera/camera.h"
 #include "evaluate/compare/lint/rules.h"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_imu/start.h"
+#include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
