@@ -39,59 +39,12 @@ std::vector<int> columnRange(int first, int count) {
   return out;
 }
 
-/// Faults of the inertial samples, which act all along.
-std::vector<Candidate> sampleFaults(const FaultColumns& columns) {
-  const int a = columns.samples + SampleFaults::kAccel;
-  const int g = columns.samples + SampleFaults::kGyro;
-  const int sensitivity = columns.samples + SampleFaults::kGSensitivity;
-  // Of a 3 x 3 matrix, row by row.
-  const auto diagonal = [](int m) { return std::vector<int>{m, m + 4, m + 8}; };
-  const auto rest = [](int m) {
-    return std::vector<int>{m + 1, m + 2, m + 3, m + 5, m + 6, m + 7};
-  };
-  return {
-      {.fault = UnmodelledFault::kAccelScale, .columns = diagonal(a)},
-      {.fault = UnmodelledFault::kAccelMisalignment, .columns = rest(a)},
-      {.fault = UnmodelledFault::kGyroScale, .columns = diagonal(g)},
-      {.fault = UnmodelledFault::kGyroMisalignment, .columns = rest(g)},
-      {.fault = UnmodelledFault::kGSensitivity, .columns = columnRange(sensitivity, 9)},
-      {.fault = UnmodelledFault::kImuDelay, .columns = {columns.samples + SampleFaults::kDelay}}};
-}
-
-/// Jumps of the biases. They are measured against the stated walk of the biases, which a
-/// pixel_sigma that is too large does not touch, though the calibration's deviations do shrink
-/// by it.
-std::vector<Candidate> biasJumps(const FaultColumns& columns, const EffectiveScores& found) {
-  constexpr double kWalk = 1;
-  return {{.fault = UnmodelledFault::kGyroBiasJump,
-           .columns = columnRange(columns.gyro_jump, 3),
-           .at = found.jumps.gyro_at,
-           .dispersion = kWalk},
-          {.fault = UnmodelledFault::kAccelBiasJump,
-           .columns = columnRange(columns.accel_jump, 3),
-           .at = found.jumps.accel_at,
-           .dispersion = kWalk}};
-}
-
-/// Faults of the stamps.
-std::vector<Candidate> clockFaults(const FaultColumns& columns) {
-  // An offset of its own in each eighth of the recording.
-  constexpr int kChanges = 7;
-  return {
-      {.fault = UnmodelledFault::kClockDrift, .columns = {columns.drift}},
-      {.fault = UnmodelledFault::kLineDelay, .columns = {columns.line_delay}},
-      {.fault = UnmodelledFault::kClockStep, .columns = {BorderLayout::kOffset}, .begins = true},
-      {.fault = UnmodelledFault::kStampsWander,
-       .columns = {BorderLayout::kOffset},
-       .changes = kChanges}};
-}
-
-/// All parameters of cameras that were not calibrated on the recording.
-Candidate givenCameras(const FaultColumns& columns, const CameraImuEstimate& estimate) {
-  Candidate out;
-  out.fault = UnmodelledFault::kGivenCameras;
+/// All parameters of cameras that were not calibrated on the recording, in the order of the
+/// cameras' own stage.
+std::vector<int> givenCameras(const FaultColumns& columns, const CameraImuEstimate& estimate) {
+  std::vector<int> out;
   const auto add = [&](int first, int count) {
-    for (int k = 0; k < count; ++k) out.columns.push_back(first + k);
+    for (int k = 0; k < count; ++k) out.push_back(first + k);
   };
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     add(columns.intrinsics[c], static_cast<int>(estimate.cameras[c].intrinsics.stacked().size()));
@@ -100,65 +53,74 @@ Candidate givenCameras(const FaultColumns& columns, const CameraImuEstimate& est
   return out;
 }
 
-/// Faults of the target, and an IMU that slipped.
-std::vector<Candidate> bodyFaults(const FaultColumns& columns, const CameraImuEstimate& estimate,
-                                  const EffectiveScores& found) {
-  return {{.fault = UnmodelledFault::kTargetSize, .columns = {columns.target_size}},
-          {.fault = UnmodelledFault::kImuMoved,
-           .columns = columnRange(BorderLayout::kExtrinsics, 6),
-           .begins = true},
-          {.fault = UnmodelledFault::kTargetShape,
-           .columns = columnRange(columns.shape, kBoardTerms),
-           // What a calibration of the cameras has adapted to the target.
-           .nuisance = givenCameras(columns, estimate).columns},
-          {.fault = UnmodelledFault::kTargetMoved,
-           .columns = columnRange(columns.target_jump, 3),
-           .at = found.jumps.target_at,
-           .dispersion = found.jumps.target_dispersion},
-          {.fault = UnmodelledFault::kTargetSways,
-           .columns = columnRange(columns.sway, 6),
-           .frequency_hz = found.sway_hz}};
-}
-
-/// Faults of every camera but the first.
-std::vector<Candidate> cameraFaults(const FaultColumns& columns) {
-  std::vector<Candidate> out;
-  for (std::size_t c = 1; c < columns.T_C0Ci.size(); ++c) {
-    const int camera = static_cast<int>(c);
-    // Otherwise the batch estimates it already.
-    if (columns.own_offset[c] >= columns.border.size) {
-      out.push_back({.fault = UnmodelledFault::kCameraDelay,
-                     .camera = camera,
-                     .columns = {columns.own_offset[c]}});
-    }
-    out.push_back({.fault = UnmodelledFault::kCameraMoved,
-                   .camera = camera,
-                   .columns = columnRange(columns.T_C0Ci[c], 6),
-                   .begins = true});
-  }
-  return out;
-}
-
 /// The faults that are tested, with what effectiveScores() found about their instants and
 /// frequencies.
 std::vector<Candidate> faultCandidates(const FaultColumns& columns,
                                        const CameraImuEstimate& estimate,
                                        const EffectiveScores& found) {
-  std::vector<Candidate> out = sampleFaults(columns);
-  for (const std::vector<Candidate>& more :
-       {clockFaults(columns), bodyFaults(columns, estimate, found), biasJumps(columns, found),
-        cameraFaults(columns)}) {
-    out.insert(out.end(), more.begin(), more.end());
+  using Fault = UnmodelledFault;
+  std::vector<Candidate> out;
+  const auto add = [&](Fault fault, std::vector<int> of) -> Candidate& {
+    return out.emplace_back(Candidate{.fault = fault, .columns = std::move(of)});
+  };
+  // Of the inertial samples, all along. Of a 3 x 3 matrix, row by row.
+  const int a = columns.samples + SampleFaults::kAccel;
+  const int g = columns.samples + SampleFaults::kGyro;
+  add(Fault::kAccelScale, {a, a + 4, a + 8});
+  add(Fault::kAccelMisalignment, {a + 1, a + 2, a + 3, a + 5, a + 6, a + 7});
+  add(Fault::kGyroScale, {g, g + 4, g + 8});
+  add(Fault::kGyroMisalignment, {g + 1, g + 2, g + 3, g + 5, g + 6, g + 7});
+  add(Fault::kGSensitivity, columnRange(columns.samples + SampleFaults::kGSensitivity, 9));
+  add(Fault::kImuDelay, {columns.samples + SampleFaults::kDelay});
+  // Of the stamps; an offset of its own in each eighth of the recording.
+  add(Fault::kClockDrift, {columns.drift});
+  add(Fault::kLineDelay, {columns.line_delay});
+  add(Fault::kClockStep, {BorderLayout::kOffset}).begins = true;
+  add(Fault::kStampsWander, {BorderLayout::kOffset}).changes = 7;
+  // Of the target, and an IMU that slipped. Beside the target's shape stands what a calibration of
+  // the cameras has adapted to it.
+  add(Fault::kTargetSize, {columns.target_size});
+  add(Fault::kImuMoved, columnRange(BorderLayout::kExtrinsics, 6)).begins = true;
+  add(Fault::kTargetShape, columnRange(columns.shape, kBoardTerms)).nuisance =
+      givenCameras(columns, estimate);
+  // Jumps, whose instants were found. Those of the biases are measured against the stated walk of
+  // the biases, which a pixel_sigma that is too large does not touch, though the calibration's
+  // deviations do shrink by it.
+  const auto addJump = [&](Fault fault, int column, TimeNs at, double dispersion) {
+    Candidate& jump = add(fault, columnRange(column, 3));
+    jump.at = at;
+    jump.dispersion = dispersion;
+  };
+  const JumpPlaces& jumps = found.jumps;
+  addJump(Fault::kTargetMoved, columns.target_jump, jumps.target_at, jumps.target_dispersion);
+  add(Fault::kTargetSways, columnRange(columns.sway, 6)).frequency_hz = found.sway_hz;
+  addJump(Fault::kGyroBiasJump, columns.gyro_jump, jumps.gyro_at, 1);
+  addJump(Fault::kAccelBiasJump, columns.accel_jump, jumps.accel_at, 1);
+  for (std::size_t c = 1; c < columns.T_C0Ci.size(); ++c) {
+    const int camera = static_cast<int>(c);
+    // Otherwise the batch estimates it already.
+    if (columns.own_offset[c] >= columns.border.size) {
+      add(Fault::kCameraDelay, {columns.own_offset[c]}).camera = camera;
+    }
+    Candidate& moved = add(Fault::kCameraMoved, columnRange(columns.T_C0Ci[c], 6));
+    moved.camera = camera;
+    moved.begins = true;
   }
+  return out;
+}
+
+/// Columns that act from a block of time on.
+Terms termsOf(const std::vector<int>& columns, std::size_t from = 0) {
+  Terms out;
+  for (const int column : columns) out.push_back({column, from});
   return out;
 }
 
 /// The cameras' parameters in the order of their own stage, then the board's terms.
 Terms heldCameras(const FaultColumns& columns, const CameraImuEstimate& estimate) {
-  Terms out;
-  for (const int column : givenCameras(columns, estimate).columns) out.push_back({column, 0});
-  for (const Term& term : termRange(columns.shape, kBoardTerms)) out.push_back(term);
-  return out;
+  std::vector<int> out = givenCameras(columns, estimate);
+  for (int term = 0; term < kBoardTerms; ++term) out.push_back(columns.shape + term);
+  return termsOf(out);
 }
 
 /// A test with the terms that take the fault into the model.
@@ -203,8 +165,7 @@ Tested testedSince(const Scores& scores, const ScoreTests& tests, const Candidat
   const auto n = static_cast<double>(scores.count());
   const auto edge = static_cast<std::size_t>(std::max(3.0, std::ceil(kEdge * n)));
   for (std::size_t b = edge; b + edge <= scores.count(); ++b) {
-    Terms terms;
-    for (const int column : candidate.columns) terms.push_back({column, b});
+    Terms terms = termsOf(candidate.columns, b);
     FaultTest test = changes.test(terms);
     if (!out.terms.empty() && !(test.chi2 > out.test.chi2)) continue;
     out = {std::move(test), std::move(terms)};
@@ -216,7 +177,7 @@ Tested testedSince(const Scores& scores, const ScoreTests& tests, const Candidat
 /// One whose columns act all along, or from an instant that is in them.
 Tested testedThroughout(const Scores& scores, const ScoreTests& tests, const Candidate& candidate) {
   Tested out;
-  for (const int column : candidate.columns) out.terms.push_back({column, 0});
+  out.terms = termsOf(candidate.columns);
   if (candidate.nuisance.empty()) {
     out.test = tests.test(out.terms);
   } else {
@@ -322,7 +283,7 @@ std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
   auto found = effectiveScores(problem, solution, columns, kBlock);
   if (!found || found->blocks.size() < kFewestBlocks) return std::nullopt;
   const Scores scores(std::move(found->blocks));
-  const Terms model = termRange(0, columns.border.size);
+  const Terms model = termsOf(columnRange(0, columns.border.size));
   FaultDiagnosis out;
   const ScoreTests tests(scores, model);
   RobustDeviations robust = tests.clusterRobustDeviations();
@@ -334,7 +295,8 @@ std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
   }
   std::vector<Candidate> all = faultCandidates(columns, solution.estimate, *found);
   if (cameras_given && !problem.free_cameras) {
-    all.push_back(givenCameras(columns, solution.estimate));
+    all.push_back({.fault = UnmodelledFault::kGivenCameras,
+                   .columns = givenCameras(columns, solution.estimate)});
   }
   findCauses(scores, all, model, out);
   return out;

@@ -42,12 +42,6 @@ Eigen::Matrix<double, 7, 1> listed(const VectorXd& model) {
 
 }  // namespace
 
-Terms termRange(int first, int count, std::size_t from) {
-  Terms out;
-  for (int k = 0; k < count; ++k) out.push_back({first + k, from});
-  return out;
-}
-
 Scores::Scores(std::vector<ScoreBlock> blocks) : blocks_(std::move(blocks)), tails_(blocks_) {
   // Once, so that a term that begins at any block costs one look-up.
   for (std::size_t b = tails_.size() - 1; b-- > 0;) {

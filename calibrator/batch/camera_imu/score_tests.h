@@ -109,9 +109,6 @@ struct Term {
 };
 using Terms = std::vector<Term>;
 
-/// Columns first to first + count - 1.
-Terms termRange(int first, int count, std::size_t from = 0);
-
 /// The scores about any terms: sums over the blocks in which they act.
 class Scores {
  public:

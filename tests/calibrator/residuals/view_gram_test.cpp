@@ -126,8 +126,8 @@ TEST(ViewGram, ThePlainWayEqualsTheKernel) {
     for (const InstructionSet set : {InstructionSet::kBaseline, bestInstructionSet()}) {
       for (const GramOptions& options : allOptions()) {
         const ViewGram kernel = viewGram(camera, T_CF, corners.view(0), options);
-        const PackedView view = corners.view(0);
-        const plain::View in{set, camera, T_CF, view, options};
+        const PackedView packed = corners.view(0);
+        const plain::View in{set, camera, T_CF, packed, options};
         ViewGram plain;
         PoseGram pose;
         std::visit(
@@ -145,9 +145,9 @@ TEST(ViewGram, ThePlainWayEqualsTheKernel) {
       }
       Transform behind = T_CF;
       behind.t.z() = -1.1;
-      const PackedView view = corners.view(0);
+      const PackedView packed = corners.view(0);
       const GramOptions options;
-      const plain::View in{set, camera, behind, view, options};
+      const plain::View in{set, camera, behind, packed, options};
       EXPECT_EQ(
           std::visit([&]<class Model>(Model) { return plain::Version<Model>::cost(in); }, model),
           100 * kInvalidSquaredError);
