@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/residuals/view_gram.h"
-
 #include <functional>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
+#include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {
 namespace {
