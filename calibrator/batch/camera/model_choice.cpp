@@ -202,15 +202,17 @@ void ruleOutUnsolved(CameraTrial& trial) {
   trial.open.erase(unsolved, trial.open.end());
 }
 
+const Trialled* find(const std::vector<Trialled>& open, const CameraModelPair& model) {
+  const auto found = std::ranges::find(open, model, &Trialled::model);
+  return found == open.end() ? nullptr : &*found;
+}
+
 /// Whether the stated model is as good as any already on few frames: what another could still gain
 /// on more of them would not be worth leaving it.
 bool isSettled(const CameraTrial& trial, const std::optional<CameraModelPair>& stated) {
   if (!stated || !trial.open.front().error) return false;
-  const Trialled& best = trial.open.front();
-  for (const Trialled& t : trial.open) {
-    if (t.model == *stated && t.error) return isAsGood(t, best);
-  }
-  return false;
+  const Trialled* own = find(trial.open, *stated);
+  return own && own->error && isAsGood(*own, trial.open.front());
 }
 
 /// Scores the open models of all cameras, shared out over the threads.
@@ -243,11 +245,6 @@ CameraTrial trialOf(CameraPart mono, int most_parameters) {
     trial.open.push_back(std::move(t));
   }
   return trial;
-}
-
-const Trialled* find(const std::vector<Trialled>& open, const CameraModelPair& model) {
-  const auto found = std::ranges::find(open, model, &Trialled::model);
-  return found == open.end() ? nullptr : &*found;
 }
 
 /// The models of all cameras together, as if they were one: costs of a block are sums over the
