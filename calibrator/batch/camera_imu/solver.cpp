@@ -135,7 +135,7 @@ CameraImuSolution solved(Steps steps, const MinimiserOptions& options) {
 CameraImuSolution solveCameraImu(const CameraImuProblem& problem, const CameraImuEstimate& start,
                                  const MinimiserOptions& options) {
   auto weights = imuWeights(problem, start);
-  if (!weights) return {start, {}, {}, MinimiserEnd::kLeftDomain, 0};
+  if (!weights) return {start, {}, CameraImuNormals(), MinimiserEnd::kLeftDomain, 0};
   return solved({problem, start, std::move(*weights), Steps::Weights::kRenewed}, options);
 }
 
