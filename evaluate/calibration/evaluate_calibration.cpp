@@ -104,7 +104,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   }
   on_session.scores.front().held_out = wasEstimatedFrom(from, loaded, asked.load) == false;
   CalibrationRecord record = recordOf(loaded, asked);
-  record.provenance.input_hash = inputFilesHash(loaded.input_hash, {asked.calibration});
+  record.provenance.input_hash = inputFilesHash({asked.calibration}, loaded.input_hash);
   record.camera = std::move(on_session.camera);
   record.camera_imu = std::move(on_session.camera_imu);
   addViewImages(loaded, record);
@@ -116,7 +116,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
     checkTargetLayout(other, {});
     std::string& hash = record.provenance.input_hash;
     // One after the other: the order of the recordings counts, as they are listed in it.
-    hash = inputFilesHash(hash + other.input_hash, {});
+    hash = inputFilesHash({}, hash + other.input_hash);
     progress("scoring " + other.session.name, -1);
     CalibrationScore score = scoreHeldOut(scored_on_other, other.session, asked.score);
     // The user says so; the files may say otherwise.

@@ -193,7 +193,7 @@ int compare(const CompareOptions& o, const CLI::App& app) {
   if (trajectories) addRuns(std::move(*trajectories), record);
   // The recording's hash, where there is one, with that of all the other files.
   record.provenance.input_hash =
-      inputFilesHash(record.provenance.input_hash, filesBesideSession(o));
+      inputFilesHash(filesBesideSession(o), record.provenance.input_hash);
   bar.clear();
   const std::string runs =
       record.trajectories ? runsSummary(*record.trajectories) + "\n" : std::string();

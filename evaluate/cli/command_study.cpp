@@ -20,9 +20,8 @@
 #include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
-#include "evaluate/study/engine/slurm_engine.h"
+#include "evaluate/study/engine/engines.h"
 #include "evaluate/study/night.h"
-#include "evaluate/study/run_step.h"
 
 namespace plumbline {
 namespace {

@@ -8,35 +8,32 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/information/view_selection.h"
 #include "evaluate/replay/counterfactuals.h"
-#include "evaluate/replay/view_orders.h"
+#include "evaluate/replay/view_pool.h"
 
 namespace plumbline {
 namespace {
 
 /// One point of a curve.
 struct Point {
-  std::optional<double> entropy_nats;
-  std::optional<HeldOutError> held_out;
+  double entropy_nats = 0;
+  HeldOutError held_out;
 };
 
 /// The batch over the first `views` frames of the order; empty where it does not determine the
 /// cameras.
-Point pointAt(const ViewPool& pool, const std::vector<int>& order, int views) {
-  Point point;
+std::optional<Point> pointAt(const ViewPool& pool, const std::vector<int>& order, int views) {
   // Any order of all of it is the reference, which has been solved.
   const bool is_whole = static_cast<std::size_t>(views) == pool.pool().size();
   const auto solution = is_whole ? std::optional(pool.reference())
                                  : pool.solve({order.begin(), order.begin() + views});
-  if (!solution) return point;
-  point.entropy_nats = solution->entropy_nats;
-  point.held_out = pool.heldOutError(solution->estimate);
-  return point;
+  if (!solution) return std::nullopt;
+  return Point{solution->entropy_nats, pool.heldOutError(solution->estimate)};
 }
 
-void append(const Point& point, CounterfactualCurve& curve) {
-  curve.entropy_nats.push_back(point.entropy_nats);
+void append(const std::optional<Point>& point, CounterfactualCurve& curve) {
+  curve.entropy_nats.push_back(point ? std::optional(point->entropy_nats) : std::nullopt);
   const auto part = [&](double HeldOutError::*px) {
-    return point.held_out ? std::optional((*point.held_out).*px) : std::nullopt;
+    return point ? std::optional(point->held_out.*px) : std::nullopt;
   };
   curve.held_out_px.push_back(part(&HeldOutError::px));
   curve.held_out_border_px.push_back(part(&HeldOutError::border_px));
@@ -50,8 +47,8 @@ int firstBetween(const ViewPool& pool, const std::vector<int>& order, int low, i
                  double target_px) {
   while (high - low > 1) {
     const int middle = (low + high) / 2;
-    const Point point = pointAt(pool, order, middle);
-    (point.held_out && point.held_out->px <= target_px ? high : low) = middle;
+    const auto point = pointAt(pool, order, middle);
+    (point && point->held_out.px <= target_px ? high : low) = middle;
   }
   return high;
 }
@@ -72,13 +69,6 @@ std::optional<int> viewsNeeded(const ViewPool& pool, const CounterfactualCurve& 
   if (stays == curve.views.size()) return std::nullopt;
   if (stays == 0) return curve.views.front();
   return firstBetween(pool, curve.order, curve.views[stays - 1], curve.views[stays], target_px);
-}
-
-/// An order of the pool's positions as one of the recording's frames.
-std::vector<int> framesOf(const ViewPool& pool, const std::vector<int>& order) {
-  std::vector<int> frames;
-  for (const int i : order) frames.push_back(pool.pool()[static_cast<std::size_t>(i)]);
-  return frames;
 }
 
 CounterfactualCurve curveOf(const char* strategy, std::vector<int> order, std::uint64_t seed = 0) {
@@ -105,20 +95,24 @@ std::vector<int> predictedErrorOrder(const ViewPool& pool, const CounterfactualO
   const int count = static_cast<int>(pool.pool().size());
   if (count < kStart) return {};
   // No error can be predicted before there are cameras: the first views are the first of random.
-  std::vector<int> first = framesOf(pool, randomOrder(count, options.seed));
+  std::vector<int> first = itemsAt(pool.pool(), randomOrder(count, options.seed));
   first.resize(kStart);
   OnlineOrderOptions online;
   online.most_views = options.online_views;
   return onlineOrder(pool, pool.pool(), first, online).order;
 }
 
-/// Empty where one of the curves never comes there: quartiles over the others would be too good.
-std::optional<Quartiles> neededQuartiles(const std::vector<const CounterfactualCurve*>& curves) {
+/// Of a figure of curves; empty unless all have it: quartiles over the others would be too good.
+template <class Get>
+std::optional<Quartiles> quartilesOf(const std::vector<const CounterfactualCurve*>& curves,
+                                     const Get& get) {
   std::vector<double> all;
   for (const CounterfactualCurve* curve : curves) {
-    if (!curve->views_needed) return std::nullopt;
-    all.push_back(*curve->views_needed);
+    const std::optional<double> value = get(*curve);
+    if (!value) return std::nullopt;
+    all.push_back(*value);
   }
+  if (all.empty()) return std::nullopt;
   return Quartiles{quantile(all, 0.25), quantile(all, 0.5), quantile(all, 0.75)};
 }
 
@@ -132,7 +126,7 @@ CounterfactualBand bandOf(const std::vector<const CounterfactualCurve*>& curves)
     band.entropy_nats.push_back(quartilesAt(curves, &CounterfactualCurve::entropy_nats, i));
     band.held_out_px.push_back(quartilesAt(curves, &CounterfactualCurve::held_out_px, i));
   }
-  band.views_needed = neededQuartiles(curves);
+  band.views_needed = quartilesOf(curves, [](const auto& curve) { return curve.views_needed; });
   return band;
 }
 
@@ -142,7 +136,7 @@ double bestAt(const std::vector<CounterfactualBand>& bands, int views) {
   for (const CounterfactualBand& band : bands) {
     const auto at = std::lower_bound(band.views.begin(), band.views.end(), views);
     if (at == band.views.end() || *at != views) continue;
-    const auto& px = band.held_out_px[static_cast<std::size_t>(at - band.views.begin())];
+    const auto& px = band.held_out_px[at - band.views.begin()];
     if (px) best = std::min(best, px->median);
   }
   return best;
@@ -152,14 +146,10 @@ double bestAt(const std::vector<CounterfactualBand>& bands, int views) {
 
 std::optional<Quartiles> quartilesAt(const std::vector<const CounterfactualCurve*>& curves,
                                      CurveValues values, std::size_t i) {
-  std::vector<double> all;
-  for (const CounterfactualCurve* curve : curves) {
-    const auto& own = curve->*values;
-    if (i >= own.size() || !own[i]) return std::nullopt;
-    all.push_back(*own[i]);
-  }
-  if (all.empty()) return std::nullopt;
-  return Quartiles{quantile(all, 0.25), quantile(all, 0.5), quantile(all, 0.75)};
+  return quartilesOf(curves, [&](const CounterfactualCurve& curve) {
+    const auto& own = curve.*values;
+    return i < own.size() ? own[i] : std::nullopt;
+  });
 }
 
 std::vector<const CounterfactualCurve*> curvesOf(const std::vector<CounterfactualCurve>& curves,
@@ -174,21 +164,20 @@ std::vector<const CounterfactualCurve*> curvesOf(const std::vector<Counterfactua
 std::vector<CounterfactualCurve> strategyOrders(const ViewPool& pool,
                                                 const std::vector<int>& guide_frames,
                                                 const CounterfactualOptions& options) {
-  std::vector<Frame> frames;
-  for (const int f : pool.pool()) frames.push_back(pool.frames()[static_cast<std::size_t>(f)]);
-  const int count = static_cast<int>(frames.size());
+  const int count = static_cast<int>(pool.pool().size());
   // Positions in the pool are ascending in time: that is the order as recorded.
   std::vector<CounterfactualCurve> curves = {curveOf("recorded", pool.pool())};
   for (int i = 0; i < options.random_seeds; ++i) {
     const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
-    curves.push_back(curveOf("random", framesOf(pool, randomOrder(count, seed)), seed));
+    curves.push_back(curveOf("random", itemsAt(pool.pool(), randomOrder(count, seed)), seed));
   }
   const auto greedy = greedyInformationOrder(pool.poolInformation());
-  if (!greedy.empty()) curves.push_back(curveOf("greedy-mi", framesOf(pool, greedy)));
+  if (!greedy.empty()) curves.push_back(curveOf("greedy-mi", itemsAt(pool.pool(), greedy)));
   auto online = predictedErrorOrder(pool, options);
   if (!online.empty()) curves.push_back(curveOf("predicted-error", std::move(online)));
-  const auto covering = coverageOrder(cellsSeen(pool.session(), frames));
-  curves.push_back(curveOf("coverage", framesOf(pool, covering)));
+  const auto covering =
+      coverageOrder(cellsSeen(pool.session(), itemsAt(pool.frames(), pool.pool())));
+  curves.push_back(curveOf("coverage", itemsAt(pool.pool(), covering)));
   std::vector<int> guide = guideOrder(pool, guide_frames);
   if (!guide.empty()) curves.push_back(curveOf("guide", std::move(guide)));
   return curves;
@@ -232,11 +221,9 @@ std::vector<CounterfactualCurve> evaluated(const ViewPool& pool,
       curves[c].views.push_back(n);
     }
   }
-  std::vector<Point> points(tasks.size());
-  forChunks(static_cast<int>(tasks.size()), 1, threads, [&](const Chunk& chunk) {
-    const Task& task = tasks[static_cast<std::size_t>(chunk.begin)];
-    points[static_cast<std::size_t>(chunk.begin)] =
-        pointAt(pool, curves[task.curve].order, task.views);
+  std::vector<std::optional<Point>> points(tasks.size());
+  parallelCalls(static_cast<int>(tasks.size()), threads, [&](int i) {
+    points[i] = pointAt(pool, curves[tasks[i].curve].order, tasks[i].views);
   });
   for (std::size_t i = 0; i < tasks.size(); ++i) append(points[i], curves[tasks[i].curve]);
   return curves;
@@ -245,10 +232,8 @@ std::vector<CounterfactualCurve> evaluated(const ViewPool& pool,
 std::vector<CounterfactualCurve> withViewsNeeded(const ViewPool& pool,
                                                  std::vector<CounterfactualCurve> curves,
                                                  double target_px, int threads) {
-  forChunks(static_cast<int>(curves.size()), 1, threads, [&](const Chunk& chunk) {
-    CounterfactualCurve& curve = curves[static_cast<std::size_t>(chunk.begin)];
-    curve.views_needed = viewsNeeded(pool, curve, target_px);
-  });
+  parallelCalls(static_cast<int>(curves.size()), threads,
+                [&](int i) { curves[i].views_needed = viewsNeeded(pool, curves[i], target_px); });
   return curves;
 }
 

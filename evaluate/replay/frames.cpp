@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/replay/frames.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
+#include <mutex>
 #include <numeric>
 #include <set>
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
+#include "datasets/images/image_io.h"
+#include "evaluate/replay/replay_session.h"
+#include "evaluate/results/progress.h"
 
 namespace plumbline {
 namespace {
@@ -18,7 +23,7 @@ std::vector<std::vector<Corner>> cornersOf(const Session& session, const Frame& 
   std::vector<std::vector<Corner>> corners(session.cameras.size());
   for (std::size_t c = 0; c < corners.size(); ++c) {
     if (frame.view[c] < 0) continue;
-    corners[c] = session.cameras[c].views[static_cast<std::size_t>(frame.view[c])].corners;
+    corners[c] = session.cameras[c].views[frame.view[c]].corners;
   }
   return corners;
 }
@@ -38,28 +43,14 @@ void addImuSamples(const ImuStream& imu, const GuideFramesOptions& options,
   }
 }
 
-/// Blocks of equal length from a first stamp on.
-class Blocks {
- public:
-  Blocks(TimeNs first, const FrameSplitOptions& options)
-      : first_(first), block_(toNanoseconds(options.block_s)), every_(options.held_out_every) {}
+constexpr int kWidest = 400;  // [px]
+constexpr int kQuality = 60;
 
-  bool isHeldOut(TimeNs t) const {
-    if (t < first_) return false;
-    // The last block of every `every_`, so that a recording shorter than that holds nothing out.
-    return ((t - first_) / block_ + 1) % every_ == 0;
-  }
-  /// A held-out block begins or ends less than `guard` away.
-  bool isNearHeldOut(TimeNs t, TimeNs guard) const {
-    // A guard is shorter than a block, so no held-out block lies between t and either.
-    return isHeldOut(t - guard) || isHeldOut(t + guard);
-  }
-
- private:
-  TimeNs first_;
-  TimeNs block_;
-  int every_;
-};
+std::string smallCopy(const ImageFile& file) {
+  const GrayImage image = readGrayImage(file.path);
+  // The least whole factor that makes it fit.
+  return encodeJpeg(shrunk(image, (image.width() + kWidest - 1) / kWidest), kQuality);
+}
 
 }  // namespace
 
@@ -96,20 +87,6 @@ GuideRig guideRig(const Session& session, const std::vector<CameraModelPair>& mo
   return rig;
 }
 
-Session sessionOf(const Session& session, const std::vector<GuideFrame>& frames,
-                  const std::vector<int>& wanted) {
-  Session out = withoutViews(session);
-  for (const int index : wanted) {
-    const GuideFrame& frame = frames[static_cast<std::size_t>(index)];
-    for (std::size_t c = 0; c < out.cameras.size(); ++c) {
-      // The frame's stamp in place of each camera's own: views are paired again later, without a
-      // tolerance (ReplayRun), and must come out as the same frames.
-      if (!frame.corners[c].empty()) out.cameras[c].views.push_back({frame.t, frame.corners[c]});
-    }
-  }
-  return out;
-}
-
 void FrameSplitOptions::check() const {
   if (!(block_s > 1e-3)) throw InputError("frames are split into blocks of more than 1 ms");
   if (held_out_every < 2) {
@@ -126,12 +103,18 @@ FrameSplit splitFrames(const Session& session, const FrameSplitOptions& options,
   FrameSplit split;
   const std::vector<Frame> frames = pairFrames(session.cameras, pairing);
   if (frames.empty()) return split;
-  const Blocks blocks(frames.front().t, options);
+  const TimeNs first = frames.front().t, block = toNanoseconds(options.block_s);
   const TimeNs guard = toNanoseconds(options.guard_s);
+  const auto is_held_out = [&](TimeNs t) {
+    // The last block of every so many, so that a recording shorter than that holds nothing out.
+    return t >= first && ((t - first) / block + 1) % options.held_out_every == 0;
+  };
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    if (blocks.isHeldOut(frames[f].t)) {
+    const TimeNs t = frames[f].t;
+    // A guard is shorter than a block, so no held-out block lies between t and its ends.
+    if (is_held_out(t)) {
       split.held_out.push_back(static_cast<int>(f));
-    } else if (!blocks.isNearHeldOut(frames[f].t, guard)) {
+    } else if (!is_held_out(t - guard) && !is_held_out(t + guard)) {
       split.pool.push_back(static_cast<int>(f));
     }
   }
@@ -160,7 +143,16 @@ const Decision* ReplayRun::finish(GuideStage stage) const {
 }
 
 Session ReplayRun::sessionOfFrames(const std::vector<int>& wanted) const {
-  return sessionOf(session, frames, wanted);
+  Session out = withoutViews(session);
+  for (const int index : wanted) {
+    const GuideFrame& frame = frames[index];
+    for (std::size_t c = 0; c < out.cameras.size(); ++c) {
+      // The frame's stamp in place of each camera's own: views are paired again later, without a
+      // tolerance (ReplayRun), and must come out as the same frames.
+      if (!frame.corners[c].empty()) out.cameras[c].views.push_back({frame.t, frame.corners[c]});
+    }
+  }
+  return out;
 }
 
 Session ReplayRun::sessionFrom(int first) const {
@@ -173,10 +165,31 @@ std::vector<int> thinned(const std::vector<int>& frames, int most) {
   if (static_cast<int>(frames.size()) <= most) return frames;
   std::vector<int> kept;
   for (int i = 0; i < most; ++i) {
-    kept.push_back(
-        frames[frames.size() * static_cast<std::size_t>(i) / static_cast<std::size_t>(most)]);
+    kept.push_back(frames[frames.size() * i / most]);
   }
   return kept;
+}
+
+void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
+               std::vector<ReplayFrame>& frames, int threads, const ProgressSink& progress) {
+  assert(paired.size() == frames.size());
+  const bool any = std::any_of(loaded.images.begin(), loaded.images.end(),
+                               [](const auto& images) { return !images.empty(); });
+  if (!any) return;
+  std::mutex telling;
+  std::size_t done = 0;
+  parallelFor(frames.size(), threads, [&](int, std::size_t i) {
+    ReplayFrame& frame = frames[i];
+    frame.jpeg.resize(loaded.images.size());
+    for (std::size_t c = 0; c < loaded.images.size(); ++c) {
+      const int view = paired[i].view[c];
+      if (view < 0 || loaded.images[c].empty()) continue;
+      frame.jpeg[c] = smallCopy(loaded.images[c][view]);
+    }
+    // Sinks are called from one thread at a time.
+    const std::lock_guard<std::mutex> lock(telling);
+    progress("copying images", static_cast<double>(++done) / static_cast<double>(frames.size()));
+  });
 }
 
 }  // namespace plumbline

@@ -31,11 +31,6 @@ std::vector<GuideFrame> guideFrames(const Session& session, const GuideFramesOpt
 /// pinhole-radtan where it has none (see CameraStageOptions).
 GuideRig guideRig(const Session& session, const std::vector<CameraModelPair>& models = {});
 
-/// The session of some of the frames (ascending positions as GuideFrame::index has them), with all
-/// IMU samples.
-Session sessionOf(const Session& session, const std::vector<GuideFrame>& frames,
-                  const std::vector<int>& wanted);
-
 /// Frames of a recording that are chosen from, and those that choices are judged by: positions in
 /// pairFrames(session.cameras, pairing), ascending, no frame in both.
 struct FrameSplit {
@@ -83,11 +78,20 @@ struct ReplayRun {
   bool wasEnded(GuideStage stage) const {
     return stage == GuideStage::kCamera && camera_end != CameraStageEnd::kItself;
   }
-  /// The session of some frames; all views of a frame carry the frame's stamp.
+  /// The session of some of the frames (ascending positions as GuideFrame::index has them), with
+  /// all IMU samples; all views of a frame carry the frame's stamp.
   Session sessionOfFrames(const std::vector<int>& wanted) const;
   /// The same of all frames, or of those from position `first` on.
   Session sessionFrom(int first = 0) const;
 };
+
+/// The items at some positions.
+template <class Item>
+std::vector<Item> itemsAt(const std::vector<Item>& items, const std::vector<int>& positions) {
+  std::vector<Item> some;
+  for (const int i : positions) some.push_back(items[i]);
+  return some;
+}
 
 /// At most `most` of the frames, evenly spread.
 std::vector<int> thinned(const std::vector<int>& frames, int most);

@@ -8,7 +8,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/guidance/views/view_error.h"
-#include "evaluate/replay/view_orders.h"
+#include "evaluate/replay/view_pool.h"
 
 namespace plumbline {
 namespace {

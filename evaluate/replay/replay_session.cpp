@@ -17,8 +17,7 @@
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/replay/frames.h"
-#include "evaluate/replay/stage_summary.h"
-#include "evaluate/replay/stopping_rule.h"
+#include "evaluate/replay/hindsight.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"
 
@@ -82,32 +81,23 @@ std::string stopAdvice(const GuideOptions& guide, GuideStage stage, bool later) 
 /// The seconds that a stop was early or late, held against what is still right: none too early,
 /// `tolerance_s` too late.
 Finding stopFinding(const StopAudit& audit, const GuideOptions& guide, double tolerance_s) {
-  Finding f{ruleName(audit.stage, "stop"), VerdictLevel::kGood, audit.explanation};
-  if (audit.finished && audit.verdict != StopAudit::Verdict::kNotJudged) {
+  using Verdict = StopAudit::Verdict;
+  Finding f{ruleName(audit.stage, "stop"),
+            audit.verdict == Verdict::kRight ? VerdictLevel::kGood : VerdictLevel::kCaution,
+            audit.explanation};
+  if (audit.finished && audit.verdict != Verdict::kNotJudged) {
     f.value = audit.seconds;
-    f.threshold = audit.verdict == StopAudit::Verdict::kEarly ? 0 : tolerance_s;
+    f.threshold = audit.verdict == Verdict::kEarly ? 0 : tolerance_s;
     f.unit = "s";
   }
-  switch (audit.verdict) {
-    case StopAudit::Verdict::kRight:
-      break;
-    case StopAudit::Verdict::kNotJudged:
-      f.level = VerdictLevel::kCaution;
-      break;
-    case StopAudit::Verdict::kNeverStopped:
-      f.level = VerdictLevel::kCaution;
-      f.advice = fmt::format("the guide had not finished when the {} ended",
-                             audit.ended ? "stage was" : "recording");
-      break;
-    case StopAudit::Verdict::kEarly:
-      f.level = VerdictLevel::kCaution;
-      f.advice = stopAdvice(guide, audit.stage, true);
-      break;
-    case StopAudit::Verdict::kLate:
-      f.level = VerdictLevel::kCaution;
-      f.evidence += fmt::format("; {:.1f} s were spent beyond that", audit.seconds);
-      f.advice = stopAdvice(guide, audit.stage, false);
-      break;
+  if (audit.verdict == Verdict::kNeverStopped) {
+    f.advice = fmt::format("the guide had not finished when the {} ended",
+                           audit.ended ? "stage was" : "recording");
+  } else if (audit.verdict == Verdict::kEarly) {
+    f.advice = stopAdvice(guide, audit.stage, true);
+  } else if (audit.verdict == Verdict::kLate) {
+    f.evidence += fmt::format("; {:.1f} s were spent beyond that", audit.seconds);
+    f.advice = stopAdvice(guide, audit.stage, false);
   }
   return f;
 }
@@ -237,7 +227,7 @@ class Judge {
     if (!given_) cameraStage(record);
     if (run_.session.imu) cameraImuStage(record);
     // After the stages: outcomes of suggestions are drawn with the best cameras.
-    record.cameras = drawn();
+    record.cameras = batches_.full ? batches_.full->cameras : used_cameras_;
     record.suggestions = suggestionOutcomes(run_, record.cameras);
     // Without cameras nobody knows what a suggestion would have shown.
     if (suggestions_ && !record.cameras.empty()) {
@@ -277,7 +267,11 @@ class Judge {
     tell_("computing counterfactual view orders", -1);
     CounterfactualOptions options = *request_.counterfactuals;
     options.camera = run_.camera;
-    if (given_) startFrom(used_cameras_, options.camera);
+    if (given_) {
+      // The frames are tried out as these cameras, from their values.
+      options.camera.start = used_cameras_;
+      options.camera.models = modelsOf(used_cameras_);
+    }
     options.threads = threadCount(request_.load.threads);
     // Frames as they were played, whose positions the decisions have; counterfactuals() counts
     // those with enough corners.
@@ -286,15 +280,8 @@ class Judge {
     record.counterfactuals = counterfactuals(session, keptFrames(recorded), options);
     // Back to positions in the recording, as decisions have them.
     for (CounterfactualCurve& curve : record.counterfactuals->curves) {
-      for (int& frame : curve.order) frame = recorded[static_cast<std::size_t>(frame)];
+      curve.order = itemsAt(recorded, curve.order);
     }
-  }
-
-  /// With cameras that are given the frames are tried out as those cameras, from their values.
-  static void startFrom(const std::vector<CameraCalibration>& cameras,
-                        CameraStageOptions& options) {
-    options.start = cameras;
-    options.models = modelsOf(cameras);
   }
 
   /// Of each frame as counterfactuals() counts those of `session`, its position in the recording.
@@ -317,11 +304,6 @@ class Judge {
       if (is_kept) kept.push_back(static_cast<int>(i));
     }
     return kept;
-  }
-
-  /// The best that are known, for drawing.
-  const std::vector<CameraCalibration>& drawn() const {
-    return batches_.full ? batches_.full->cameras : used_cameras_;
   }
 
   const ReplayRequest& request_;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/stage_summary.h"
-
 #include <algorithm>
 #include <cassert>
 #include <limits>
@@ -14,6 +12,7 @@
 #include "calibrator/information/covariance.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/rules/rules.h"
+#include "evaluate/replay/hindsight.h"
 
 namespace plumbline {
 namespace {
@@ -87,7 +86,7 @@ std::map<TimeNs, FrameUse> frameUses(const ReplayRun& run) {
     uses[d.t] = passed ? FrameUse::kPassedBy : FrameUse::kAfterFinish;
   }
   for (const int frame : run.accepted(GuideStage::kCamera)) {
-    uses[run.frames[static_cast<std::size_t>(frame)].t] = FrameUse::kKept;
+    uses[run.frames[frame].t] = FrameUse::kKept;
   }
   return uses;
 }

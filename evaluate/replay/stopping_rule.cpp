@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/stopping_rule.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -14,13 +13,13 @@
 #include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/information/covariance.h"
 #include "evaluate/replay/frames.h"
-#include "evaluate/replay/stage_summary.h"
+#include "evaluate/replay/hindsight.h"
 
 namespace plumbline {
 namespace {
 
 /// Growing numbers from `least` to `most`, `between` among them if it lies there.
-std::vector<int> checkpointCounts(int least, int most, int count, std::optional<int> between) {
+std::vector<int> checkpointCounts(int least, int most, int count, int between) {
   std::set<int> counts;
   if (most < least) return {};
   // Geometric, since errors fall by ratios of views; between two of them nothing is tried.
@@ -29,7 +28,7 @@ std::vector<int> checkpointCounts(int least, int most, int count, std::optional<
     const double share = count > 1 ? static_cast<double>(i) / (count - 1) : 1;
     counts.insert(static_cast<int>(std::lround(least * std::pow(ratio, share))));
   }
-  if (between && *between >= least && *between <= most) counts.insert(*between);
+  if (between >= least && between <= most) counts.insert(between);
   return {counts.begin(), counts.end()};
 }
 
@@ -71,15 +70,20 @@ std::vector<int> keptAndContinued(const ReplayRun& run, const CameraStageResult&
   return order;
 }
 
-std::vector<int> firstOf(const std::vector<int>& order, int count) {
-  return {order.begin(), order.begin() + count};
-}
-
-/// The first index from which on every entry holds; empty if the last one does not.
-std::optional<std::size_t> holdsFrom(const std::vector<bool>& holds) {
-  std::optional<std::size_t> first;
-  for (std::size_t i = holds.size(); i-- > 0 && holds[i];) first = i;
-  return first;
+/// The time of the frame from which on the first frames of `order` are enough for good, tried at
+/// some numbers of them; empty if even the last one is not.
+template <class IsEnough>
+std::optional<TimeNs> enoughSince(const ReplayRun& run, const std::vector<int>& order,
+                                  const std::vector<int>& counts, const IsEnough& is_enough) {
+  std::optional<TimeNs> since;
+  for (const int count : counts) {
+    if (!is_enough(run.sessionOfFrames({order.begin(), order.begin() + count}), count)) {
+      since.reset();
+    } else if (!since) {
+      since = run.frames[order[count - 1]].t;
+    }
+  }
+  return since;
 }
 
 std::string sinceStart(const ReplayRun& run, TimeNs t) {
@@ -137,10 +141,11 @@ StopAudit auditOf(const ReplayRun& run, GuideStage stage,
   return audit;
 }
 
-/// What the camera stage predicted last.
-std::optional<double> predictedExcess(const ReplayRun& run) {
+/// What a stage predicted last.
+std::optional<double> lastOf(const ReplayRun& run, GuideStage stage,
+                             std::optional<double> Decision::*prediction) {
   for (auto d = run.decisions.rbegin(); d != run.decisions.rend(); ++d) {
-    if (d->stage == GuideStage::kCamera && d->excess) return d->excess;
+    if (d->stage == stage && (*d).*prediction) return (*d).*prediction;
   }
   return std::nullopt;
 }
@@ -157,14 +162,6 @@ std::optional<double> heldOutError(const Session& held_out,
   const auto scored = scoreCameras(held_out, cameras, options);
   if (!scored) return std::nullopt;
   return scored->summary.reprojection.rmse_px;
-}
-
-/// What the camera-IMU stage expected last.
-std::optional<double> expectedErrorPx(const ReplayRun& run) {
-  for (auto d = run.decisions.rbegin(); d != run.decisions.rend(); ++d) {
-    if (d->stage == GuideStage::kCameraImu && d->error_px) return d->error_px;
-  }
-  return std::nullopt;
 }
 
 bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StoppingRuleOptions& options) {
@@ -232,21 +229,16 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
   camera.start = batches.kept->cameras;
   const auto counts = checkpointCounts(run.guide.views.start_frames, static_cast<int>(order.size()),
                                        options.checkpoints, finished_with);
-  std::vector<bool> holds;
   std::optional<double> at_finish;
-  for (const int count : counts) {
-    const auto batch = calibrateCameras(run.sessionOfFrames(firstOf(order, count)), camera);
+  audit.enough = enoughSince(run, order, counts, [&](const Session& session, int count) {
+    const auto batch = calibrateCameras(session, camera);
     const auto error = batch ? heldOutError(held_out, batch->cameras, run.camera) : std::nullopt;
-    holds.push_back(error && *error <= bound);
     // It is among the counts (checkpointCounts()).
     if (count == finished_with) at_finish = error;
-  }
+    return error && *error <= bound;
+  });
   if (at_finish) audit.measured_excess = *at_finish / *best - 1;
-  audit.predicted_excess = predictedExcess(run);
-  if (const auto first = holdsFrom(holds)) {
-    const int frame = order[static_cast<std::size_t>(counts[*first] - 1)];
-    audit.enough = run.frames[static_cast<std::size_t>(frame)].t;
-  }
+  audit.predicted_excess = lastOf(run, GuideStage::kCamera, &Decision::excess);
   judge(run, options,
         fmt::format("held-out error of the views kept by then: {} on {} frames; of those of the "
                     "whole recording: {:.4f} px; within {:.0f} % of that",
@@ -268,7 +260,7 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   // Densities do not matter here, and the check costs a part of every batch.
   imu.noise_check = false;
   std::vector<int> order(run.frames.size() - static_cast<std::size_t>(kept.front()));
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = kept.front() + static_cast<int>(i);
+  std::iota(order.begin(), order.end(), kept.front());
   // In frames of the recording, as `order` counts: those kept and all between them.
   const int finished_with = kept.back() - kept.front() + 1;
   const auto counts =
@@ -277,22 +269,16 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   const ImuReprojection use(cameras);
   const double bar_px = run.guide.trajectories.stop_reprojection_px;
   const ImuCalibration& best = batches.full->imu;
-  const auto isEnough = [&](const ImuCalibration& imu_at) {
+  audit.enough = enoughSince(run, order, counts, [&](const Session& session, int) {
+    const auto batch = calibrateCameraImu(session, cameras, imu);
+    // Frames that cannot be solved are not enough.
+    if (!batch || !batch->summary.converged) return false;
     // By the measure that the stage stopped by, otherwise a stop would be judged by what it was not
     // for.
-    return bar_px > 0 ? use.differencePx(imu_at, best) <= bar_px : isNear(imu_at, best, options);
-  };
-  std::vector<bool> holds;
-  for (const int count : counts) {
-    const auto batch = calibrateCameraImu(run.sessionOfFrames(firstOf(order, count)), cameras, imu);
-    // Frames that cannot be solved are not enough.
-    holds.push_back(batch.ok() && batch->summary.converged && isEnough(batch->imu));
-  }
-  if (const auto first = holdsFrom(holds)) {
-    const int frame = order[static_cast<std::size_t>(counts[*first] - 1)];
-    audit.enough = run.frames[static_cast<std::size_t>(frame)].t;
-  }
-  audit.predicted_px = expectedErrorPx(run);
+    return bar_px > 0 ? use.differencePx(batch->imu, best) <= bar_px
+                      : isNear(batch->imu, best, options);
+  });
+  audit.predicted_px = lastOf(run, GuideStage::kCameraImu, &Decision::error_px);
   // Of a stage that went on to the end both are calibrations of the same frames.
   if (audit.finished) audit.measured_px = use.differencePx(batches.kept->imu, best);
   judge(run, options,

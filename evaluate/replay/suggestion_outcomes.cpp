@@ -7,7 +7,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/replay/stopping_rule.h"
+#include "evaluate/replay/hindsight.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/view_orders.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <numeric>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "calibrator/information/covariance.h"
+#include "evaluate/replay/view_pool.h"
 
 namespace plumbline {
 namespace {
@@ -58,7 +57,7 @@ class GreedyOrder {
         continue;
       }
       order.push_back(best.view);
-      information_ += scaled_[static_cast<std::size_t>(best.view)];
+      information_ += scaled_[best.view];
       log_determinant_ = logDeterminantOfScaled(information_);
     }
     return order;
@@ -66,36 +65,13 @@ class GreedyOrder {
 
  private:
   double gain(int view) const {
-    const Eigen::MatrixXd& share = scaled_[static_cast<std::size_t>(view)];
+    const Eigen::MatrixXd& share = scaled_[view];
     return 0.5 * (logDeterminantOfScaled(information_ + share) - log_determinant_);
   }
 
   std::vector<Eigen::MatrixXd> scaled_;
   Eigen::MatrixXd information_;
   double log_determinant_ = 0;
-};
-
-/// Cells that are covered so far.
-class Coverage {
- public:
-  explicit Coverage(int cells) : covered_(static_cast<std::size_t>(cells), 0) {}
-
-  /// How many of the cells are not covered.
-  int adds(const std::vector<int>& cells) const {
-    int count = 0;
-    for (const int cell : cells) count += covered_[static_cast<std::size_t>(cell)] == 0 ? 1 : 0;
-    return count;
-  }
-  void add(const std::vector<int>& cells) {
-    for (const int cell : cells) covered_[static_cast<std::size_t>(cell)] = 1;
-  }
-  bool isEmpty() const {
-    return std::all_of(covered_.begin(), covered_.end(), [](char c) { return c == 0; });
-  }
-  void clear() { std::fill(covered_.begin(), covered_.end(), char{0}); }
-
- private:
-  std::vector<char> covered_;
 };
 
 }  // namespace
@@ -119,7 +95,7 @@ std::vector<std::vector<int>> cellsSeen(const Session& session, const std::vecto
       if (frame.view[c] < 0) continue;
       const CameraStream& camera = session.cameras[c];
       const int first = static_cast<int>(c) * grid.size();
-      for (const Corner& corner : camera.views[static_cast<std::size_t>(frame.view[c])].corners) {
+      for (const Corner& corner : camera.views[frame.view[c]].corners) {
         seen.insert(first + grid.cellOf(corner.uv, camera.resolution));
       }
     }
@@ -133,24 +109,28 @@ std::vector<int> coverageOrder(const std::vector<std::vector<int>>& cells) {
   for (const std::vector<int>& seen : cells) {
     for (const int cell : seen) count = std::max(count, cell + 1);
   }
-  Coverage coverage(count);
+  std::vector<bool> covered(count, false);
+  const auto adds = [&](int view) {
+    return std::count_if(cells[view].begin(), cells[view].end(),
+                         [&](int cell) { return !covered[cell]; });
+  };
   std::vector<int> left(cells.size());
   std::iota(left.begin(), left.end(), 0);
   std::vector<int> order;
   while (!left.empty()) {
     auto best = left.begin();
-    int most = -1;
-    for (auto v = left.begin(); v != left.end(); ++v) {
-      const int adds = coverage.adds(cells[static_cast<std::size_t>(*v)]);
-      if (adds > most) best = v;
-      most = std::max(most, adds);
+    auto most = adds(*best);
+    for (auto v = left.begin() + 1; v != left.end(); ++v) {
+      const auto added = adds(*v);
+      if (added > most) best = v;
+      most = std::max(most, added);
     }
     // Not where nothing is covered: views without a corner would begin anew for ever.
-    if (most == 0 && !coverage.isEmpty()) {
-      coverage.clear();
+    if (most == 0 && std::find(covered.begin(), covered.end(), true) != covered.end()) {
+      covered.assign(count, false);
       continue;
     }
-    coverage.add(cells[static_cast<std::size_t>(*best)]);
+    for (const int cell : cells[*best]) covered[cell] = true;
     order.push_back(*best);
     left.erase(best);
   }

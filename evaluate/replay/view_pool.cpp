@@ -77,8 +77,6 @@ HeldOutError summaryOf(const std::vector<ViewPool::ImageError>& errors, double c
 
 Failure noFrames(const char* part) { return {FailureCode::kNoFrameOfPart, {{"part", part}}}; }
 
-Failure poolNotSolved() { return {FailureCode::kPoolUnobservable}; }
-
 }  // namespace
 
 Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& split,
@@ -98,7 +96,7 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
   pool.T_C0F_.resize(pool.frames_.size());
   const std::vector<int> usable = positionsOf(all->frames, pool.frames_);
   for (std::size_t i = 0; i < usable.size(); ++i) {
-    pool.T_C0F_[static_cast<std::size_t>(usable[i])] = all->T_FC0[i].inverse();
+    pool.T_C0F_[usable[i]] = all->T_FC0[i].inverse();
   }
   pool.split_ = {among(split.pool, usable), thinned(among(split.held_out, usable), max_held_out)};
   if (pool.split_.pool.empty()) return noFrames("pool");
@@ -106,7 +104,7 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
   // The start of the next line's batch, which takes its place.
   pool.reference_.estimate = estimateOf(all->cameras);
   auto reference = pool.solve(pool.split_.pool);
-  if (!reference) return poolNotSolved();
+  if (!reference) return Failure{FailureCode::kPoolUnobservable};
   pool.reference_ = std::move(*reference);
   return pool;
 }
@@ -114,16 +112,10 @@ Result<ViewPool> ViewPool::prepare(const Session& session, const FrameSplit& spl
 CameraProblem ViewPool::problemOf(const std::vector<int>& frames) const {
   CameraProblem problem;
   problem.corners = corners_;
-  for (const int f : frames) problem.frames.push_back(frames_[static_cast<std::size_t>(f)]);
+  problem.frames = itemsAt(frames_, frames);
   problem.pixel_sigma = options_.pixel_sigma;
   problem.gram.cauchy_px = options_.cauchy_px;
   return problem;
-}
-
-std::vector<Transform> ViewPool::posesOf(const std::vector<int>& frames) const {
-  std::vector<Transform> poses;
-  for (const int f : frames) poses.push_back(T_C0F_[static_cast<std::size_t>(f)]);
-  return poses;
 }
 
 std::optional<ViewSolution> ViewPool::solve(std::vector<int> frames) const {
@@ -132,7 +124,7 @@ std::optional<ViewSolution> ViewPool::solve(std::vector<int> frames) const {
   // Every selection in the minimum of the reference: what differs is the frames and not how a first
   // guess went.
   CameraEstimate start = reference_.estimate;
-  start.T_C0F = posesOf(frames);
+  start.T_C0F = itemsAt(T_C0F_, frames);
   MinimiserOptions solver;
   solver.max_iterations = options_.max_iterations;
   solver.tolerance = options_.tolerance;
@@ -146,7 +138,7 @@ std::optional<ViewSolution> ViewPool::solve(std::vector<int> frames) const {
 
 void ViewPool::addErrors(const CameraEstimate& cameras, int frame, const Transform& T_C0F,
                          std::vector<ImageError>& out) const {
-  const Frame& views = frames_[static_cast<std::size_t>(frame)];
+  const Frame& views = frames_[frame];
   for (std::size_t c = 0; c < views.view.size(); ++c) {
     if (views.view[c] < 0) continue;
     const PackedView view = corners_[c].view(views.view[c]);
@@ -155,8 +147,8 @@ void ViewPool::addErrors(const CameraEstimate& cameras, int frame, const Transfo
     const auto errors = viewErrors(camera, cameras.T_C0Ci[c].inverse() * T_C0F, view);
     for (int k = 0; k < view.count; ++k) {
       if (view.w[k] == 0) continue;
-      out.push_back({errors[static_cast<std::size_t>(k)].squaredNorm(),
-                     isNearBorder(view.u[k], view.v[k], camera.resolution)});
+      out.push_back(
+          {errors[k].squaredNorm(), isNearBorder(view.u[k], view.v[k], camera.resolution)});
     }
   }
 }

@@ -5,15 +5,21 @@
 #include <cctype>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "datasets/files/file_io.h"
 #include "datasets/files/workplace.h"
 #include "generated/commit.h"
 #include "generated/version.h"
 
 namespace plumbline {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// SOURCE_DATE_EPOCH (reproducible-builds.org): seconds since 1970 in place of now.
 std::string nowUtc() {
@@ -35,7 +41,42 @@ bool isPlain(char c) {
          std::string_view("_-./:=,+@%^").find(c) != std::string_view::npos;
 }
 
+bool isImage(const fs::path& file) {
+  const std::string ending = file.extension().string();
+  return ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+}
+
+/// Images by size alone: reading gigabytes of them takes longer than what is done with them.
+std::string hashOfFile(const fs::path& file) {
+  return isImage(file) ? fmt::format("{} bytes", fs::file_size(file))
+                       : contentHash(MappedFile(file.string()).text());
+}
+
+std::string hashOfFolder(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  // A folder is listed in no order of its own.
+  std::sort(files.begin(), files.end());
+  std::string listed;
+  for (const fs::path& file : files) {
+    listed += fmt::format("{} {}\n", fs::relative(file, folder).string(), hashOfFile(file));
+  }
+  return contentHash(listed);
+}
+
 }  // namespace
+
+std::string inputFilesHash(const std::vector<std::string>& inputs, const std::string& recording) {
+  // A hash of the other inputs alone would call runs equal that are not.
+  if (std::find(inputs.begin(), inputs.end(), "-") != inputs.end()) return "";
+  std::string listed = recording;
+  for (const std::string& input : inputs) {
+    listed += "\n" + (fs::is_directory(input) ? hashOfFolder(input) : hashOfFile(input));
+  }
+  return "xxh64:" + contentHash(listed);
+}
 
 std::string programVersion() {
   const std::string version = kVersion, commit = kCommit;

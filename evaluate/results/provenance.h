@@ -11,12 +11,11 @@ namespace plumbline {
 
 /// "xxh64:..." over what the inputs hold, in their order, wherever they lie: of a file its content,
 /// of a folder the names and contents of all files below it (of images name and size). "-"
-/// (standard input) is gone once it was read: then the hash is empty. Throws InputError for what
-/// cannot be read.
-std::string inputFilesHash(const std::vector<std::string>& inputs);
-
-/// Of a recording's hash and the files that were read beside it.
-std::string inputFilesHash(const std::string& recording, const std::vector<std::string>& inputs);
+/// (standard input) is gone once it was read: then the hash is empty. With `recording`: of a
+/// recording's hash and the files that were read beside it. Throws InputError for what cannot be
+/// read.
+std::string inputFilesHash(const std::vector<std::string>& inputs,
+                           const std::string& recording = "");
 
 /// The program's version, with the commit that it was built from where that is known:
 /// "0.1.0 (1a93d07)".

@@ -27,19 +27,12 @@ int lineOf(const std::string& key, const std::string& path) {
 }
 
 std::string placeOf(FaultyInput input, const LoadedSession& loaded, const std::string& session) {
-  switch (input) {
-    case FaultyInput::kTarget:
-      if (const int line = lineOf("tagSize", loaded.target_path); line > 0) {
-        return fmt::format("{}:{}", loaded.target_path, line);
-      }
-      return loaded.target_path;
-    case FaultyInput::kImuSamples:
-      if (!loaded.imu_samples_path.empty()) return loaded.imu_samples_path;
-      break;
-    case FaultyInput::kSession:
-      break;
+  if (input == FaultyInput::kTarget) {
+    const int line = lineOf("tagSize", loaded.target_path);
+    return line > 0 ? fmt::format("{}:{}", loaded.target_path, line) : loaded.target_path;
   }
-  return session;
+  const bool of_samples = input == FaultyInput::kImuSamples && !loaded.imu_samples_path.empty();
+  return of_samples ? loaded.imu_samples_path : session;
 }
 
 constexpr int kFewPairs = 20;  // say nothing of tagCols

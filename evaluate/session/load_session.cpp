@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/frames.h"
 #include "calibrator/base/time.h"
 #include "datasets/files/bad_input.h"
 #include "datasets/files/workplace.h"
@@ -33,13 +34,12 @@ void keepOnly(Recording& recording, const std::vector<std::string>& only) {
           fmt::format("the session has no camera {}; it has {}", name, fmt::join(names, ", ")));
     }
   }
-  // From the end, so that the places of those before stay.
-  for (std::size_t i = names.size(); i-- > 0;) {
-    if (std::find(only.begin(), only.end(), names[i]) != only.end()) continue;
-    const auto at = static_cast<std::ptrdiff_t>(i);
-    recording.session.cameras.erase(recording.session.cameras.begin() + at);
-    recording.images.erase(recording.images.begin() + at);
+  std::vector<bool> kept;
+  for (const std::string& name : names) {
+    kept.push_back(std::find(only.begin(), only.end(), name) != only.end());
   }
+  recording.session.cameras = chosen(recording.session.cameras, kept);
+  recording.images = chosen(recording.images, kept);
 }
 
 CameraCounts countsOf(const CameraStream& camera) {

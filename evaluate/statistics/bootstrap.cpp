@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/statistics/bootstrap.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +6,7 @@
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/statistics/paired_analysis.h"
 
 namespace plumbline {
 namespace {

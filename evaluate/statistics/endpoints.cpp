@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/statistics/endpoints.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/statistics/study_statistics.h"
 #include "report/records/field_walker.h"
 
 namespace plumbline {
@@ -102,6 +101,16 @@ std::map<std::string, double> logErrors(const StudyRecord& record, const std::st
   return errors;
 }
 
+/// The mean of each; empty unless all have a value.
+std::vector<double> meansOf(const std::vector<std::vector<double>>& of_methods) {
+  std::vector<double> means;
+  for (const auto& of_method : of_methods) {
+    if (of_method.empty()) return {};
+    means.push_back(sampleStatistics(of_method).mean);
+  }
+  return means;
+}
+
 /// Values of the methods of one participant on the endpoint's scale; empty unless all have one.
 std::vector<double> ateValues(const StudyRecord& record, const std::string& participant,
                               const std::vector<std::string>& methods) {
@@ -119,12 +128,7 @@ std::vector<double> ateValues(const StudyRecord& record, const std::string& part
       common[k].push_back(errors[k].at(sequence));
     }
   }
-  std::vector<double> values;
-  for (const auto& of_method : common) {
-    if (of_method.empty()) return {};
-    values.push_back(sampleStatistics(of_method).mean);
-  }
-  return values;
+  return meansOf(common);
 }
 
 /// A participant's mean under every method, on the endpoint's scale (of logarithms for ratios, so a
@@ -132,18 +136,16 @@ std::vector<double> ateValues(const StudyRecord& record, const std::string& part
 std::vector<double> figureValues(const StudyRecord& record, const Endpoint& endpoint,
                                  const std::string& participant,
                                  const std::vector<std::string>& methods) {
-  std::vector<double> values;
+  std::vector<std::vector<double>> values;
   for (const std::string& method : methods) {
-    std::vector<double> of_method;
+    std::vector<double>& of_method = values.emplace_back();
     for (const StudySession& s : record.sessions) {
       if (s.participant != participant || s.method != method) continue;
       const auto x = figureOf(record, s, endpoint.name);
       if (x && std::isfinite(*x)) of_method.push_back(endpoint.ratio ? std::log(*x) : *x);
     }
-    if (of_method.empty()) return {};
-    values.push_back(sampleStatistics(of_method).mean);
   }
-  return values;
+  return meansOf(values);
 }
 
 std::vector<double> valuesOf(const StudyRecord& record, const Endpoint& endpoint,

@@ -5,7 +5,7 @@
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
-#include "evaluate/statistics/bootstrap.h"
+#include "evaluate/statistics/paired_analysis.h"
 
 namespace plumbline {
 namespace {
@@ -18,6 +18,14 @@ struct Crossings {
   double unchanged = 0;
   bool exact = false;
   double total() const { return unchanged + static_cast<double>(shifts.size()); }
+  /// Of a permutation that changes `count` values, whose differences add up to `sum`.
+  void add(double sum, double count) {
+    if (count == 0) {
+      ++unchanged;
+    } else {
+      shifts.push_back(sum / count);
+    }
+  }
 };
 
 /// Number of subsets of k out of n; infinite where it is beyond a double.
@@ -68,11 +76,7 @@ class TwoGroups {
       if (i < first_ && mask_[i] == 0) left += values_[i], ++exchanged;
       if (i >= first_ && mask_[i] == 1) entered += values_[i];
     }
-    if (exchanged == 0) {
-      ++crossings.unchanged;
-    } else {
-      crossings.shifts.push_back((left - entered) / exchanged);
-    }
+    crossings.add(left - entered, exchanged);
   }
 
   std::size_t first_;
@@ -87,11 +91,7 @@ void addFlips(const std::vector<double>& differences, const std::vector<char>& f
   for (std::size_t i = 0; i < differences.size(); ++i) {
     if (flips[i] != 0) sum += differences[i], ++count;
   }
-  if (count == 0) {
-    ++crossings.unchanged;
-  } else {
-    crossings.shifts.push_back(sum / count);
-  }
+  crossings.add(sum, count);
 }
 
 /// All 2^n signs by the bits of a number, or drawn ones; the identity is among them.

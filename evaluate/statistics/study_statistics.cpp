@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "evaluate/statistics/endpoints.h"
 #include "evaluate/statistics/several_tests.h"
 
 namespace plumbline {
@@ -258,15 +257,12 @@ StudyTimeDifference timeDifferenceOf(const StudyRecord& record, const std::strin
 }
 
 std::string failuresSentence(const StudyRecord& record) {
-  const auto failed =
-      std::count_if(record.sessions.begin(), record.sessions.end(),
-                    [](const StudySession& s) { return s.status == StudyStatus::kFailed; });
   std::set<std::string> gave_up;
   for (const StudySession& s : record.sessions) {
     if (!s.finished) gave_up.insert(s.participant);
   }
   return fmt::format("sessions without a calibration: {} of {}; participants who gave up: {}",
-                     failed, record.sessions.size(), gave_up.size());
+                     failedSessions(record), record.sessions.size(), gave_up.size());
 }
 
 /// How many parameters spread as stated, by method.
@@ -318,6 +314,12 @@ std::vector<std::string> unknownEndpoints(const StudyRecord& record) {
     if (!endpointOf(record, name)) unknown.push_back(name);
   }
   return unknown;
+}
+
+std::size_t failedSessions(const StudyRecord& record) {
+  return static_cast<std::size_t>(
+      std::count_if(record.sessions.begin(), record.sessions.end(),
+                    [](const StudySession& s) { return s.status == StudyStatus::kFailed; }));
 }
 
 void addStatistics(StudyRecord& record, const PairedOptions& options) {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/studies/perturbation.h"
-
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,6 +6,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
 #include "calibrator/simulate/random_stream.h"
+#include "evaluate/studies/perturbation_study.h"
 
 namespace plumbline {
 namespace {
@@ -71,16 +70,14 @@ Session withNoisyCorners(Session session, const Perturbation& p) {
 }  // namespace
 
 std::string unitOf(PerturbationKind kind) {
-  switch (kind) {
-    case PerturbationKind::kImuShift:
-      return "ms";
-    case PerturbationKind::kNoiseDensities:
-      return "x";
-    case PerturbationKind::kCornerNoise:
-      return "px";
-    default:
-      return "%";
-  }
+  if (kind == PerturbationKind::kImuShift) return "ms";
+  if (kind == PerturbationKind::kNoiseDensities) return "x";
+  return kind == PerturbationKind::kCornerNoise ? "px" : "%";
+}
+
+bool needsImu(PerturbationKind kind) {
+  return kind == PerturbationKind::kImuShift || kind == PerturbationKind::kNoiseDensities ||
+         kind == PerturbationKind::kDroppedImu;
 }
 
 bool isRandom(PerturbationKind kind) {
@@ -112,7 +109,8 @@ void Perturbation::check() const {
 PerturbedInputs perturbed(const StudyInputs& inputs, const Perturbation& p) {
   p.check();
   const Session& session = *inputs.session;
-  PerturbedInputs out{std::nullopt, inputs.camera, inputs.camera_imu, false};
+  PerturbedInputs out{std::nullopt, inputs.camera, inputs.camera_imu,
+                      !inputs.cameras_fixed && !needsImu(p.kind)};
   switch (p.kind) {
     case PerturbationKind::kImuShift:
       // Beside a shift that the study itself was asked for.
@@ -121,7 +119,6 @@ PerturbedInputs perturbed(const StudyInputs& inputs, const Perturbation& p) {
     case PerturbationKind::kTargetSize:
       out.session = session;
       out.session->target.tag_size *= 1 + p.amount / 100;
-      out.calibrate_cameras = true;
       break;
     case PerturbationKind::kNoiseDensities:
       out.camera_imu.noise = scaled(inputs.camera_imu.noise.value_or(session.imu->noise), p.amount);
@@ -129,21 +126,17 @@ PerturbedInputs perturbed(const StudyInputs& inputs, const Perturbation& p) {
     case PerturbationKind::kInitialIntrinsics:
       // All else of the start is the base's solution, so that the focal lengths alone are tested.
       out.camera.start = withFocalLengths(inputs.cameras, 1 + p.amount / 100);
-      out.calibrate_cameras = true;
       break;
     case PerturbationKind::kDroppedFrames:
       out.session = withoutFrames(session, inputs.camera.frames, p);
-      out.calibrate_cameras = true;
       break;
     case PerturbationKind::kDroppedImu:
       out.session = withoutSamples(session, p);
       break;
     case PerturbationKind::kCornerNoise:
       out.session = withNoisyCorners(session, p);
-      out.calibrate_cameras = true;
       break;
   }
-  out.calibrate_cameras = out.calibrate_cameras && !inputs.cameras_fixed;
   return out;
 }
 

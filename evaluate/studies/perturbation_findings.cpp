@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -10,24 +11,23 @@
 namespace plumbline {
 namespace {
 
-bool isShift(const PerturbationCase& c) { return c.kind == toString(PerturbationKind::kImuShift); }
-
 /// Whether a is further off than b; what is not a number is further off than all.
 bool further(double a, double b) {
   return !std::isnan(b) && (std::isnan(a) || std::abs(a) > std::abs(b));
 }
 
-std::vector<const PerturbationCase*> solvedShifts(const PerturbationRecord& record) {
-  std::vector<const PerturbationCase*> shifts;
+std::vector<const PerturbationCase*> solvedCases(const PerturbationRecord& record,
+                                                 PerturbationKind kind) {
+  std::vector<const PerturbationCase*> cases;
   for (const PerturbationCase& c : record.cases) {
-    if (isShift(c) && c.problem.empty()) shifts.push_back(&c);
+    if (c.kind == toString(kind) && c.problem.empty()) cases.push_back(&c);
   }
-  return shifts;
+  return cases;
 }
 
 std::optional<Finding> offsetFinding(const PerturbationRecord& record,
                                      const PerturbationThresholds& bounds) {
-  const auto shifts = solvedShifts(record);
+  const auto shifts = solvedCases(record, PerturbationKind::kImuShift);
   if (shifts.empty()) return std::nullopt;
   const PerturbationCase& worst = **std::max_element(
       shifts.begin(), shifts.end(), [](const PerturbationCase* a, const PerturbationCase* b) {
@@ -59,7 +59,7 @@ std::optional<Finding> othersFinding(const PerturbationRecord& record,
   double largest = 0;
   std::string name;
   double amount = 0;
-  for (const PerturbationCase* c : solvedShifts(record)) {
+  for (const PerturbationCase* c : solvedCases(record, PerturbationKind::kImuShift)) {
     const auto i = largestOtherChange(record.parameters, *c);
     // The first is taken whatever it is, also 0.
     if (!i || (!name.empty() && !further(c->changes_sigma[*i], largest))) continue;
@@ -111,15 +111,14 @@ double boundOfLargest(std::size_t count) {
 
 // Of a kind of perturbations, where it stands highest over its bound: three predicted deviations,
 // more of many changes (boundOfLargest()), and at least what offsets may do.
-LargestChange largestChange(const PerturbationRecord& record, const std::string& kind,
+LargestChange largestChange(const PerturbationRecord& record, PerturbationKind kind,
                             double least_bound) {
   LargestChange largest;
+  const auto cases = solvedCases(record, kind);
   std::size_t count = 0;
-  for (const PerturbationCase& c : record.cases) {
-    if (c.kind == kind && c.problem.empty()) count += c.changes_sigma.size();
-  }
-  for (const PerturbationCase& c : record.cases) {
-    if (c.kind != kind || !c.problem.empty()) continue;
+  for (const PerturbationCase* c : cases) count += c->changes_sigma.size();
+  for (const PerturbationCase* of : cases) {
+    const PerturbationCase& c = *of;
     const double bound = std::max(least_bound, boundOfLargest(count) * predictedSigma(record, c));
     for (std::size_t i = 0; i < c.changes_sigma.size(); ++i) {
       // No deviation is stated: the change is finite, and there is nothing to hold it against.
@@ -135,26 +134,28 @@ LargestChange largestChange(const PerturbationRecord& record, const std::string&
   return largest;
 }
 
-std::string adviceFor(const std::string& kind) {
-  if (kind == toString(PerturbationKind::kTargetSize)) {
-    return "lengths follow the stated target: measure tagSize on the printed board";
-  }
-  if (kind == toString(PerturbationKind::kNoiseDensities)) {
-    return "the result depends on imu.yaml: take the densities from a static recording (Allan "
-           "deviation), or record more motion";
-  }
-  if (kind == toString(PerturbationKind::kInitialIntrinsics)) {
-    return "the solution depends on its start values: give better ones with --cameras and "
-           "--free-cameras";
-  }
-  return "more than independent errors explain; the cause was not tested: see the verdict of the "
-         "calibration, and whether its halves agree";
-}
+constexpr const char* kUnexplained =
+    "more than independent errors explain; the cause was not tested: see the verdict of the "
+    "calibration, and whether its halves agree";
+
+/// What to do where a kind of perturbations moves the parameters, in the order of the findings.
+constexpr std::pair<PerturbationKind, const char*> kAdvice[] = {
+    {PerturbationKind::kTargetSize,
+     "lengths follow the stated target: measure tagSize on the printed board"},
+    {PerturbationKind::kNoiseDensities,
+     "the result depends on imu.yaml: take the densities from a static recording (Allan "
+     "deviation), or record more motion"},
+    {PerturbationKind::kInitialIntrinsics,
+     "the solution depends on its start values: give better ones with --cameras and "
+     "--free-cameras"},
+    {PerturbationKind::kDroppedFrames, kUnexplained},
+    {PerturbationKind::kDroppedImu, kUnexplained},
+    {PerturbationKind::kCornerNoise, kUnexplained}};
 
 /// Caution at most: perturbed inputs are worse inputs.
 std::optional<Finding> kindFinding(const PerturbationRecord& record, PerturbationKind kind,
-                                   const PerturbationThresholds& bounds) {
-  const LargestChange largest = largestChange(record, toString(kind), bounds.change_sigma.caution);
+                                   const char* advice, const PerturbationThresholds& bounds) {
+  const LargestChange largest = largestChange(record, kind, bounds.change_sigma.caution);
   if (largest.of == nullptr) return std::nullopt;
   // Written so that NaN is no good.
   const bool good = largest.sigmas <= largest.bound;
@@ -162,7 +163,7 @@ std::optional<Finding> kindFinding(const PerturbationRecord& record, Perturbatio
             good ? VerdictLevel::kGood : VerdictLevel::kCaution,
             fmt::format("largest change: {} by {:.2g} of its standard deviation, at {}",
                         largest.parameter, largest.sigmas, amountText(*largest.of)),
-            good ? "" : adviceFor(toString(kind)),
+            good ? "" : advice,
             largest.sigmas,
             largest.bound,
             "sigma"};
@@ -200,7 +201,7 @@ Finding failuresFinding(const PerturbationRecord& record) {
 ConvergenceBasin convergenceBasin(const PerturbationRecord& record, double bound_s) {
   std::vector<const PerturbationCase*> shifts;
   for (const PerturbationCase& c : record.cases) {
-    if (isShift(c)) shifts.push_back(&c);
+    if (c.kind == toString(PerturbationKind::kImuShift)) shifts.push_back(&c);
   }
   std::sort(shifts.begin(), shifts.end(), [](const PerturbationCase* a, const PerturbationCase* b) {
     return std::abs(a->amount) < std::abs(b->amount);
@@ -225,11 +226,8 @@ std::vector<Finding> perturbationFindings(const PerturbationRecord& record,
   std::vector<Finding> findings;
   if (auto f = offsetFinding(record, thresholds)) findings.push_back(std::move(*f));
   if (auto f = othersFinding(record, thresholds)) findings.push_back(std::move(*f));
-  for (const PerturbationKind kind :
-       {PerturbationKind::kTargetSize, PerturbationKind::kNoiseDensities,
-        PerturbationKind::kInitialIntrinsics, PerturbationKind::kDroppedFrames,
-        PerturbationKind::kDroppedImu, PerturbationKind::kCornerNoise}) {
-    if (auto f = kindFinding(record, kind, thresholds)) findings.push_back(std::move(*f));
+  for (const auto& [kind, advice] : kAdvice) {
+    if (auto f = kindFinding(record, kind, advice, thresholds)) findings.push_back(std::move(*f));
   }
   // Always there, so that no study is without a finding.
   findings.push_back(failuresFinding(record));

@@ -29,11 +29,6 @@ struct Solution {
   Eigen::MatrixXd by_cameras;  ///< of T_SC0 and the offset, see FaultDiagnosis
 };
 
-bool needsImu(PerturbationKind kind) {
-  return kind == PerturbationKind::kImuShift || kind == PerturbationKind::kNoiseDensities ||
-         kind == PerturbationKind::kDroppedImu;
-}
-
 /// Before any solution: a study of hours must not end by its last case.
 void checkInputs(const StudyInputs& inputs, const std::vector<Perturbation>& perturbations) {
   for (const Perturbation& p : perturbations) {
@@ -52,7 +47,6 @@ void checkInputs(const StudyInputs& inputs, const std::vector<Perturbation>& per
 
 std::vector<TimeNs> stampsOf(const std::vector<Frame>& frames) {
   std::vector<TimeNs> stamps;
-  stamps.reserve(frames.size());
   for (const Frame& frame : frames) stamps.push_back(frame.t);
   return stamps;
 }

@@ -10,8 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "datasets/files/yaml_map.h"
-#include "evaluate/statistics/endpoints.h"
-#include "evaluate/study/definition_trajectories.h"
+#include "evaluate/statistics/study_statistics.h"
 #include "evaluate/study/definition_values.h"
 
 namespace plumbline {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/definition_trajectories.h"
-
 #include <algorithm>
 #include <set>
 

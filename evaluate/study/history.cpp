@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "evaluate/study/night_folder.h"
+#include "evaluate/study/night.h"
 
 namespace plumbline {
 namespace {

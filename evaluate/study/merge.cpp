@@ -7,7 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "evaluate/study/night_folder.h"
+#include "evaluate/statistics/study_statistics.h"
+#include "evaluate/study/night.h"
 
 namespace plumbline {
 namespace {
@@ -133,12 +134,9 @@ class Merger {
         break;
       case StepKind::kEstimate:
       case StepKind::kOdometry:
-      case StepKind::kTrajectory: {
-        const auto slash = step.part.find('/');
-        const std::string run = slash == std::string::npos ? "" : step.part.substr(slash + 1);
-        r.trajectories.push_back({step.session, step.part.substr(0, slash), run, {}, message});
+      case StepKind::kTrajectory:
+        r.trajectories.push_back(emptyTrajectory(step, message));
         break;
-      }
       case StepKind::kBoard:
       case StepKind::kReplay:
         break;
@@ -258,19 +256,10 @@ class Merger {
 
   /// Whether later nights are judged by its figures.
   static bool isJudged(const Step& step) {
-    switch (step.kind) {
-      case StepKind::kCalibrate:
-      case StepKind::kPerturb:
-      case StepKind::kEstimate:
-      case StepKind::kTrajectory:
-        return true;
-      case StepKind::kEvaluate:
-        return !isOfOther(step);
-      case StepKind::kOdometry:
-        return isBuiltinOdometry(step);
-      default:
-        return false;
-    }
+    if (step.kind == StepKind::kEvaluate) return !isOfOther(step);
+    if (step.kind == StepKind::kOdometry) return isBuiltinOdometry(step);
+    return step.kind == StepKind::kCalibrate || step.kind == StepKind::kPerturb ||
+           step.kind == StepKind::kEstimate || step.kind == StepKind::kTrajectory;
   }
 
   /// By step: its failure or loss, or that of a step before for which it was left out. Not where an
@@ -314,35 +303,22 @@ class Merger {
   }
 
   void addVerdict() {
-    const auto& sessions = merged_.record.sessions;
-    const auto failed = std::count_if(sessions.begin(), sessions.end(), [](const auto& s) {
-      return s.status == StudyStatus::kFailed;
-    });
-    Finding calibrated{
-        "Sessions calibrated",
-        VerdictLevel::kGood,
-        fmt::format("{} of {} sessions have a calibration",
-                    sessions.size() - static_cast<std::size_t>(failed), sessions.size()),
-        "",
-        static_cast<double>(failed),
-        0,
-        "1"};
+    const std::size_t all = merged_.record.sessions.size();
+    const std::size_t failed = failedSessions(merged_.record);
+    Finding calibrated =
+        countFinding("Sessions calibrated", failed,
+                     fmt::format("{} of {} sessions have a calibration", all - failed, all));
     if (failed > 0) {
       // No more than that: participants fail, and a session that had a calibration before is a
       // regression, which is judged by itself.
       calibrated.level = VerdictLevel::kCaution;
       calibrated.advice = "The failures below say why";
     }
-    Finding steps{
-        "Steps done",
-        VerdictLevel::kGood,
+    Finding steps = countFinding(
+        "Steps done", static_cast<std::size_t>(merged_.steps_failed),
         fmt::format("{} of {} steps failed, {} that need them were left out, {} were not done",
                     merged_.steps_failed, steps_.size(), merged_.steps_left_out,
-                    merged_.steps_missing),
-        "",
-        static_cast<double>(merged_.steps_failed),
-        0,
-        "1"};
+                    merged_.steps_missing));
     if (!missing_.empty()) steps.evidence += ": " + firstOf(missing_);
     if (merged_.steps_failed + merged_.steps_missing > 0) {
       steps.level = VerdictLevel::kCaution;

@@ -16,9 +16,6 @@
 #include "evaluate/results/text.h"
 #include "evaluate/statistics/study_statistics.h"
 #include "evaluate/study/input_hashes.h"
-#include "evaluate/study/night_folder.h"
-#include "evaluate/study/plan.h"
-#include "evaluate/study/run_step.h"
 #include "report/html/pages.h"
 #include "report/records/documents.h"
 #include "report/store/store.h"
@@ -82,9 +79,7 @@ StudyNight nightOf(const StudyRecord& record, int number, double seconds) {
   night.date = record.provenance.date;
   night.version = programVersion();
   night.sessions = static_cast<int>(record.sessions.size());
-  night.failed = static_cast<int>(
-      std::count_if(record.sessions.begin(), record.sessions.end(),
-                    [](const StudySession& s) { return s.status == StudyStatus::kFailed; }));
+  night.failed = static_cast<int>(failedSessions(record));
   night.seconds = seconds;
   night.held_out_rmse_px = medianHeldOut(record);
   return night;
@@ -119,41 +114,31 @@ std::string alarmSentence(const StudyAlarm& a) {
 
 Finding endpointFinding(const StudyRecord& record) {
   const auto unknown = unknownEndpoints(record);
-  if (unknown.empty()) {
-    return {"Endpoints", VerdictLevel::kGood, "every declared endpoint has figures", "", 0, 0, "1"};
-  }
+  Finding f = countFinding("Endpoints", unknown.size(), "every declared endpoint has figures");
+  if (unknown.empty()) return f;
   // A misspelt name of a parameter, say: only the calibrations know those (isEndpoint()).
-  return {"Endpoints",
-          VerdictLevel::kCaution,
-          fmt::format("no session has a figure of {}", fmt::join(unknown, ", ")),
-          "Correct endpoints in the study, or record what they require",
-          static_cast<double>(unknown.size()),
-          0,
-          "1"};
+  f.level = VerdictLevel::kCaution;
+  f.evidence = fmt::format("no session has a figure of {}", fmt::join(unknown, ", "));
+  f.advice = "Correct endpoints in the study, or record what they require";
+  return f;
 }
 
 Finding calibratedBeforeFinding(const std::vector<std::string>& sessions) {
-  return {"Sessions calibrated before",
-          VerdictLevel::kCaution,
-          fmt::format("without a calibration, but with one on an earlier night from other data or "
-                      "options: {}",
-                      fmt::join(sessions, ", ")),
-          "Look whether their recordings are whole, and which options changed",
-          static_cast<double>(sessions.size()),
-          0,
-          "1"};
+  Finding f = countFinding(
+      "Sessions calibrated before", sessions.size(),
+      fmt::format("without a calibration, but with one on an earlier night from other data or "
+                  "options: {}",
+                  fmt::join(sessions, ", ")));
+  f.level = VerdictLevel::kCaution;
+  f.advice = "Look whether their recordings are whole, and which options changed";
+  return f;
 }
 
 /// What is known after the merge: regressions against earlier nights, sessions whose data or
 /// options changed and give no calibration any more, and declared endpoints without figures.
 void addFurtherFindings(StudyRecord& record, const std::vector<std::string>& calibrated_before) {
-  Finding finding{"Regressions",
-                  VerdictLevel::kGood,
-                  "no figure is worse than on the nights before",
-                  "",
-                  static_cast<double>(record.alarms.size()),
-                  0,
-                  "1"};
+  Finding finding = countFinding("Regressions", record.alarms.size(),
+                                 "no figure is worse than on the nights before");
   if (!record.alarms.empty()) {
     finding.level = VerdictLevel::kBad;
     finding.evidence =

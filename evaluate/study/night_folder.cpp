@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/night_folder.h"
-
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -20,6 +18,7 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/workplace.h"
 #include "evaluate/results/provenance.h"
+#include "evaluate/study/night.h"
 
 namespace plumbline {
 namespace {

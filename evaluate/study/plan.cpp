@@ -1,60 +1,121 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/plan.h"
-
 #include <algorithm>
+#include <initializer_list>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "datasets/files/file_io.h"
-#include "evaluate/study/step_builder.h"
+#include "evaluate/results/text.h"
+#include "evaluate/study/definition.h"
+#include "evaluate/study/input_hashes.h"
+#include "evaluate/study/step.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 
 namespace plumbline {
 namespace {
 
 namespace fs = std::filesystem;
-using study_internal::StepBuilder;
 
-/// Which options of `plumbline calibrate` other commands share.
-const std::vector<std::string> kOfMeasurements{
-    "loss", "pixel-sigma", "min-corners", "gravity", "only", "sync-tolerance-ms", "resolution"};
-const std::vector<std::string> kOfIntervals{"from", "to", "stride"};
+const std::string kOfMeasurements =
+    "loss pixel-sigma min-corners gravity only sync-tolerance-ms resolution ";
+const std::string kOfIntervals = "from to stride ";
 
-bool isOneOf(const std::string& word, const std::vector<std::string>& list) {
-  return std::find(list.begin(), list.end(), word) != list.end();
+/// The options of `plumbline calibrate` that other steps take. What a step does not take is not in
+/// its key either, so that a change of it leaves the step's result.
+const std::map<StepKind, std::string> kShared{
+    {StepKind::kDetect, "border-bits resolution only"},
+    {StepKind::kBoard, kOfMeasurements + "models outliers"},
+    {StepKind::kEvaluate, kOfMeasurements + "outliers"},
+    {StepKind::kPerturb, kOfMeasurements + kOfIntervals + "outliers imu"},
+    {StepKind::kCompare, kOfMeasurements + kOfIntervals + "imu"},
+    {StepKind::kReplay, kOfMeasurements + kOfIntervals + "models imu"},
+    {StepKind::kOdometry, "imu"}};
+
+bool takes(StepKind kind, const std::string& option) {
+  if (kind == StepKind::kCalibrate) return true;
+  const std::vector<std::string> shared = wordsOf(kShared.at(kind));
+  return std::find(shared.begin(), shared.end(), option) != shared.end();
 }
 
-/// Whether a step takes an option of `calibrate`. What it does not take is not in its key either,
-/// so that a change of it leaves the step's result.
-bool isShared(StepKind kind, const std::string& option) {
-  switch (kind) {
-    case StepKind::kCalibrate:
-      return true;
-    case StepKind::kBoard:
-      return isOneOf(option, kOfMeasurements) || option == "models" || option == "outliers";
-    case StepKind::kDetect:
-      return option == "border-bits" || option == "resolution" || option == "only";
-    case StepKind::kEvaluate:
-      return isOneOf(option, kOfMeasurements) || option == "outliers";
-    case StepKind::kPerturb:
-      return isOneOf(option, kOfMeasurements) || isOneOf(option, kOfIntervals) ||
-             option == "outliers" || option == "imu";
-    case StepKind::kCompare:
-      return isOneOf(option, kOfMeasurements) || isOneOf(option, kOfIntervals) || option == "imu";
-    case StepKind::kReplay:
-      return isOneOf(option, kOfMeasurements) || isOneOf(option, kOfIntervals) ||
-             option == "models" || option == "imu";
-    case StepKind::kOdometry:
-      return option == "imu";
-    case StepKind::kEstimate:
-    case StepKind::kTrajectory:
-      return false;
+/// A step in the making: every word goes into the command, and what it stands for into the key.
+class StepBuilder {
+ public:
+  StepBuilder(StepKind kind, std::string name, InputHashes& hashes) : hashes_(hashes) {
+    step_.kind = kind;
+    step_.name = std::move(name);
+    key_ = toString(kind) + "\n";
   }
-  return false;
-}
+
+  StepBuilder& words(std::initializer_list<std::string> list) {
+    for (const std::string& word : list) {
+      step_.words.push_back(word);
+      key_ += word + "\n";
+    }
+    return *this;
+  }
+  /// A word whose places are of this machine; the key has it as the study's definition does.
+  StepBuilder& filled(const std::string& word, const std::string& as_written) {
+    step_.words.push_back(word);
+    key_ += as_written + "\n";
+    return *this;
+  }
+  /// A word that no result depends on: where to write, how many threads.
+  StepBuilder& aside(const std::string& word) {
+    step_.words.push_back(word);
+    return *this;
+  }
+  StepBuilder& reads(const std::filesystem::path& path) {
+    step_.words.push_back(path.string());
+    return watches(path);
+  }
+  /// An input whose path stands within another word.
+  StepBuilder& watches(const std::filesystem::path& path) {
+    const InputHashes::Hashed hashed = hashes_.of(path);
+    step_.inputs.push_back({path.string(), hashed.stamp});
+    key_ += "contents " + hashed.content + "\n";
+    return *this;
+  }
+  /// A file that an earlier step made, or its folder for "".
+  StepBuilder& reads(const Step& earlier, const std::string& file) {
+    step_.words.push_back("{result:" + earlier.name + "}" + (file.empty() ? "" : "/" + file));
+    return needs(earlier);
+  }
+  StepBuilder& shapeOf(const Step& earlier) {
+    step_.words.push_back("{shape:" + earlier.name + "}");
+    return needs(earlier);
+  }
+  StepBuilder& needs(const Step& earlier) {
+    const bool known = std::any_of(step_.needs.begin(), step_.needs.end(),
+                                   [&](const StepNeed& n) { return n.name == earlier.name; });
+    if (!known) step_.needs.push_back({earlier.name, earlier.key});
+    key_ += "result " + earlier.inputs_key + "\n";
+    return *this;
+  }
+
+  Step build(const std::string& session, const std::string& part, const StudyDefinition& study,
+             const ProgramId& program) {
+    step_.session = session;
+    step_.part = part;
+    step_.program = program.hash;
+    step_.limit_s = study.step_limit_s;
+    step_.limit_mb = study.step_limit_mb;
+    step_.keep_records = study.keep_records;
+    step_.inputs_key = contentHash(key_);
+    // Figures do not depend on what is kept, so the history goes on; the result does.
+    step_.key = contentHash(step_.inputs_key + "\n" + program.version + " " + program.hash +
+                            (study.keep_records ? " records" : ""));
+    return step_;
+  }
+
+ private:
+  Step step_;
+  std::string key_;
+  InputHashes& hashes_;
+};
 
 /// Whether a recording comes as images, whose corners a step must find first.
 bool needsDetection(const fs::path& recording) {
@@ -130,6 +191,14 @@ class Planner {
     return steps_.back();
   }
 
+  /// The same of a command of ours that fills a folder.
+  const Step& addWithOutput(StepBuilder& step, const std::string& session,
+                            const std::string& part) {
+    // Aside of the key: neither the folder nor the number of threads changes a result.
+    step.aside("--out").aside("{out}").aside("--threads").aside("{threads}");
+    return add(step, session, part);
+  }
+
   bool givesCameras() const {
     return std::any_of(study_.calibrate.begin(), study_.calibrate.end(),
                        [](const auto& option) { return option.first == "cameras"; });
@@ -137,7 +206,7 @@ class Planner {
 
   void addOptions(StepBuilder& step, StepKind kind) {
     for (const auto& [option, words] : study_.calibrate) {
-      if (!isShared(kind, option)) continue;
+      if (!takes(kind, option)) continue;
       // Given cameras have their models; those of the study are for steps without them.
       if (kind == StepKind::kCalibrate && option == "models" && givesCameras()) continue;
       // The guide has to know the models before it begins.
@@ -163,11 +232,6 @@ class Planner {
     step.words({"--no-cache"});
   }
 
-  // Aside of the key: neither the folder nor the number of threads changes a result.
-  static void addOutput(StepBuilder& step) {
-    step.aside("--out").aside("{out}").aside("--threads").aside("{threads}");
-  }
-
   // A recording is detected once, whichever steps read it.
   void addRecording(const std::string& folder, const fs::path& path) {
     Source source{path, std::nullopt};
@@ -176,9 +240,8 @@ class Planner {
       step.words({"detect"});
       addSource(step, source);
       addOptions(step, StepKind::kDetect);
-      addOutput(step);
       const std::string session = folder.compare(0, 9, "sessions/") == 0 ? folder.substr(9) : "";
-      source.detected = add(step, session, "");
+      source.detected = addWithOutput(step, session, "");
     }
     sources_[folder] = source;
   }
@@ -190,8 +253,7 @@ class Planner {
     addSource(step, sources_.at(folder));
     step.words({"--no-imu", "--no-report", "--target-shape", "auto"});
     addOptions(step, StepKind::kBoard);
-    addOutput(step);
-    board_ = add(step, "", study_.held_out.front().name);
+    board_ = addWithOutput(step, "", study_.held_out.front().name);
   }
 
   /// --target-shape of what comes after a calibration; of the calibration itself without one.
@@ -223,9 +285,8 @@ class Planner {
     addSource(step, sources_.at(folderOf(s)));
     addShape(step, nullptr);
     addOptions(step, StepKind::kCalibrate);
-    addOutput(step);
     // A copy: steps_ grows.
-    calibrations_[s.row.name] = add(step, s.row.name, "");
+    calibrations_[s.row.name] = addWithOutput(step, s.row.name, "");
   }
 
   void addJudgements(const SessionEntry& s) {
@@ -256,8 +317,7 @@ class Planner {
     addShape(step, &calibration);
     addOptions(step, StepKind::kPerturb);
     step.words({"--no-report"});
-    addOutput(step);
-    add(step, s.row.name, "");
+    addWithOutput(step, s.row.name, "");
   }
 
   // Of our calibration of the session, or another tool's.
@@ -277,8 +337,7 @@ class Planner {
     addOptions(step, StepKind::kEvaluate);
     // Only poses move: the error is that of the cameras.
     step.words({"--no-imu", "--no-report"});
-    addOutput(step);
-    add(step, s.row.name, other != nullptr ? other->first + "/" + recording : recording);
+    addWithOutput(step, s.row.name, other != nullptr ? other->first + "/" + recording : recording);
   }
 
   void addOther(const SessionEntry& s, const std::pair<std::string, std::string>& other) {
@@ -290,8 +349,7 @@ class Planner {
     addSource(step, sources_.at(folderOf(s)));
     addShape(step, &calibration);
     addOptions(step, StepKind::kCompare);
-    addOutput(step);
-    add(step, s.row.name, other.first);
+    addWithOutput(step, s.row.name, other.first);
     for (const RecordingEntry& r : study_.held_out) {
       addEvaluation(s, &other, r.name, "recordings/" + r.name);
     }
@@ -324,8 +382,7 @@ class Planner {
       addMetrics(step);
       addOptions(step, StepKind::kOdometry);
       step.words({"--no-report"});
-      addOutput(step);
-      add(step, s.row.name, sequence.name);
+      addWithOutput(step, s.row.name, sequence.name);
     }
   }
 
@@ -382,8 +439,7 @@ class Planner {
     step.words({"replay"});
     addSource(step, sources_.at(folderOf(s)));
     addOptions(step, StepKind::kReplay);
-    addOutput(step);
-    add(step, s.row.name, "");
+    addWithOutput(step, s.row.name, "");
   }
 
   const StudyDefinition& study_;

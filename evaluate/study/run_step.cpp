@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/run_step.h"
-
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -18,6 +16,7 @@
 #include "evaluate/results/result_folder.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/input_hashes.h"
+#include "evaluate/study/step.h"
 
 namespace plumbline {
 namespace {

@@ -2,6 +2,9 @@
 #include "evaluate/study/step.h"
 
 #include <exception>
+#include <sstream>
+
+#include <fmt/format.h>
 
 #include "calibrator/fields/json_fields.h"
 #include "datasets/files/bad_input.h"
@@ -14,29 +17,23 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPart = "part";
 
-BadInput damaged(const fs::path& file, const std::string& why) {
-  return badInput(file.string(), 0,
-                  {InputFault::kSyntax, "is damaged (" + why + ")", "",
-                   "run the study again, which rewrites it"});
-}
-
-template <class Use>
-void forEachLine(std::string_view text, const Use& use) {
-  while (!text.empty()) {
-    const std::size_t end = text.find('\n');
-    use(text.substr(0, end));
-    text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
-  }
-}
-
-Step stepFrom(const fs::path& plan, std::string_view line) {
+/// What `read` makes of a file of ours; whatever it throws, the file is damaged.
+template <class Read>
+auto readOurs(const fs::path& file, const Read& read) {
   try {
-    Step step;
-    fromJson(Json::parse(line), step);
-    return step;
+    return read();
   } catch (const std::exception& error) {
-    throw damaged(plan, error.what());
+    throw badInput(file.string(), 0,
+                   {InputFault::kSyntax, fmt::format("is damaged ({})", error.what()), "",
+                    "run the study again, which rewrites it"});
   }
+}
+
+template <class T>
+T fromJsonOf(const Json& json) {
+  T value;
+  fromJson(json, value);
+  return value;
 }
 
 }  // namespace
@@ -49,17 +46,14 @@ std::string planText(const std::vector<Step>& steps) {
 
 // A step's name is the first field of its line: the others are not parsed.
 Step readPlannedStep(const fs::path& plan, const std::string& name) {
-  const MappedFile file(plan.string());
+  std::istringstream lines{std::string(MappedFile(plan.string()).text())};
   // As planText() writes it: fields keep their order.
   const std::string start = "{\"name\":" + Json(name).dump() + ",";
-  std::optional<Step> found;
-  forEachLine(file.text(), [&](std::string_view line) {
-    if (!found && line.substr(0, start.size()) == start) found = stepFrom(plan, line);
-  });
-  if (!found) {
-    throw badInput(plan.string(), 0, {InputFault::kUnknownWord, "has no step " + name});
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with(start)) continue;
+    return readOurs(plan, [&] { return fromJsonOf<Step>(Json::parse(line)); });
   }
-  return *found;
+  throw badInput(plan.string(), 0, {InputFault::kUnknownWord, "has no step " + name});
 }
 
 std::string stepText(const StepResult& result, const StudyRecord& part) {
@@ -74,9 +68,7 @@ std::optional<StepResult> readStepResult(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return std::nullopt;
   try {
-    StepResult result;
-    fromJson(Json::parse(MappedFile(file.string()).text()), result);
-    return result;
+    return fromJsonOf<StepResult>(Json::parse(MappedFile(file.string()).text()));
   } catch (const std::exception&) {
     return std::nullopt;  // of another version, or damaged: as if it were not there
   }
@@ -89,13 +81,26 @@ void forgetResult(const fs::path& folder) {
 
 StudyRecord readStepPart(const fs::path& folder) {
   const fs::path file = folder / kStepFile;
-  try {
-    StudyRecord part;
-    fromJson(Json::parse(MappedFile(file.string()).text()).at(kPart), part);
-    return part;
-  } catch (const std::exception& error) {
-    throw damaged(file, error.what());
+  return readOurs(file, [&] {
+    return fromJsonOf<StudyRecord>(Json::parse(MappedFile(file.string()).text()).at(kPart));
+  });
+}
+
+StepResults settledResults(const fs::path& night, const std::vector<Step>& steps) {
+  StepResults results;
+  for (const Step& step : steps) {
+    auto result = readStepResult(night / step.name);
+    if (!result || !result->settles(step)) continue;
+    try {
+      // A result without its rows is of no use to the summaries.
+      if (result->status == StepStatus::kDone) (void)readStepPart(night / step.name);
+      // The folder may have been moved since.
+      result->command = commandText(step, night);
+      results[step.name] = std::move(*result);
+    } catch (const InputError&) {  // damaged: done again
+    }
   }
+  return results;
 }
 
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -97,6 +98,18 @@ void fields(V& v, Step& s) {
   v("keep_records", s.keep_records, "whether records.sqlite stays");
 }
 
+struct StudyDefinition;
+class InputHashes;
+
+/// The steps of a study's night, each after those that it needs, with their keys: of the contents
+/// of what they read, of options, and of the program. Names of sessions and files are in no key but
+/// where results show them. Throws InputError where an input cannot be read.
+std::vector<Step> planStudy(const StudyDefinition& study, InputHashes& hashes,
+                            const ProgramId& program);
+
+/// Name of the plan in a study's folder.
+inline constexpr const char* kPlanFile = "plan.jsonl";
+
 /// The plan's text: a line (JSON) for each step.
 std::string planText(const std::vector<Step>& steps);
 /// The step of this name in a plan's file. Throws InputError where there is none.
@@ -159,5 +172,43 @@ std::optional<StepResult> readStepResult(const std::filesystem::path& folder);
 void forgetResult(const std::filesystem::path& folder);
 /// The rows of a step that is done. Throws InputError where they cannot be read.
 StudyRecord readStepPart(const std::filesystem::path& folder);
+
+/// The results that settle steps of a plan, by name.
+using StepResults = std::map<std::string, StepResult>;
+
+/// What is in the night's folder for these steps: only results that settle them,
+/// with the commands as they are now (commandText()).
+StepResults settledResults(const std::filesystem::path& night, const std::vector<Step>& steps);
+
+/// The rows that a finished step gives the study, from the records that its command left in
+/// `folder`: of kCalibrate one session, of kEvaluate one held-out score, of kPerturb a row an
+/// offset, of kCompare another tool's differences, of kTrajectory one trajectory, of kOdometry one
+/// a run; of kReplay the session's compliance; none of the others. Throws InputError where the
+/// records cannot be read.
+StudyRecord rowsOf(const Step& step, const std::filesystem::path& folder);
+
+/// The row of a trajectory step without a figure; its part is "SEQUENCE/RUN" or "SEQUENCE".
+StudyTrajectory emptyTrajectory(const Step& step, const std::string& failure = "");
+
+/// Does a step of the plan in `night`, unless its result is there: runs its command as a process of
+/// its own under the step's limits, takes the rows of the study from its records, and gives the
+/// result its folder at once, also where the command failed. Nothing is left behind by a process
+/// that is killed but a hidden folder, which the next night removes.
+///
+/// An input that is not as the plan has it, before or after, makes the result `kChanged`. Returns
+/// what is there now. Throws InputError where the plan or a step that is needed is missing, the
+/// plan is of another build, or the result cannot be written.
+StepResult runStep(const std::filesystem::path& night, const std::string& name, int threads);
+
+/// The step's command as a person may type it, with OUT for the folder, while the results that it
+/// needs lie in `night`.
+std::string commandText(const Step& step, const std::filesystem::path& night);
+
+/// Records that a step's process was lost before it could say anything itself.
+StepResult recordLost(const std::filesystem::path& night, const Step& step,
+                      const std::string& message);
+
+/// Of the contents of the program that runs.
+std::string runningProgramHash();
 
 }  // namespace plumbline

@@ -26,7 +26,6 @@
 #include "datasets/session/session_reader.h"
 #include "evaluate/replay/counterfactuals.h"
 #include "evaluate/replay/frames.h"
-#include "evaluate/replay/view_orders.h"
 #include "evaluate/replay/view_pool.h"
 
 namespace plumbline {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/engine/local_engine.h"
-
 #include <algorithm>
 #include <memory>
 #include <set>
@@ -11,7 +9,9 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/process/process.h"
 #include "evaluate/results/progress.h"
-#include "evaluate/study/run_step.h"
+#include "evaluate/results/provenance.h"
+#include "evaluate/results/text.h"
+#include "evaluate/study/engine/engines.h"
 
 namespace plumbline {
 namespace {
@@ -21,31 +21,12 @@ namespace fs = std::filesystem;
 constexpr double kTellEvery = 1;       // [s]
 constexpr double kBeyondLimits = 120;  // [s] that a step's own process gets to end it
 
-// Seconds of a step that was never done, by kind: orders of magnitude, for sessions of a minute.
-double guessed(StepKind kind) {
-  switch (kind) {
-    case StepKind::kDetect:
-      return 60;
-    case StepKind::kBoard:
-    case StepKind::kCalibrate:
-      return 3;
-    case StepKind::kPerturb:
-      return 5;
-    case StepKind::kEvaluate:
-      return 0.3;
-    case StepKind::kCompare:
-      return 4;
-    case StepKind::kEstimate:
-      return 60;
-    case StepKind::kTrajectory:
-      return 0.2;
-    case StepKind::kOdometry:
-      return 5;
-    case StepKind::kReplay:
-      return 120;
-  }
-  return 1;
-}
+// Seconds of a step that was never done: orders of magnitude, for sessions of a minute.
+const std::map<StepKind, double> kGuessedS{{StepKind::kDetect, 60},    {StepKind::kBoard, 3},
+                                           {StepKind::kCalibrate, 3},  {StepKind::kPerturb, 5},
+                                           {StepKind::kEvaluate, 0.3}, {StepKind::kCompare, 4},
+                                           {StepKind::kEstimate, 60},  {StepKind::kTrajectory, 0.2},
+                                           {StepKind::kOdometry, 5},   {StepKind::kReplay, 120}};
 
 class LocalEngine {
  public:
@@ -235,23 +216,6 @@ class LocalEngine {
 
 }  // namespace
 
-StepResults settledResults(const fs::path& night, const std::vector<Step>& steps) {
-  StepResults results;
-  for (const Step& step : steps) {
-    auto result = readStepResult(night / step.name);
-    if (!result || !result->settles(step)) continue;
-    try {
-      // A result without its rows is of no use to the summaries.
-      if (result->status == StepStatus::kDone) (void)readStepPart(night / step.name);
-      // The folder may have been moved since.
-      result->command = commandText(step, night);
-      results[step.name] = std::move(*result);
-    } catch (const InputError&) {  // damaged: done again
-    }
-  }
-  return results;
-}
-
 std::map<std::string, double> estimateSeconds(const fs::path& night,
                                               const std::vector<Step>& steps) {
   std::map<std::string, double> seconds;
@@ -266,7 +230,7 @@ std::map<std::string, double> estimateSeconds(const fs::path& night,
   for (const Step& step : steps) {
     if (seconds.count(step.name) > 0) continue;
     const auto known = of_kind.find(step.kind);
-    seconds[step.name] = known == of_kind.end() ? guessed(step.kind) : median(known->second);
+    seconds[step.name] = known == of_kind.end() ? kGuessedS.at(step.kind) : median(known->second);
   }
   return seconds;
 }
@@ -274,6 +238,44 @@ std::map<std::string, double> estimateSeconds(const fs::path& night,
 StepResults runLocally(const fs::path& night, const std::vector<Step>& steps,
                        const LocalEngineOptions& options, const NightSink& sink) {
   return LocalEngine(night, steps, options, sink).run();
+}
+
+std::vector<std::vector<Step>> unsettledStages(const fs::path& night,
+                                               const std::vector<Step>& steps) {
+  const StepResults settled = settledResults(night, steps);
+  std::map<std::string, std::size_t> stage_of;  // of those to do
+  std::vector<std::vector<Step>> stages;
+  for (const Step& step : steps) {
+    if (settled.count(step.name) > 0) continue;
+    // The longest chain of unsettled needs before it; those that are settled hold nothing up.
+    std::size_t stage = 0;
+    for (const StepNeed& need : step.needs) {
+      const auto before = stage_of.find(need.name);
+      if (before != stage_of.end()) stage = std::max(stage, before->second + 1);
+    }
+    stage_of[step.name] = stage;
+    if (stages.size() <= stage) stages.resize(stage + 1);
+    stages[stage].push_back(step);
+  }
+  return stages;
+}
+
+std::string commandList(const fs::path& night, const std::vector<Step>& steps,
+                        const std::string& study, const std::string& out) {
+  const std::string program = shellWords({thisProgram()});
+  Text text;
+  int number = 0;
+  for (const std::vector<Step>& stage : unsettledStages(night, steps)) {
+    add(text, "# stage {}: {} commands\n", ++number, stage.size());
+    for (const Step& step : stage) {
+      // Names of steps need no quotes: they are made of names that nameOf() lets pass.
+      add(text, "{} study run-step {} {}\n", program, shellWords({night.string()}), step.name);
+    }
+  }
+  add(text, "# then\n{} study {} --out {}\n", program,
+      shellWords({fs::absolute(study).lexically_normal().string()}),
+      shellWords({fs::absolute(out).lexically_normal().string()}));
+  return fmt::to_string(text);
 }
 
 }  // namespace plumbline

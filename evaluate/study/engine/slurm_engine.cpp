@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/engine/slurm_engine.h"
-
 #include <algorithm>
 #include <cctype>
 #include <chrono>
@@ -24,7 +22,7 @@
 #include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
-#include "evaluate/study/run_step.h"
+#include "evaluate/study/engine/engines.h"
 
 namespace plumbline {
 namespace {

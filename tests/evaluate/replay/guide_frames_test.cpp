@@ -46,7 +46,8 @@ TEST(GuideFrames, AFrameWithoutTheTargetIsAFrame) {
 TEST(GuideFrames, ASessionOfSomeFramesHasTheirViewsAndNoOthers) {
   const Session session = simulated().session;
   const auto frames = guideFrames(session);
-  const Session some = sessionOf(session, frames, {3, 8});
+  const std::vector<Decision> none;
+  const Session some = ReplayRun{session, frames, none, {}, {}, {}}.sessionOfFrames({3, 8});
   ASSERT_EQ(some.cameras.size(), 2u);
   ASSERT_EQ(some.cameras[1].views.size(), 2u);
   EXPECT_EQ(some.cameras[1].views[1].t, frames[8].t);

@@ -8,7 +8,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/information/view_selection.h"
-#include "evaluate/replay/view_orders.h"
+#include "evaluate/replay/view_pool.h"
 #include "tests/evaluate/replay/simulated_pools.h"
 
 namespace plumbline {

@@ -4,7 +4,7 @@
 
 #include "calibrator/simulate/simulate_session.h"
 #include "evaluate/replay/frames.h"
-#include "evaluate/replay/stopping_rule.h"
+#include "evaluate/replay/hindsight.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/view_orders.h"
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <numeric>
@@ -10,6 +8,7 @@
 
 #include "calibrator/information/view_selection.h"
 #include "calibrator/simulate/random_stream.h"
+#include "evaluate/replay/view_pool.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which figure of a participant is compared, and on which scale (docs/study_statistics.md).
-#include "evaluate/statistics/endpoints.h"
+#include "evaluate/statistics/study_statistics.h"
 
 #include <cmath>
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/statistics/bootstrap.h"
+#include "evaluate/statistics/paired_analysis.h"
 #include "tests/evaluate/statistics/reference_values.h"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <gtest/gtest.h>
 
-#include "evaluate/statistics/bootstrap.h"
+#include "evaluate/statistics/paired_analysis.h"
 #include "evaluate/statistics/several_tests.h"
 #include "tests/evaluate/statistics/reference_values.h"
 

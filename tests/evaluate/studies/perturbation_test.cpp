@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What each perturbation does to the inputs of a calibration, and which amounts are refused.
-#include "evaluate/studies/perturbation.h"
+#include "evaluate/studies/perturbation_study.h"
 
 #include <cmath>
 #include <limits>

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/fields/json_fields.h"
-#include "evaluate/study/night_folder.h"
+#include "evaluate/study/night.h"
 #include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {

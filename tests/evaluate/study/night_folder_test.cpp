@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whose folder a night takes, and what it removes there of nights that were killed.
-#include "evaluate/study/night_folder.h"
+#include "evaluate/study/night.h"
 
 #include <csignal>
 #include <cstdlib>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/plan.h"
-
 #include <chrono>
 #include <map>
 #include <thread>
@@ -8,7 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/study/engine/slurm_engine.h"
+#include "evaluate/study/engine/engines.h"
+#include "evaluate/study/input_hashes.h"
 #include "tests/evaluate/study/study_files.h"
 
 namespace plumbline {

@@ -7,6 +7,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/session.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "evaluate/replay/frames.h"
 #include "report/records/replay_record.h"
@@ -72,5 +73,56 @@ ReplayStageSummary summariseCameraStage(const ReplayRun& run,
                                         const StageBatches<CameraStageResult>& batches);
 ReplayStageSummary summariseCameraImuStage(const ReplayRun& run,
                                            const StageBatches<CameraImuStageResult>& batches);
+
+/// What became of each suggestion of the guide: read off its decisions, with the corners that
+/// `cameras` would see at it.
+std::vector<SuggestionOutcome> suggestionOutcomes(const ReplayRun& run,
+                                                  const std::vector<CameraCalibration>& cameras);
+
+/// How the operator of a guided recording followed the suggestions that were shown to him: each is
+/// open from its time until the next one, and reached by the guide's own rule of its stage, in the
+/// camera that it was made for; one that is not has expired after the guide's limit, or was
+/// withdrawn for the next one before; the last has no event where the frames end before that.
+/// Those shown before the first frame or after the
+/// last are left out. Distances of poses need the poses of the frames: those of `full`.
+OperatorCompliance operatorCompliance(const ReplayRun& run,
+                                      const std::vector<Suggestion>& suggestions,
+                                      const std::vector<CameraCalibration>& cameras);
+
+/// The same of a recording that is not replayed; its suggestions are those that it has beside it.
+OperatorCompliance operatorCompliance(const Session& session,
+                                      const std::vector<Suggestion>& suggestions,
+                                      const std::vector<CameraCalibration>& cameras);
+
+/// When views count as enough, and when a stop as late.
+struct StoppingRuleOptions {
+  /// Camera stage: held-out RMSE within this factor of the one of the batch over all frames.
+  double held_out_factor = 1.1;
+  int held_out_frames = 200;  ///< at most; evenly spread over the frames that were not kept
+  /// Camera-IMU stage: T_SC0 and time offset this close to those of the batch over all frames.
+  double translation_m = 1e-3;
+  double rotation_rad = 0.05 * kDegree;
+  double offset_s = 1e-4;
+  int checkpoints = 12;    ///< how many batches the search for "enough" may cost
+  double tolerance_s = 5;  ///< a stop this much after "enough" is still right
+
+  /// Throws InputError for values out of range.
+  void check() const;
+};
+
+/// Camera stage: the views kept, and after "finish" those that would have been kept by the same
+/// threshold, are solved in batch for a growing number of them, and scored on frames that were not
+/// kept (only poses move). They are enough from the first number on from which the error stays
+/// within options.held_out_factor of that of all frames' batch.
+StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageResult>& batches,
+                          const StoppingRuleOptions& options = {});
+
+/// Camera-IMU stage: the same for the frames since the stage's start, held against T_SC0 and time
+/// offset of the batch over all of them; of a stage that stops by
+/// TrajectoryGuideOptions::stop_reprojection_px, by the points that the IMU predicts, which that
+/// bar is for.
+StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalibration>& cameras,
+                             const StageBatches<CameraImuStageResult>& batches,
+                             const StoppingRuleOptions& options = {});
 
 }  // namespace plumbline
