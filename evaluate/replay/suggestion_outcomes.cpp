@@ -16,35 +16,23 @@ namespace {
 class DistanceTrack {
  public:
   void add(const std::optional<double>& px, const std::optional<Transform>& T_FC0,
-           const Transform& suggested) {
+           SuggestionOutcome& outcome) {
     if (!px) return;
     sum_ += *px;
-    ++count_;
+    outcome.mean_px = sum_ / ++count_;
+    if (outcome.closest_px && *outcome.closest_px <= *px) return;
+    outcome.closest_px = px;
     // The pose of that very frame: distances of pose and image are then of one instant.
-    if (closest_px_ <= *px) return;
-    closest_px_ = *px;
-    posed_ = T_FC0.has_value();
-    if (!posed_) return;
-    closest_m_ = (T_FC0->t - suggested.t).norm();
-    closest_rad_ = rotationAngle(T_FC0->R * suggested.R.transpose());
-  }
-
-  void write(SuggestionOutcome& outcome) const {
-    if (count_ == 0) return;
-    outcome.mean_px = sum_ / count_;
-    outcome.closest_px = closest_px_;
-    if (!posed_) return;
-    outcome.closest_m = closest_m_;
-    outcome.closest_rad = closest_rad_;
+    outcome.closest_m = outcome.closest_rad = std::nullopt;
+    if (!T_FC0) return;
+    const Transform& suggested = outcome.suggestion.T_FC0;
+    outcome.closest_m = (T_FC0->t - suggested.t).norm();
+    outcome.closest_rad = rotationAngle(T_FC0->R * suggested.R.transpose());
   }
 
  private:
   int count_ = 0;
-  bool posed_ = false;  // whether a pose is known at the closest frame
   double sum_ = 0;
-  double closest_px_ = std::numeric_limits<double>::infinity();
-  double closest_m_ = 0;
-  double closest_rad_ = 0;
 };
 
 /// What every camera would see of the target from a pose, without noise.
@@ -72,18 +60,11 @@ std::map<TimeNs, Transform> posesOf(const ReplayRun& run,
   return poses;
 }
 
-ReachRule ruleOf(const ReplayRun& run, GuideStage stage) {
-  // The operator had until the next one was shown, whatever this replay's options say.
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  if (stage == GuideStage::kCamera) {
-    return {run.guide.views.reached_px, run.guide.views.reached_s, kNever};
-  }
-  return {run.guide.trajectories.reached_px, run.guide.trajectories.reached_s, kNever};
-}
-
-double expiryOf(const ReplayRun& run, GuideStage stage) {
-  return stage == GuideStage::kCamera ? run.guide.views.expires_s
-                                      : run.guide.trajectories.expires_s;
+ReachRule ruleOf(const GuideOptions& guide, GuideStage stage) {
+  const auto& views = guide.views;
+  const auto& trajectories = guide.trajectories;
+  if (stage == GuideStage::kCamera) return {views.reached_px, views.reached_s, views.expires_s};
+  return {trajectories.reached_px, trajectories.reached_s, trajectories.expires_s};
 }
 
 /// For whose image it was made. A trajectory's start is held against camera 0. A view of a
@@ -110,28 +91,30 @@ SuggestionOutcome follow(const ReplayRun& run, const Suggestion& suggestion, Tim
   outcome.overlay = std::move(corners);
   const TimeNs last = run.frames.back().t;
   outcome.ended = std::min(end, last);
-  if (secondsBetween(suggestion.t, outcome.ended) > expiryOf(run, suggestion.stage)) {
+  ReachRule rule = ruleOf(run.guide, suggestion.stage);
+  if (secondsBetween(suggestion.t, outcome.ended) > rule.expires_s) {
     outcome.end = SuggestionEvent::kExpired;
   } else if (end <= last) {
     outcome.end = SuggestionEvent::kWithdrawn;
   }
   const std::size_t camera = cameraOf(suggestion, outcome.overlay);
   outcome.suggestion.camera = static_cast<int>(camera);
-  OpenSuggestion open(suggestion, outcome.overlay[camera], ruleOf(run, suggestion.stage));
+  // The operator had until the next one was shown, whatever this replay's options say.
+  rule.expires_s = std::numeric_limits<double>::infinity();
+  OpenSuggestion open(suggestion, outcome.overlay[camera], rule);
   DistanceTrack track;
   for (const GuideFrame& frame : run.frames) {
     if (frame.t < suggestion.t || frame.t >= end) continue;
     const auto progress = open.update(frame.t, frame.corners[camera]);
     const auto pose = poses.find(frame.t);
     track.add(progress.distance_px,
-              pose == poses.end() ? std::nullopt : std::optional(pose->second), suggestion.T_FC0);
+              pose == poses.end() ? std::nullopt : std::optional(pose->second), outcome);
     if (progress.event != SuggestionEvent::kReached) continue;
     outcome.end = SuggestionEvent::kReached;
     outcome.ended = frame.t;
     outcome.reached_s = secondsBetween(suggestion.t, frame.t);
     break;
   }
-  track.write(outcome);
   return outcome;
 }
 
@@ -144,9 +127,7 @@ std::vector<SuggestionOutcome> suggestionOutcomes(const ReplayRun& run,
   // A decision may close one suggestion and open the next, so the open one is dealt with first.
   for (const Decision& d : run.decisions) {
     if (!outcomes.empty() && d.suggestion == outcomes.back().suggestion.id) {
-      track.add(d.distance_px, d.T_FC0, outcomes.back().suggestion.T_FC0);
-      // With every decision, as the last suggestion may stay open.
-      track.write(outcomes.back());
+      track.add(d.distance_px, d.T_FC0, outcomes.back());
       if (d.event != SuggestionEvent::kNone && d.event != SuggestionEvent::kOpened) {
         outcomes.back().end = d.event;
         outcomes.back().ended = d.t;

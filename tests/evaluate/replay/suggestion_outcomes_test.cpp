@@ -146,6 +146,10 @@ TEST_F(Following, TheGuidesOwnSuggestionsAreReadOffItsDecisions) {
   EXPECT_DOUBLE_EQ(*outcomes[0].mean_px, 21);
   EXPECT_LT(*outcomes[0].closest_m, 1e-9);
   EXPECT_LT(*outcomes[0].closest_rad, 1e-6);
+  decisions_[12].T_FC0.reset();
+  const auto unposed = suggestionOutcomes(run(), recording_.truth.cameras);
+  EXPECT_DOUBLE_EQ(*unposed.at(0).closest_px, 3);
+  EXPECT_FALSE(unposed[0].closest_m || unposed[0].closest_rad) << "those of another frame";
 }
 
 TEST_F(Following, ASuggestionThatTheFinishWithdrewEndsThere) {
