@@ -13,7 +13,6 @@
 #include "calibrator/batch/halves.h"
 #include "calibrator/batch/resample.h"
 #include "calibrator/batch/two_stages.h"
-#include "datasets/calibration/calibration_reader.h"
 #include "evaluate/metrics/calibration/uncertainty_maps.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/failure_text.h"
@@ -280,9 +279,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   std::vector<CameraCalibration> cameras;
   const TargetShape stated = loaded.session.target.shape;
   if (request.cameras_file) {
-    cameras =
-        matchCameras(readCalibration(*request.cameras_file), *request.cameras_file, loaded.session);
-    refuseUnsupportedModels(cameras, *request.cameras_file);
+    cameras = readCameras(*request.cameras_file, loaded.session);
     if (request.free_cameras) request.camera.start = cameras;
     request.camera_imu.cameras_given = !request.free_cameras;
   }

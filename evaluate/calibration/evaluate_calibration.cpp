@@ -48,8 +48,8 @@ CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibratio
   attribute(record, asked.provenance, loaded);
   const ScoreOptions& score = asked.score;
   // The IMU's noise is assumed only where its part is scored.
-  record.assumptions = score.use_imu ? assumptionsOf(score.camera, score.camera_imu, loaded.session)
-                                     : assumptionsOf(score.camera, score.camera_imu);
+  record.assumptions =
+      assumptionsOf(score.camera, score.camera_imu, score.use_imu ? &loaded.session : nullptr);
   record.target = loaded.session.target;
   record.counts = loaded.counts;
   addSampleIntervals(loaded.session, record);

@@ -47,14 +47,10 @@ void addOtherModel(const ViewPool& first, const FrameSplit& split,
   // From scratch, as its poses and the corners that it leaves out are the other model's own.
   const auto pool = ViewPool::prepare(first.session(), split, camera, options.max_held_out);
   if (!pool) return;
-  std::vector<CounterfactualCurve> curves;
-  for (CounterfactualCurve& curve : strategyOrders(*pool, {}, options)) {
-    const bool is_compared = curve.strategy == "random" || curve.strategy == "greedy-mi" ||
-                             curve.strategy == "predicted-error";
-    if (is_compared) {
-      curves.push_back(std::move(curve));
-    }
-  }
+  auto curves = strategyOrders(*pool, {}, options);
+  std::erase_if(curves, [](const CounterfactualCurve& c) {
+    return c.strategy != "random" && c.strategy != "greedy-mi" && c.strategy != "predicted-error";
+  });
   // Of this model: "enough" is relative to what it can do itself.
   const double full_px = pool->heldOutError(pool->reference().estimate).px;
   curves = judged(*pool, std::move(curves), full_px, options);

@@ -141,16 +141,6 @@ std::optional<std::string> suggestionsFile(const ReplayRequest& request) {
   return request.suggestions ? request.suggestions : findSuggestions(request.load.session);
 }
 
-/// In the session's order of cameras, by their names.
-std::optional<std::vector<CameraCalibration>> givenCameras(const ReplayRequest& request,
-                                                           const Session& session) {
-  if (!request.cameras_file) return std::nullopt;
-  auto cameras =
-      matchCameras(readCalibration(*request.cameras_file), *request.cameras_file, session);
-  refuseUnsupportedModels(cameras, *request.cameras_file);
-  return cameras;
-}
-
 std::vector<Decision> play(Guide& guide, const std::vector<GuideFrame>& frames,
                            const ProgressSink& progress) {
   std::vector<Decision> decisions;
@@ -348,13 +338,14 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   arrival.arrival_s = request.arrival_s;
   const std::vector<Frame> paired = pairedFrames(session, arrival);
   const std::vector<GuideFrame> frames = guideFrames(session, arrival);
-  const auto given = givenCameras(request, session);
+  std::optional<std::vector<CameraCalibration>> given;
+  if (request.cameras_file) given = readCameras(*request.cameras_file, session);
   Played played = playBothStages(request, guideRig(session, models), frames, given, progress);
 
   ReplayRecord record;
   attribute(record, request.provenance, loaded);
   record.target = session.target;
-  record.assumptions = assumptionsOf(request.camera, request.camera_imu, session);
+  record.assumptions = assumptionsOf(request.camera, request.camera_imu, &session);
   record.decisions = std::move(played.decisions);
   for (const GuideFrame& frame : frames) record.frames.push_back({frame.t, frame.corners, {}});
   if (request.images) {

@@ -17,17 +17,13 @@
 namespace plumbline {
 namespace {
 
-struct Task {
-  std::size_t camera;
-  std::size_t view;
-};
-
-std::vector<Task> tasksOf(const Recording& recording) {
-  std::vector<Task> tasks;
+/// Of every image its camera and its place among that camera's.
+std::vector<std::pair<std::size_t, std::size_t>> imagesOf(const Recording& recording) {
+  std::vector<std::pair<std::size_t, std::size_t>> images;
   for (std::size_t c = 0; c < recording.images.size(); ++c) {
-    for (std::size_t v = 0; v < recording.images[c].size(); ++v) tasks.push_back({c, v});
+    for (std::size_t v = 0; v < recording.images[c].size(); ++v) images.emplace_back(c, v);
   }
-  return tasks;
+  return images;
 }
 
 // Resolutions that the session does not state come from the first image of each camera.
@@ -102,7 +98,7 @@ std::optional<double> detectCorners(Recording& recording, const DetectRequest& r
                                     const ProgressSink& progress) {
   // First: the search refuses images of another size, and the cache's keys hold the size.
   completeResolutions(recording);
-  const std::vector<Task> tasks = tasksOf(recording);
+  const auto tasks = imagesOf(recording);
   std::optional<CornerCache> cache;
   if (request.cache) cache.emplace(*request.cache, recording.session.target, request.detector);
   std::vector<std::unique_ptr<Worker>> workers(threadCount(request.threads));

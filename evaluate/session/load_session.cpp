@@ -170,19 +170,14 @@ std::string unusedShapeOf(const std::string& calibration, const CalibrationExtra
   return std::filesystem::is_regular_file(beside) ? beside.string() : "";
 }
 
-Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu) {
+Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu,
+                          const Session* session) {
   Assumptions assumptions;
   assumptions.pixel_sigma_px = camera.pixel_sigma;
   assumptions.gravity_m_s2 = camera_imu.gravity_m_s2;
   assumptions.views_selected = camera.select_views.has_value();
   assumptions.loss = lossText(camera.cauchy_px);
-  return assumptions;
-}
-
-Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu,
-                          const Session& session) {
-  Assumptions assumptions = assumptionsOf(camera, camera_imu);
-  if (session.imu) assumptions.imu_noise = session.imu->noise;
+  if (session != nullptr && session->imu) assumptions.imu_noise = session->imu->noise;
   return assumptions;
 }
 

@@ -67,21 +67,18 @@ struct CameraMatch {
 CameraMatch matchStated(const std::vector<StatedCamera>& wanted,
                         const std::vector<StatedCamera>& given);
 
-/// The calibration's cameras in the order and under the names of the session's, by matchStated(),
-/// with the session's first camera as camera 0. Throws InputError in the name of `path`, which they
-/// were read from, where a camera is missing (or nothing but its place would tell it), has another
+/// The calibration with its cameras in the order and under the names of the session's, by
+/// matchStated(), with the session's first camera as camera 0: T_SC0 is of that one, and the time
+/// offsets are in the session's order. Throws InputError in the name of `path`, which they were
+/// read from, where a camera is missing (or nothing but its place would tell it), has another
 /// resolution, or states another topic than the session.
-std::vector<CameraCalibration> matchCameras(const Calibration& given, const std::string& path,
-                                            const Session& session);
-
-/// The same with the IMU's part, if there is one: T_SC0 of the session's first camera, and the time
-/// offsets in the session's order.
 Calibration matchCalibration(const Calibration& given, const std::string& path,
                              const Session& session);
 
-/// Throws InputError where one of them has a model that cannot be calibrated.
-void refuseUnsupportedModels(const std::vector<CameraCalibration>& cameras,
-                             const std::string& path);
+/// The cameras of a file for a calibration that starts from them or keeps them, as
+/// matchCalibration() gives them. Throws InputError where one has a model that cannot be
+/// calibrated, too.
+std::vector<CameraCalibration> readCameras(const std::string& path, const Session& session);
 
 /// Which recording, and how its images become corners.
 struct LoadRequest {
@@ -152,12 +149,9 @@ std::string unusedShapeOf(const std::string& calibration, const CalibrationExtra
                           const LoadRequest& request);
 
 /// What estimates under these options rest on: noise of the corners and loss as `camera` has them,
-/// gravity as `camera_imu` has it; no IMU noise.
-Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu);
-
-/// The same with the noise densities of the session's IMU, if it has one.
+/// gravity as `camera_imu` has it; with `session` the noise densities of its IMU, if it has one.
 Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptions& camera_imu,
-                          const Session& session);
+                          const Session* session = nullptr);
 
 /// The failure with the file that it points at, "FILE:LINE" or "FILE": the line of tagSize in the
 /// target's file, no line for the others. `session` is the folder that `loaded` was read from.

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "calibrator/base/calibration.h"
+#include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/export/calibration_export.h"
 #include "datasets/files/bad_input.h"
 #include "evaluate/session/load_session.h"
@@ -134,11 +135,6 @@ CameraMatch matchStated(const std::vector<StatedCamera>& wanted,
   return match;
 }
 
-std::vector<CameraCalibration> matchCameras(const Calibration& given, const std::string& path,
-                                            const Session& session) {
-  return matchCalibration(given, path, session).cameras;
-}
-
 Calibration matchCalibration(const Calibration& given, const std::string& path,
                              const Session& session) {
   if (session.cameras.empty()) return Calibration{{}, given.imu};
@@ -164,8 +160,8 @@ std::optional<bool> wasEstimatedFrom(const CalibrationExtras& from, const Loaded
   return from.input_hash == loaded.input_hash || from.input == loaded.session.name;
 }
 
-void refuseUnsupportedModels(const std::vector<CameraCalibration>& cameras,
-                             const std::string& path) {
+std::vector<CameraCalibration> readCameras(const std::string& path, const Session& session) {
+  auto cameras = matchCalibration(readCalibration(path), path, session).cameras;
   for (const CameraCalibration& camera : cameras) {
     const Intrinsics& k = camera.intrinsics;
     if (canBeCalibrated(k.projection_model, k.distortion_model)) continue;
@@ -174,6 +170,7 @@ void refuseUnsupportedModels(const std::vector<CameraCalibration>& cameras,
                                unsupportedModelText(toString(k.projection_model),
                                                     toString(k.distortion_model))));
   }
+  return cameras;
 }
 
 }  // namespace plumbline

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/calibration/calibration_reader.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
@@ -152,7 +151,7 @@ void compare(const Solution& solution, const Solution& base, const std::vector<d
 PerturbationRecord startRecord(const StudyInputs& inputs, const Solution& base) {
   PerturbationRecord record;
   // First: the findings go by the corners' noise.
-  record.assumptions = assumptionsOf(inputs.camera, inputs.camera_imu, *inputs.session);
+  record.assumptions = assumptionsOf(inputs.camera, inputs.camera_imu, inputs.session);
   for (const CalibrationParameter& p : namedParameters(base.calibration)) {
     record.parameters.push_back(p.name);
     record.units.push_back(p.unit);
@@ -198,9 +197,7 @@ StudyInputs inputsOf(const PerturbRequest& request, const Session& session) {
   // One for all cameras, as the command line has it.
   if (models.size() == 1) models.resize(session.cameras.size(), models.front());
   if (request.cameras_file) {
-    const std::string& file = *request.cameras_file;
-    inputs.cameras = matchCameras(readCalibration(file), file, session);
-    refuseUnsupportedModels(inputs.cameras, file);
+    inputs.cameras = readCameras(*request.cameras_file, session);
     inputs.cameras_fixed = true;
   }
   return inputs;
