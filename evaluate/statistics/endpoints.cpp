@@ -155,6 +155,17 @@ std::vector<double> valuesOf(const StudyRecord& record, const Endpoint& endpoint
                                : figureValues(record, endpoint, participant, methods);
 }
 
+/// In the order of their first sessions.
+std::vector<std::string> participantsOf(const StudyRecord& record) {
+  std::vector<std::string> names;
+  for (const StudySession& s : record.sessions) {
+    if (std::find(names.begin(), names.end(), s.participant) == names.end()) {
+      names.push_back(s.participant);
+    }
+  }
+  return names;
+}
+
 }  // namespace
 
 std::optional<int> periodOf(const StudyRecord& record, const std::string& participant,
@@ -212,16 +223,6 @@ std::optional<Endpoint> endpointOf(const StudyRecord& record, const std::string&
     if (!(*found.value > 0)) endpoint->ratio = false;
   }
   return endpoint;
-}
-
-std::vector<std::string> participantsOf(const StudyRecord& record) {
-  std::vector<std::string> names;
-  for (const StudySession& s : record.sessions) {
-    if (std::find(names.begin(), names.end(), s.participant) == names.end()) {
-      names.push_back(s.participant);
-    }
-  }
-  return names;
 }
 
 EndpointPairs pairsOf(const StudyRecord& record, const Endpoint& endpoint,

@@ -72,8 +72,7 @@ std::size_t outside(std::size_t n, double tail) {
   return 0;
 }
 
-}  // namespace
-
+/// Ranks from 1 on, ties with the mean of theirs.
 std::vector<double> midranks(const std::vector<double>& values) {
   const std::vector<std::size_t> order = ascending(values);
   std::vector<double> ranks(values.size());
@@ -85,6 +84,8 @@ std::vector<double> midranks(const std::vector<double>& values) {
   }
   return ranks;
 }
+
+}  // namespace
 
 SignedRank signedRank(const std::vector<double>& differences, double confidence) {
   assert(!differences.empty());

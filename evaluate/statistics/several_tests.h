@@ -19,9 +19,6 @@ struct SignedRank {
 /// ends are order statistics of the Walsh averages by the distribution without ties. Not empty.
 SignedRank signedRank(const std::vector<double>& differences, double confidence = 0.95);
 
-/// Ranks from 1 on, ties with the mean of theirs.
-std::vector<double> midranks(const std::vector<double>& values);
-
 /// Holm's step-down correction: p_(i) becomes max over j <= i of (m - j + 1) p_(j), at most 1. In
 /// the order given.
 std::vector<double> holm(const std::vector<double>& p);

@@ -83,10 +83,15 @@ void addHolm(std::vector<StudyEffect>& effects) {
   }
 }
 
+/// Endpoints that are looked at, where there are figures, beside those that the study declares.
+constexpr const char* kExploratory[] = {
+    "ate_m",     "held_out_rmse_px", "camera_entropy_nats", "camera_imu_entropy_nats",
+    "capture_s", "time_offset_std_s"};
+
 /// The declared ones first, in their order, then the exploratory ones; only those with figures.
 std::vector<Endpoint> endpointsOf(const StudyRecord& record) {
   std::vector<std::string> names = record.endpoints;
-  for (const std::string& name : exploratoryEndpoints()) {
+  for (const char* name : kExploratory) {
     if (!contains(names, name)) names.push_back(name);
   }
   std::vector<Endpoint> endpoints;
@@ -300,13 +305,6 @@ void addSentences(StudyRecord& record) {
 }
 
 }  // namespace
-
-const std::vector<std::string>& exploratoryEndpoints() {
-  static const std::vector<std::string> kNames = {
-      "ate_m",     "held_out_rmse_px", "camera_entropy_nats", "camera_imu_entropy_nats",
-      "capture_s", "time_offset_std_s"};
-  return kNames;
-}
 
 std::vector<std::string> unknownEndpoints(const StudyRecord& record) {
   std::vector<std::string> unknown;

@@ -53,9 +53,6 @@ bool isEndpoint(const std::string& name, const std::vector<CaptureStage>& stages
 std::optional<int> periodOf(const StudyRecord& record, const std::string& participant,
                             const std::string& method);
 
-/// In the order of their first sessions.
-std::vector<std::string> participantsOf(const StudyRecord& record);
-
 // Results in words, made once, with the values that stand beside them.
 
 /// "guided calibrations have 18 % lower ATE than free ones, 95 % interval 7 to 27 % (p = 0.003; 16
@@ -65,9 +62,6 @@ std::string effectSentence(const StudyEffect& effect, const std::string& words);
 std::string quadeSentence(const StudyQuade& quade, const std::string& words);
 
 std::string timeSentence(const StudyTimeDifference& time, double limit_s);
-
-/// Endpoints that are looked at, where there are figures, beside those that the study declares.
-const std::vector<std::string>& exploratoryEndpoints();
 
 /// Computes `statistics` from the rest of the record: each method's figures, the effect of every
 /// method against the first on every endpoint (Holm's correction over the declared ones), Quade's

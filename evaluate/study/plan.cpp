@@ -257,26 +257,12 @@ class Planner {
   }
 
   /// --target-shape of what comes after a calibration; of the calibration itself without one.
-  void addShape(StepBuilder& step, const Step* calibration) {
+  StepBuilder& addShape(StepBuilder& step, const Step* calibration) {
     step.words({"--target-shape"});
-    switch (study_.target_shape) {
-      case StudyTargetShape::kFlat:
-        step.words({"flat"});
-        break;
-      case StudyTargetShape::kFile:
-        step.reads(study_.target_shape_file);
-        break;
-      case StudyTargetShape::kOne:
-        step.shapeOf(*board_);
-        break;
-      case StudyTargetShape::kEach:
-        if (calibration == nullptr) {
-          step.words({"auto"});
-        } else {
-          step.shapeOf(*calibration);
-        }
-        break;
-    }
+    if (study_.target_shape == StudyTargetShape::kFlat) return step.words({"flat"});
+    if (study_.target_shape == StudyTargetShape::kFile) return step.reads(study_.target_shape_file);
+    if (study_.target_shape == StudyTargetShape::kOne) return step.shapeOf(*board_);
+    return calibration == nullptr ? step.words({"auto"}) : step.shapeOf(*calibration);
   }
 
   void addCalibration(const SessionEntry& s) {

@@ -136,21 +136,19 @@ void judgeEnd(const ProcessEnd& end, const Step& step, const fs::path& log, Step
   result.seconds = end.seconds;
   result.cpu_s = end.cpu_s;
   result.peak_mb = end.peak_mb;
+  std::string message = lastMessage(log);
   if (end.beyond_time) {
     fail(result, StepStatus::kLost,
          fmt::format("not done after {:g} s; limits: step_s in the study allows more",
                      step.limit_s));
   } else if (end.signal != 0) {
     fail(result, StepStatus::kLost,
-         fmt::format("ended by signal {} ({}){}", end.signal, strsignal(end.signal), [&] {
-           const std::string last = lastMessage(log);
-           return last.empty() ? "" : ": " + last;
-         }()));
+         fmt::format("ended by signal {} ({}){}", end.signal, strsignal(end.signal),
+                     message.empty() ? "" : ": " + message));
   } else if (end.exit_code != 0) {
     // 1 and 2 are what this program returns for what it refused or could not do, and it says why:
     // without a word there was no room for its log. A shell's command has its own codes, and all of
     // them count.
-    std::string message = lastMessage(log);
     const bool refused = step.kind == StepKind::kEstimate ||
                          ((end.exit_code == 1 || end.exit_code == 2) && !message.empty());
     if (message.empty()) message = fmt::format("exit code {}", end.exit_code);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -64,7 +65,7 @@ class LocalEngine {
       start();
       if (running_.empty()) break;
       std::vector<ChildProcess*> children;
-      for (const auto& r : running_) children.push_back(r->child.get());
+      for (const auto& [step, child] : running_) children.push_back(child.get());
       ChildProcess::waitForAny(children, kTellEvery);
       collect();
     }
@@ -72,11 +73,6 @@ class LocalEngine {
   }
 
  private:
-  struct Running {
-    std::size_t step;
-    std::unique_ptr<ChildProcess> child;
-  };
-
   enum class Need { kDone, kPending, kFailed };
   Need needOf(const Step& step) const {
     Need all = Need::kDone;
@@ -139,18 +135,17 @@ class LocalEngine {
     // The step's process watches over its command's limit itself and writes why it ended; this is
     // for one that hangs.
     request.limit_s = steps_[i].limit_s + kBeyondLimits;
-    running_.push_back(
-        std::make_unique<Running>(Running{i, std::make_unique<ChildProcess>(request)}));
+    running_.emplace_back(i, std::make_unique<ChildProcess>(request));
   }
 
   void collect() {
     for (auto it = running_.begin(); it != running_.end();) {
-      const auto end = (*it)->child->waitFor(0);
+      const auto end = it->second->waitFor(0);
       if (!end) {
         ++it;
         continue;
       }
-      const std::size_t step = (*it)->step;
+      const std::size_t step = it->first;
       it = running_.erase(it);
       finish(step, *end);
     }
@@ -209,7 +204,7 @@ class LocalEngine {
   std::map<std::string, std::vector<std::size_t>> dependents_;
   std::vector<double> urgency_;
   std::map<std::size_t, int> attempts_;
-  std::vector<std::unique_ptr<Running>> running_;
+  std::vector<std::pair<std::size_t, std::unique_ptr<ChildProcess>>> running_;  // by step
   NightProgress progress_;
   double total_s_ = 0, spent_s_ = 0, expected_s_ = 0;
 };
