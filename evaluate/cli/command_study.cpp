@@ -220,9 +220,7 @@ int study(const StudyOptions& o, const CLI::App& app) {
   }
   if (o.engine == "slurm") return runSlurm(o, std::move(night));
   NightTeller teller;
-  LocalEngineOptions local;
-  local.jobs = o.jobs;
-  const StepResults results = runLocally(night.folder, night.steps, local, teller.sink());
+  const StepResults results = runLocally(night.folder, night.steps, o.jobs, teller.sink());
   teller.clear();
   return finish(night, results, watch.seconds(), o, json);
 }

@@ -38,7 +38,8 @@ struct CounterfactualOptions {
 };
 
 /// How good would other choices from the same recording have been? Its frames are parted into a
-/// pool and held-out blocks (splitFrames()); the pool's are used in the order of each strategy:
+/// pool and held-out blocks (splitFrames(), unless `split` is given); the pool's are used in the
+/// order of each strategy:
 /// - "recorded": as they came;
 /// - "random": shuffled, one curve per seed;
 /// - "greedy-mi": each next frame has the highest mutual information with the cameras' parameters
@@ -59,12 +60,8 @@ struct CounterfactualOptions {
 /// Where nothing can be calibrated, Counterfactuals::problem says why. Throws InputError for models
 /// that cannot be calibrated, or options out of range.
 Counterfactuals counterfactuals(const Session& session, const std::vector<int>& guide_frames,
-                                const CounterfactualOptions& options = {});
-
-/// The same with frames chosen by the caller.
-Counterfactuals counterfactuals(const Session& session, const FrameSplit& split,
-                                const std::vector<int>& guide_frames,
-                                const CounterfactualOptions& options = {});
+                                const CounterfactualOptions& options = {},
+                                const std::optional<FrameSplit>& split = {});
 
 /// The orders of the strategies (names and seeds as CounterfactualOptions says), not yet evaluated.
 std::vector<CounterfactualCurve> strategyOrders(const ViewPool& pool,
@@ -81,12 +78,6 @@ std::vector<int> evaluatedViews(const std::vector<CounterfactualCurve>& curves,
 std::vector<CounterfactualCurve> evaluated(const ViewPool& pool,
                                            std::vector<CounterfactualCurve> curves,
                                            const std::vector<int>& views, int threads);
-
-/// Evaluated curves with views_needed to come to `target_px` or below for good: from the last
-/// number of views that misses it, the interval up to the next one is halved.
-std::vector<CounterfactualCurve> withViewsNeeded(const ViewPool& pool,
-                                                 std::vector<CounterfactualCurve> curves,
-                                                 double target_px, int threads);
 
 /// Quartiles over the seeds of each strategy, and each strategy's regret.
 std::vector<CounterfactualBand> bandsOf(const std::vector<CounterfactualCurve>& curves);

@@ -137,10 +137,6 @@ std::string stopWords(const ReplayRecord& record) {
   return words;
 }
 
-std::optional<std::string> suggestionsFile(const ReplayRequest& request) {
-  return request.suggestions ? request.suggestions : findSuggestions(request.load.session);
-}
-
 std::vector<Decision> play(Guide& guide, const std::vector<GuideFrame>& frames,
                            const ProgressSink& progress) {
   std::vector<Decision> decisions;
@@ -321,13 +317,15 @@ void ReplayRequest::check() const {
 ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progress) {
   asked.check();
   ReplayRequest request = asked;
+  const auto shown =
+      request.suggestions ? request.suggestions : findSuggestions(request.load.session);
   // Files that decide the result belong to its input hash.
-  for (const auto& file : {request.cameras_file, suggestionsFile(request)}) {
+  for (const auto& file : {request.cameras_file, shown}) {
     if (file) request.load.others.push_back(*file);
   }
   std::optional<std::vector<Suggestion>> suggestions;
   // Before the recording, whose images take long: a file that is wrong is told at once.
-  if (const auto file = suggestionsFile(request)) suggestions = readSuggestions(*file);
+  if (shown) suggestions = readSuggestions(*shown);
   const LoadedSession loaded = loadSession(request.load, progress);
   const Session& session = loaded.session;
   auto& models = request.camera.models;

@@ -160,8 +160,7 @@ std::optional<double> heldOutError(const Session& held_out,
                                    const std::vector<CameraCalibration>& cameras,
                                    const CameraStageOptions& options) {
   const auto scored = scoreCameras(held_out, cameras, options);
-  if (!scored) return std::nullopt;
-  return scored->summary.reprojection.rmse_px;
+  return scored ? std::optional(scored->summary.reprojection.rmse_px) : std::nullopt;
 }
 
 bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StoppingRuleOptions& options) {

@@ -41,10 +41,10 @@ constexpr std::size_t kFewSpacings = 3;
 // Finds the corners of one image after another, asking the cache first. One per thread.
 class Worker {
  public:
-  Worker(const AprilGrid& target, const DetectRequest& request, const CornerCache* cache)
-      : detector_(target, request.detector), cache_(cache) {}
+  Worker(const AprilGrid& target, const DetectorOptions& options, const CornerCache* cache)
+      : detector_(target, options), cache_(cache) {}
 
-  std::vector<Corner> corners(const std::string& path, const CameraStream& camera) {
+  Detection detect(const std::string& path, const CameraStream& camera) {
     // The stated size is part of the key: an image of another size is never answered from there.
     std::optional<std::string> key;
     if (cache_ != nullptr) {
@@ -57,28 +57,13 @@ class Worker {
       found = detector_.detect(image.view());
       if (key) cache_->store(*key, *found);
     }
-    if (found->spacing) spacings_.push_back(*found->spacing);
-    return std::move(found->corners);
+    return std::move(*found);
   }
 
-  /// As shown by the images, one each.
-  const std::vector<double>& spacings() const { return spacings_; }
-
  private:
-  std::vector<double> spacings_;
   AprilGridDetector detector_;
   const CornerCache* cache_;
 };
-
-std::optional<double> medianSpacing(const std::vector<std::unique_ptr<Worker>>& workers) {
-  std::vector<double> spacings;
-  for (const auto& worker : workers) {
-    if (!worker) continue;
-    spacings.insert(spacings.end(), worker->spacings().begin(), worker->spacings().end());
-  }
-  if (spacings.size() < kFewSpacings) return std::nullopt;
-  return median(std::move(spacings));
-}
 
 // Frames a second of camera 0; 0 where it has fewer than two.
 double frameRate(const Session& session) {
@@ -94,29 +79,35 @@ double frameRate(const Session& session) {
 
 }  // namespace
 
-std::optional<double> detectCorners(Recording& recording, const DetectRequest& request,
+std::optional<double> detectCorners(Recording& recording, const LoadRequest& request,
+                                    const std::optional<std::string>& cache_folder,
                                     const ProgressSink& progress) {
   // First: the search refuses images of another size, and the cache's keys hold the size.
   completeResolutions(recording);
   const auto tasks = imagesOf(recording);
   std::optional<CornerCache> cache;
-  if (request.cache) cache.emplace(*request.cache, recording.session.target, request.detector);
+  if (cache_folder) cache.emplace(*cache_folder, recording.session.target, request.detector);
   std::vector<std::unique_ptr<Worker>> workers(threadCount(request.threads));
+  std::vector<double> spacings;  // as shown by the images, one each
   std::mutex mutex;
   std::size_t done = 0;
   parallelFor(tasks.size(), request.threads, [&](int worker, std::size_t i) {
     // Made on the thread that uses it, and only there: a detector has memory of its own.
     auto& mine = workers[worker];
     if (!mine) {
-      mine = std::make_unique<Worker>(recording.session.target, request, cache ? &*cache : nullptr);
+      mine = std::make_unique<Worker>(recording.session.target, request.detector,
+                                      cache ? &*cache : nullptr);
     }
     const auto [c, v] = tasks[i];
     CameraStream& camera = recording.session.cameras[c];
-    camera.views[v].corners = mine->corners(recording.images[c][v].path, camera);
+    Detection found = mine->detect(recording.images[c][v].path, camera);
+    camera.views[v].corners = std::move(found.corners);
     const std::lock_guard lock(mutex);
+    if (found.spacing) spacings.push_back(*found.spacing);
     progress("finding corners", static_cast<double>(++done) / static_cast<double>(tasks.size()));
   });
-  return medianSpacing(workers);
+  if (spacings.size() < kFewSpacings) return std::nullopt;
+  return median(std::move(spacings));
 }
 
 void writeCornerSession(const Session& session, const std::filesystem::path& folder) {

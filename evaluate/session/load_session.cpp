@@ -148,8 +148,8 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   if (recording.needsDetection()) {
     const Stopwatch detecting;
     noteDeepImages(recording, request);
-    loaded.shown_spacing = detectCorners(
-        recording, {request.detector, usableCache(request, recording), request.threads}, progress);
+    loaded.shown_spacing =
+        detectCorners(recording, request, usableCache(request, recording), progress);
     loaded.detect_s = detecting.seconds();
   }
   for (const CameraStream& camera : recording.session.cameras) {

@@ -22,21 +22,6 @@
 
 namespace plumbline {
 
-struct DetectRequest {
-  DetectorOptions detector;
-  std::optional<std::string> cache;  ///< folder of found corners; empty: none is kept
-  int threads = 0;                   ///< 0: all cores
-};
-
-/// Finds the corners of every image of the recording and fills them into its views; a camera
-/// without stated resolution takes that of its first image. The result does not depend on the
-/// threads. Throws InputError for an unreadable image or one of another size than the camera's.
-///
-/// Returns the target's spacing (gap over tag size) as the images show it: their median, whether
-/// searched now or before; empty where fewer than 3 tell.
-std::optional<double> detectCorners(Recording& recording, const DetectRequest& request,
-                                    const ProgressSink& progress);
-
 /// Writes a session with its corners as a EuRoC folder that `plumbline calibrate` reads. Throws
 /// InputError where it cannot be written.
 void writeCornerSession(const Session& session, const std::filesystem::path& folder);
@@ -115,6 +100,17 @@ struct LoadedSession {
   double load_s = 0;                    ///< wall seconds of reading
   double detect_s = 0;                  ///< and of detection
 };
+
+/// Finds the corners of every image of the recording, as the request says but with the cache in
+/// this folder (empty: none is kept), and fills them into its views; a camera
+/// without stated resolution takes that of its first image. The result does not depend on the
+/// threads. Throws InputError for an unreadable image or one of another size than the camera's.
+///
+/// Returns the target's spacing (gap over tag size) as the images show it: their median, whether
+/// searched now or before; empty where fewer than 3 tell.
+std::optional<double> detectCorners(Recording& recording, const LoadRequest& request,
+                                    const std::optional<std::string>& cache_folder,
+                                    const ProgressSink& progress);
 
 /// "none", or "cauchy:SCALE" [px].
 std::string lossText(double cauchy_px);

@@ -157,9 +157,8 @@ class Judge {
     double was = 0;
     for (const auto& [night, value] : series.values) {
       if (!good.empty()) {
-        const std::size_t from = good.size() > window() ? good.size() - window() : 0;
-        const std::vector<double> recent(good.begin() + static_cast<std::ptrdiff_t>(from),
-                                         good.end());
+        const auto count = static_cast<std::ptrdiff_t>(std::min(good.size(), window()));
+        const std::vector<double> recent(good.end() - count, good.end());
         // What was done once can be done, however often it failed: the least in place of the
         // median, and no deviation.
         const double middle =

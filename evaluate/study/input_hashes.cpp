@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/input_hashes.h"
-
 #include <algorithm>
 #include <chrono>
 #include <fstream>
@@ -12,6 +10,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "evaluate/study/step.h"
 
 namespace plumbline {
 namespace {

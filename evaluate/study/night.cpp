@@ -15,7 +15,6 @@
 #include "evaluate/results/result_folder.h"
 #include "evaluate/results/text.h"
 #include "evaluate/statistics/study_statistics.h"
-#include "evaluate/study/input_hashes.h"
 #include "report/html/pages.h"
 #include "report/records/documents.h"
 #include "report/store/store.h"

@@ -11,7 +11,6 @@
 #include "datasets/files/file_io.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/definition.h"
-#include "evaluate/study/input_hashes.h"
 #include "evaluate/study/step.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 

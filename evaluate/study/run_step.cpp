@@ -15,7 +15,6 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/results/text.h"
-#include "evaluate/study/input_hashes.h"
 #include "evaluate/study/step.h"
 
 namespace plumbline {

@@ -27,16 +27,12 @@ using NightSink = std::function<void(const NightProgress&)>;
 std::map<std::string, double> estimateSeconds(const std::filesystem::path& night,
                                               const std::vector<Step>& steps);
 
-struct LocalEngineOptions {
-  int jobs = 0;      ///< processes at once; 0: all cores
-  int attempts = 3;  ///< at a step that is lost, though within its limits
-};
-
-/// Does the steps that are not settled, `jobs` at once, those first that with all that waits for
-/// them take longest; each on one thread, unless there are fewer steps than jobs. A step whose need
-/// failed is left out. Returns what settles or ended each step; steps left out have no result.
-StepResults runLocally(const std::filesystem::path& night, const std::vector<Step>& steps,
-                       const LocalEngineOptions& options, const NightSink& sink);
+/// Does the steps that are not settled, `jobs` at once (0: all cores), those first that with all
+/// that waits for them take longest; each on one thread, unless there are fewer steps than jobs. A
+/// step whose need failed is left out. Returns what settles or ended each step; steps left out have
+/// no result.
+StepResults runLocally(const std::filesystem::path& night, const std::vector<Step>& steps, int jobs,
+                       const NightSink& sink);
 
 /// Steps in stages: what is in one needs only what is in those before. Steps that are settled are
 /// left out.

@@ -19,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kAttempts = 3;           // at a step that is lost, though within its limits
 constexpr double kTellEvery = 1;       // [s]
 constexpr double kBeyondLimits = 120;  // [s] that a step's own process gets to end it
 
@@ -31,13 +32,12 @@ const std::map<StepKind, double> kGuessedS{{StepKind::kDetect, 60},    {StepKind
 
 class LocalEngine {
  public:
-  LocalEngine(const fs::path& night, const std::vector<Step>& steps,
-              const LocalEngineOptions& options, const NightSink& sink)
+  LocalEngine(const fs::path& night, const std::vector<Step>& steps, int jobs,
+              const NightSink& sink)
       : night_(night),
         steps_(steps),
-        options_(options),
         sink_(sink),
-        jobs_(static_cast<std::size_t>(threadCount(options.jobs))),
+        jobs_(static_cast<std::size_t>(threadCount(jobs))),
         seconds_(estimateSeconds(night, steps)),
         results_(settledResults(night, steps)) {
     for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -161,7 +161,7 @@ class LocalEngine {
     const bool lost =
         !result || (result->status == StepStatus::kLost && result->seconds < step.limit_s);
     // A step that hung beyond all limits would do so again, for as long.
-    if (lost && !end.beyond_time && attempts_[i] < options_.attempts) {
+    if (lost && !end.beyond_time && attempts_[i] < kAttempts) {
       waiting_.insert(i);
       return;
     }
@@ -194,7 +194,6 @@ class LocalEngine {
 
   const fs::path night_;
   const std::vector<Step>& steps_;
-  const LocalEngineOptions options_;
   const NightSink& sink_;
   const std::size_t jobs_;
   const std::map<std::string, double> seconds_;
@@ -230,9 +229,9 @@ std::map<std::string, double> estimateSeconds(const fs::path& night,
   return seconds;
 }
 
-StepResults runLocally(const fs::path& night, const std::vector<Step>& steps,
-                       const LocalEngineOptions& options, const NightSink& sink) {
-  return LocalEngine(night, steps, options, sink).run();
+StepResults runLocally(const fs::path& night, const std::vector<Step>& steps, int jobs,
+                       const NightSink& sink) {
+  return LocalEngine(night, steps, jobs, sink).run();
 }
 
 std::vector<std::vector<Step>> unsettledStages(const fs::path& night,

@@ -108,14 +108,14 @@ TEST(Counterfactuals, GreedyInformationIsSurestAtEveryNumberOfViews) {
 TEST(Counterfactuals, ViewsNeededAreTheFewestThatStayWithinTenPercent) {
   // Exact corners held out: their error is the calibration's own.
   const test::SimulatedPool pool = test::simulatedPool(0, {120, 60, 20});
-  const Counterfactuals found = counterfactuals(pool.session, pool.split, {}, quick());
+  const Counterfactuals found = counterfactuals(pool.session, {}, quick(), pool.split);
   const double target = 1.1 * found.full_pool_held_out_px;
   for (const char* strategy : {"recorded", "random"}) {
     const int needed = curveOf(found, strategy).views_needed.value();
     ASSERT_GT(needed, 5) << "a recording too easy to tell";
     CounterfactualOptions closer = quick();
     closer.views = {needed - 1, needed};
-    const Counterfactuals again = counterfactuals(pool.session, pool.split, {}, closer);
+    const Counterfactuals again = counterfactuals(pool.session, {}, closer, pool.split);
     const CounterfactualCurve& there = curveOf(again, strategy);
     const auto at = [&](int views) {
       const auto place = std::find(there.views.begin(), there.views.end(), views);

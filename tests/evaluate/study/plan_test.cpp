@@ -7,7 +7,6 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/study/engine/engines.h"
-#include "evaluate/study/input_hashes.h"
 #include "tests/evaluate/study/study_files.h"
 
 namespace plumbline {
