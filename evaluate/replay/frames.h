@@ -86,10 +86,10 @@ struct ReplayRun {
 };
 
 /// The items at some positions.
-template <class Item>
-std::vector<Item> itemsAt(const std::vector<Item>& items, const std::vector<int>& positions) {
+template <class Item, class Position>
+std::vector<Item> itemsAt(const std::vector<Item>& items, const std::vector<Position>& positions) {
   std::vector<Item> some;
-  for (const int i : positions) some.push_back(items[i]);
+  for (const Position i : positions) some.push_back(items[i]);
   return some;
 }
 

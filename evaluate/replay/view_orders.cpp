@@ -168,21 +168,15 @@ class Online {
       step(static_cast<int>(most - before));
       if (used_.size() == before) break;  // all that is left is bad
     }
-    for (const std::size_t i : used_) out_.order.push_back(frames_[i]);
+    out_.order = itemsAt(frames_, used_);
     return std::move(out_);
   }
 
  private:
-  std::vector<int> framesUsed() const {
-    std::vector<int> frames;
-    for (const std::size_t i : used_) frames.push_back(frames_[i]);
-    return frames;
-  }
-
   void step(int most) {
     const int views = static_cast<int>(used_.size());
     const int count = std::min(most, viewsUntilRefresh(views));
-    const auto solution = views > 0 ? pool_.solve(framesUsed()) : std::nullopt;
+    const auto solution = views > 0 ? pool_.solve(itemsAt(frames_, used_)) : std::nullopt;
     // Too few views, or too much alike: one more is taken blindly.
     if (!solution) return addNext();
     const Candidates candidates(pool_, solution->estimate, frames_);

@@ -84,24 +84,22 @@ class TwoGroups {
   std::vector<char> mask_;
 };
 
-/// Mean of the differences whose sign the bits turn.
-void addFlips(const std::vector<double>& differences, const std::vector<char>& flips,
-              Crossings& crossings) {
-  double sum = 0, count = 0;
-  for (std::size_t i = 0; i < differences.size(); ++i) {
-    if (flips[i] != 0) sum += differences[i], ++count;
-  }
-  crossings.add(sum, count);
-}
-
 /// All 2^n signs by the bits of a number, or drawn ones; the identity is among them.
 Crossings flipped(const std::vector<double>& differences, const PermutationOptions& options) {
   std::vector<char> flips(differences.size(), 0);
+  // The mean of the differences whose sign is turned.
+  const auto add_to = [&](Crossings& crossings) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < differences.size(); ++i) {
+      if (flips[i] != 0) sum += differences[i], ++count;
+    }
+    crossings.add(sum, count);
+  };
   if (std::exp2(differences.size()) <= static_cast<double>(options.enumerated_up_to)) {
     Crossings crossings{{}, 0, true};
     for (std::uint64_t bits = 0; bits >> differences.size() == 0; ++bits) {
       for (std::size_t i = 0; i < flips.size(); ++i) flips[i] = static_cast<char>(bits >> i & 1U);
-      addFlips(differences, flips, crossings);
+      add_to(crossings);
     }
     return crossings;
   }
@@ -109,7 +107,7 @@ Crossings flipped(const std::vector<double>& differences, const PermutationOptio
   RandomIndex random(options.seed);
   for (std::uint64_t i = 0; i < options.drawn; ++i) {
     for (char& flip : flips) flip = static_cast<char>(random(2));
-    addFlips(differences, flips, crossings);
+    add_to(crossings);
   }
   return crossings;
 }

@@ -111,15 +111,6 @@ Result<Solution> solve(const StudyInputs& inputs, PerturbedInputs changed) {
   return both;
 }
 
-PerturbationCase describe(const Perturbation& p) {
-  PerturbationCase c;
-  c.kind = toString(p.kind);
-  c.amount = p.amount;
-  c.unit = unitOf(p.kind);
-  c.seed = isRandom(p.kind) ? p.seed : 0;
-  return c;
-}
-
 void fill(const Solution& solution, PerturbationCase& c) {
   c.rmse_px = solution.summary.reprojection.rmse_px;
   c.frames = static_cast<int>(solution.frame_stamps.size());
@@ -165,7 +156,11 @@ PerturbationRecord startRecord(const StudyInputs& inputs, const Solution& base) 
 
 PerturbationCase runCase(const StudyInputs& inputs, const Perturbation& p, const Solution& base,
                          const std::vector<double>& base_std) {
-  PerturbationCase c = describe(p);
+  PerturbationCase c;
+  c.kind = toString(p.kind);
+  c.amount = p.amount;
+  c.unit = unitOf(p.kind);
+  c.seed = isRandom(p.kind) ? p.seed : 0;
   PerturbedInputs changed = perturbed(inputs, p);
   // Shifted samples cover other frames at the ends; the base's frames keep the comparison to the
   // same measurements.
