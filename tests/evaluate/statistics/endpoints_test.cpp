@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which figure of a participant is compared, and on which scale (docs/study_statistics.md).
-#include "evaluate/statistics/study_statistics.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "evaluate/statistics/study_statistics.h"
 
 namespace plumbline {
 namespace {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What each perturbation does to the inputs of a calibration, and which amounts are refused.
-#include "evaluate/studies/perturbation_study.h"
-
 #include <cmath>
 #include <limits>
 
@@ -10,6 +8,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/simulate/simulate_session.h"
+#include "evaluate/studies/perturbation_study.h"
 
 namespace plumbline {
 namespace {

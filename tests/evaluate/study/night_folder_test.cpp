@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whose folder a night takes, and what it removes there of nights that were killed.
-#include "evaluate/study/night.h"
-
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -18,6 +16,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/workplace.h"
+#include "evaluate/study/night.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"
 
