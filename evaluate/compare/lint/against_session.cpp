@@ -1,20 +1,128 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/batch/camera_imu/start.h"
+#include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_sanity.h"
 #include "evaluate/compare/lint/rules.h"
 #include "evaluate/metrics/failure_text.h"
 
-namespace plumbline {
+namespace plumbline::lint {
 namespace {
 
-using lint::bad;
+// ---- what corners and samples say
+
+constexpr TimeNs kSameTime = 2'000'000;  // [ns]
+// For the median to bear two wrong poses.
+constexpr std::size_t kFewestPairs = 5;
+constexpr double kGaussianQuartile = 0.6745;  // median of |x| for unit normal x
+constexpr std::size_t kViewsForRms = 50;
+
+double medianOf(const std::vector<Transform>& all, double (*value)(const Transform&, int), int i) {
+  std::vector<double> values;
+  for (const Transform& T : all) values.push_back(value(T, i));
+  return median(std::move(values));
+}
+
+/// Poses have the stamps of the views that they were computed from, so that stamps are equal.
+const ImageView* viewAt(const CameraStream& camera, TimeNs t) {
+  const auto at = std::lower_bound(camera.views.begin(), camera.views.end(), t,
+                                   [](const ImageView& v, TimeNs time) { return v.t < time; });
+  return at != camera.views.end() && at->t == t ? &*at : nullptr;
+}
+
+/// Poses T_FC of one camera of a session by its corners alone (camera 0 of each CameraPose is this
+/// camera).
+std::vector<CameraPose> posesOf(const Session& session, std::size_t camera,
+                                const Intrinsics& intrinsics) {
+  Session one;
+  one.target = session.target;
+  // A session of this camera alone, so that no other one shares its poses.
+  one.cameras = {session.cameras[camera]};
+  CameraCalibration calibration;
+  calibration.intrinsics = intrinsics;
+  const std::vector<PackedCorners> corners{PackedCorners(one.target, one.cameras[0].views)};
+  return poseFrames(one, corners, {calibration}, CameraImuOptions()).poses;
+}
+
+/// Pause between neighbouring poses [s] beyond which they give no rate: two and a half median
+/// intervals, so that rates are taken across one lost frame, not across two.
+double longestGap(const std::vector<CameraPose>& poses) {
+  std::vector<double> intervals;
+  for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
+    intervals.push_back(secondsBetween(poses[i].t, poses[i + 1].t));
+  }
+  return intervals.empty() ? 0 : 2.5 * median(std::move(intervals));
+}
+
+/// T_C0Ck = T_FC0^-1 T_FCk of views at one time; medians of the components of t and Log(R), so that
+/// single wrong poses do not matter. Log is cut at half a turn: of a camera that is mounted upside
+/// down its medians say little. Nothing where fewer than 5 frames have both.
+std::optional<Transform> medianBaseline(const std::vector<CameraPose>& camera_0,
+                                        const std::vector<CameraPose>& camera_k) {
+  std::vector<Transform> all;
+  for (const CameraPose& a : camera_0) {
+    const auto b = std::lower_bound(camera_k.begin(), camera_k.end(), a.t - kSameTime,
+                                    [](const CameraPose& p, TimeNs t) { return p.t < t; });
+    if (b == camera_k.end() || b->t > a.t + kSameTime) continue;
+    all.push_back(a.T_FC0.inverse() * b->T_FC0);
+  }
+  if (all.size() < kFewestPairs) return std::nullopt;
+  const auto t_of = [](const Transform& T, int i) { return T.t(i); };
+  const auto r_of = [](const Transform& T, int i) { return logSO3(T.R)(i); };
+  Eigen::Vector3d t;
+  Eigen::Vector3d r;
+  for (int i = 0; i < 3; ++i) {
+    t(i) = medianOf(all, t_of, i);
+    r(i) = medianOf(all, r_of, i);
+  }
+  return Transform(expSO3(r), t);
+}
+
+/// RMS reprojection error [px] of a camera's corners under those poses, over every few views.
+double reprojectionRms(const Session& session, std::size_t camera, const Intrinsics& intrinsics,
+                       const std::vector<CameraPose>& poses) {
+  double sum = 0;
+  int count = 0;
+  const std::vector<Eigen::Vector3d> points = cornerPoints(session.target);
+  const std::size_t step = std::max<std::size_t>(1, poses.size() / kViewsForRms);
+  for (std::size_t i = 0; i < poses.size(); i += step) {
+    const ImageView* view = viewAt(session.cameras[camera], poses[i].t);
+    if (view == nullptr) continue;
+    const Transform T_CF = poses[i].T_FC0.inverse();
+    for (const Corner& corner : view->corners) {
+      const auto uv = project(intrinsics, T_CF * points[static_cast<std::size_t>(corner.id)]);
+      if (!uv) continue;
+      sum += (*uv - corner.uv).squaredNorm();
+      ++count;
+    }
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+/// An upper bound for the white noise of one sample, of the gyroscope [rad/s] or the accelerometer
+/// [m/s^2]: by second differences, in which constant and linear motion cancel: of white noise s
+/// their variance is (1 + 4 + 1) s^2. The median bears spikes. What motion bends within two
+/// intervals stays in.
+double sampleNoise(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample::*column) {
+  std::vector<double> differences;
+  for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
+    const Eigen::Vector3d d =
+        samples[i + 1].*column - 2 * (samples[i].*column) + samples[i - 1].*column;
+    for (const double component : d) differences.push_back(std::abs(component));
+  }
+  if (differences.empty()) return 0;
+  return median(std::move(differences)) / kGaussianQuartile / std::sqrt(6.0);
+}
 
 // ---- cameras
 
@@ -33,33 +141,32 @@ Assignment assign(const std::vector<CameraCalibration>& cameras, const Session& 
   Assignment assignment;
   for (std::size_t i = 0; i < 2; ++i) {
     const Intrinsics& k = cameras[i].intrinsics;
-    poses[i] = lint::posesOf(session, streams[i], k);
-    assignment.rms_px += lint::reprojectionRms(session, streams[i], k, poses[i]);
+    poses[i] = posesOf(session, streams[i], k);
+    assignment.rms_px += reprojectionRms(session, streams[i], k, poses[i]);
   }
-  assignment.T_C0C1 = lint::medianBaseline(poses[0], poses[1]);
+  assignment.T_C0C1 = medianBaseline(poses[0], poses[1]);
   return assignment;
 }
 
 /// Within the tolerances of equal transforms; of a long baseline within three tenths of it.
-bool isNear(const Transform& a, const Transform& b, const LintOptions& options) {
-  const lint::Distance d = lint::distanceBetween(a, b);
-  return d.rotation_rad < options.same_rotation_rad &&
-         d.translation_m < std::max(options.same_translation_m, 0.3 * a.t.norm());
+bool isNear(const Transform& a, const Transform& b) {
+  const Distance d = distanceBetween(a, b);
+  return d.rotation_rad < kSameRotation_rad &&
+         d.translation_m < std::max(kSameTranslation_m, 0.3 * a.t.norm());
 }
 
-std::vector<Finding> orderFault(const LintedCalibration& linted, const Session& session,
-                                const LintOptions& options) {
+std::vector<Finding> orderFault(const LintedCalibration& linted, const Session& session) {
   const auto& cameras = linted.calibration.cameras;
   if (cameras.size() < 2 || session.cameras.size() < 2) return {};
   const Transform& given = cameras[1].T_C0Ci;
   // Exchanged cameras show an inverse baseline as well, so the exchange is asked about before it.
   const Assignment straight = assign(cameras, session, false);
-  if (!straight.T_C0C1 || isNear(given, *straight.T_C0C1, options)) return {};
+  if (!straight.T_C0C1 || isNear(given, *straight.T_C0C1)) return {};
   // Only now, as every assignment solves for the poses of all views of two cameras.
   const Assignment turned = assign(cameras, session, true);
   const bool swapped =
-      turned.T_C0C1 && isNear(given, *turned.T_C0C1, options) && turned.rms_px < straight.rms_px;
-  if (!swapped && !lint::isInverse(given, *straight.T_C0C1, options)) return {};
+      turned.T_C0C1 && isNear(given, *turned.T_C0C1) && turned.rms_px < straight.rms_px;
+  if (!swapped && !isInverse(given, *straight.T_C0C1)) return {};
   const Eigen::Vector3d stated = 1e3 * given.t;
   const Eigen::Vector3d seen = 1e3 * straight.T_C0C1->t;
   return {
@@ -70,7 +177,7 @@ std::vector<Finding> orderFault(const LintedCalibration& linted, const Session& 
                       swapped ? ", and fit the intrinsics better when exchanged" : ""),
           swapped ? fmt::format("exchange cam0 and cam1 in {}", linted.name)
                   : fmt::format("invert T_cn_cnm1 of cam1 in {}", linted.name),
-          {stated.norm(), 1e3 * options.same_translation_m, "mm"})};
+          {stated.norm(), 1e3 * kSameTranslation_m, "mm"})};
 }
 
 // ---- IMU
@@ -86,7 +193,7 @@ struct Alignment {
 std::optional<Alignment> alignmentOf(const std::vector<CameraPose>& poses,
                                      std::span<const ImuSample> samples) {
   const GyroIntegral gyro(samples);
-  const auto estimate = estimateTimeOffset(cameraRates(poses, lint::longestGap(poses)), gyro);
+  const auto estimate = estimateTimeOffset(cameraRates(poses, longestGap(poses)), gyro);
   if (!estimate) return std::nullopt;
   Alignment alignment{*estimate, {}};
   const RateAlignment& rates = alignment.rates.alignment;
@@ -106,7 +213,7 @@ std::vector<Finding> gyroFault(const std::string& name, const RateAlignment& rat
 }
 
 Finding invertedFinding(const LintedCalibration& linted, const std::string& evidence,
-                        const lint::Measured& measured) {
+                        const Measured& measured) {
   return bad("Inverted transform", linted.name + ": " + evidence,
              fmt::format("invert T_cam_imu (T_SC0) in {}: Kalibr's maps IMU to camera, ours camera "
                          "to IMU",
@@ -116,41 +223,39 @@ Finding invertedFinding(const LintedCalibration& linted, const std::string& evid
 
 /// Whether the lever arm agrees with the recording once T_SC0 is inverted, and better than as it
 /// stands. Where the recording gives none it says nothing against it.
-bool leverArmAllowsInverse(const Transform& T_SC0, const std::optional<InertialAlignment>& inertial,
-                           const LintOptions& options) {
+bool leverArmAllowsInverse(const Transform& T_SC0,
+                           const std::optional<InertialAlignment>& inertial) {
   if (!inertial) return true;
   const double direct = (inertial->t_SC0 - T_SC0.t).norm();
   const double inverse = (inertial->t_SC0 - T_SC0.inverse().t).norm();
-  return inverse < std::max(options.same_translation_m, 0.5 * T_SC0.t.norm()) && inverse < direct;
+  return inverse < std::max(kSameTranslation_m, 0.5 * T_SC0.t.norm()) && inverse < direct;
 }
 
 // A rotation near the identity or half a turn is its own inverse: the lever arm decides.
-bool leverArmIsInverted(const Transform& T_SC0, const InertialAlignment& inertial,
-                        const LintOptions& options) {
+bool leverArmIsInverted(const Transform& T_SC0, const InertialAlignment& inertial) {
   const double direct = (inertial.t_SC0 - T_SC0.t).norm();
   const double inverse = (inertial.t_SC0 - T_SC0.inverse().t).norm();
-  return direct > options.same_translation_m && direct > 3 * inverse;
+  return direct > kSameTranslation_m && direct > 3 * inverse;
 }
 
 /// The rotation first, which rates determine well; the lever arm only where the rotation says
 /// nothing about the direction, as it is its own inverse.
-std::vector<Finding> transformFault(const LintedCalibration& linted, const Alignment& alignment,
-                                    const LintOptions& options) {
+std::vector<Finding> transformFault(const LintedCalibration& linted, const Alignment& alignment) {
   const Transform& T_SC0 = linted.calibration.imu->T_SC0;
   const Eigen::Matrix3d& R = alignment.rates.alignment.R_SC0;
   const double direct = rotationAngle(T_SC0.R.transpose() * R);
   // Of R_SC0^T against the recording's R: (R_SC0^T)^T R.
   const double inverse = rotationAngle(T_SC0.R * R);
-  const lint::Measured angle{direct, options.rotation_tolerance_rad, "rad"};
-  if (direct > options.rotation_tolerance_rad) {
+  const Measured angle{direct, kRotationTolerance_rad, "rad"};
+  if (direct > kRotationTolerance_rad) {
     const std::string text = fmt::format(
         "T_SC0 differs by {:.1f} degrees from the rotation that gyroscope and camera rates give, "
         "its inverse by {:.1f}",
         direct / kDegree, inverse / kDegree);
     // A rotation about the right axis by half a turn more is near the inverse, too: the lever arm
     // and what the file says of its other cameras have to agree with an inversion.
-    if (inverse < options.rotation_tolerance_rad && !linted.imu_places_agree &&
-        leverArmAllowsInverse(T_SC0, alignment.inertial, options)) {
+    if (inverse < kRotationTolerance_rad && !linted.imu_places_agree &&
+        leverArmAllowsInverse(T_SC0, alignment.inertial)) {
       return {invertedFinding(linted, text, angle)};
     }
     return {
@@ -159,9 +264,8 @@ std::vector<Finding> transformFault(const LintedCalibration& linted, const Align
                         linted.name),
             angle)};
   }
-  const bool own_inverse = inverse < options.rotation_tolerance_rad && !linted.imu_places_agree;
-  if (own_inverse && alignment.inertial &&
-      leverArmIsInverted(T_SC0, *alignment.inertial, options)) {
+  const bool own_inverse = inverse < kRotationTolerance_rad && !linted.imu_places_agree;
+  if (own_inverse && alignment.inertial && leverArmIsInverted(T_SC0, *alignment.inertial)) {
     const Eigen::Vector3d seen = 1e3 * alignment.inertial->t_SC0;
     return {invertedFinding(linted,
                             fmt::format("according to the recording camera 0 is at ({:.0f}, "
@@ -174,14 +278,13 @@ std::vector<Finding> transformFault(const LintedCalibration& linted, const Align
 
 /// Correlation gives t_d in the sign of t_imu = t_cam + t_d. An offset that is milliseconds by its
 /// size is a finding of the file alone.
-std::vector<Finding> offsetFault(const LintedCalibration& linted, double seen,
-                                 const LintOptions& options) {
+std::vector<Finding> offsetFault(const LintedCalibration& linted, double seen) {
   if (!linted.offset_known) return {};
   // Camera 0's, for the rates that were correlated are camera 0's.
   const double given = linted.calibration.imu->timeOffset();
   const double off = std::abs(given - seen);
-  if (off <= options.offset_tolerance_s || std::abs(given) > options.max_offset_s) return {};
-  const bool flipped = std::abs(given + seen) <= options.offset_tolerance_s;
+  if (off <= kOffsetTolerance_s || std::abs(given) > kMaxOffset_s) return {};
+  const bool flipped = std::abs(given + seen) <= kOffsetTolerance_s;
   return {bad(
       flipped ? "Flipped time offset" : "Contradicting time offset",
       fmt::format("{}: the time offset is {:.3f} ms; correlating gyroscope and camera rates "
@@ -192,24 +295,23 @@ std::vector<Finding> offsetFault(const LintedCalibration& linted, double seen,
               : fmt::format("the time offset in {} is not this recording's: stamps of another "
                             "driver or session",
                             linted.name),
-      {off, options.offset_tolerance_s, "s"})};
+      {off, kOffsetTolerance_s, "s"})};
 }
 
-std::vector<Finding> noiseFault(const LintedCalibration& linted, const ImuStream& imu,
-                                const LintOptions& options) {
+std::vector<Finding> scatterFault(const LintedCalibration& linted, const ImuStream& imu) {
   if (!linted.noise_known) return {};
   const ImuNoise& noise = linted.calibration.imu->noise;
   // A density n has samples of deviation n sqrt(rate). Their scatter holds motion and vibration
   // besides noise, so it bounds the noise from above; without any scatter it says nothing.
   const double root = 1 / std::sqrt(medianSampleInterval(imu.samples));
   const auto ratio = [&](double density, Eigen::Vector3d ImuSample::*column) {
-    const double scatter = lint::sampleNoise(imu.samples, column);
+    const double scatter = sampleNoise(imu.samples, column);
     return scatter > 0 ? density * root / scatter : 0;
   };
   const double gyro = ratio(noise.gyro_density, &ImuSample::gyro);
   const double accel = ratio(noise.accel_density, &ImuSample::accel);
   const double worst = std::max(gyro, accel);
-  if (!(worst > options.noise_factor)) return {};
+  if (!(worst > kNoiseFactor)) return {};
   return {bad("Noise densities",
               fmt::format("{}: the stated noise is {:.1f} (gyroscope) and {:.1f} (accelerometer) "
                           "times the upper bound from the samples' scatter",
@@ -217,57 +319,55 @@ std::vector<Finding> noiseFault(const LintedCalibration& linted, const ImuStream
               fmt::format("check the noise densities in {}: discrete-time ones are too large by "
                           "the root of the rate ({:.1f}), those in degrees by 57",
                           linted.name, root),
-              {worst, options.noise_factor, "x"})};
+              {worst, kNoiseFactor, "x"})};
 }
 
-/// A translation in other units is a finding of the file alone; what follows would restate it.
-bool hasOddTranslation(const LintedCalibration& linted, const LintOptions& options) {
-  return linted.calibration.imu->T_SC0.t.norm() > options.max_baseline_m;
-}
-
-std::vector<Finding> imuFaults(const LintedCalibration& linted, const ImuStream& imu,
-                               const std::vector<CameraPose>& poses, const LintOptions& options) {
-  std::vector<Finding> found = noiseFault(linted, imu, options);
-  const auto alignment = alignmentOf(poses, imu.samples);
-  if (!alignment || hasOddTranslation(linted, options)) return found;
+std::vector<Finding> imuFaults(const LintedCalibration& linted, const Session& session) {
+  std::vector<Finding> found = scatterFault(linted, *session.imu);
+  // A translation in other units is a finding of the file alone; what follows would restate it.
+  if (linted.calibration.imu->T_SC0.t.norm() > kMaxBaseline_m) return found;
+  const auto poses = posesOf(session, 0, linted.calibration.cameras[0].intrinsics);
+  const auto alignment = alignmentOf(poses, session.imu->samples);
+  if (!alignment) return found;
   const std::vector<Finding> rates = gyroFault(linted.name, alignment->rates.alignment);
   append(found, rates);
   // With rates that contradict each other, or hardly vary, neither rotation nor offset can be
   // judged.
   if (!rates.empty() || checkExcitation(alignment->rates.alignment)) return found;
-  append(found, transformFault(linted, *alignment, options));
-  append(found, offsetFault(linted, alignment->rates.offset_s, options));
+  append(found, transformFault(linted, *alignment));
+  append(found, offsetFault(linted, alignment->rates.offset_s));
   return found;
 }
 
 /// From what poses stand on to what stands on poses: exchanged cameras make the rates wrong; each
 /// is reported alone.
 std::vector<Finding> faultsOf(const LintedCalibration& linted, const Session& session,
-                              bool samples_are_sane, const LintOptions& options) {
+                              bool samples_are_sane) {
   const auto& cameras = linted.calibration.cameras;
   if (cameras.empty() || session.cameras.empty()) return {};
-  const auto poses = lint::posesOf(session, 0, cameras[0].intrinsics);
-  std::vector<Finding> found = orderFault(linted, session, options);
+  std::vector<Finding> found = orderFault(linted, session);
   const bool imu = linted.calibration.imu && session.imu && samples_are_sane;
-  if (found.empty() && imu) found = imuFaults(linted, *session.imu, poses, options);
-  return found;
+  return found.empty() && imu ? imuFaults(linted, session) : found;
 }
 
 }  // namespace
+}  // namespace plumbline::lint
+
+namespace plumbline {
 
 std::vector<Finding> lintAgainstSession(std::span<const LintedCalibration> calibrations,
-                                        const Session& session, const LintOptions& options) {
+                                        const Session& session) {
   std::vector<Finding> found;
   const auto failure =
       session.imu ? checkSampleUnits(session.imu->samples) : std::optional<Failure>();
   if (failure) {
     const FailureText text = textOf(*failure);
-    found.push_back(
-        bad("Columns and units of the IMU", session.name + ": " + text.message, text.cure, {}));
+    found.push_back(lint::bad("Columns and units of the IMU", session.name + ": " + text.message,
+                              text.cure, {}));
   }
   for (const LintedCalibration& linted : calibrations) {
     // Samples in other units contradict every calibration: its IMU is not asked about then.
-    append(found, faultsOf(linted, session, !failure, options));
+    append(found, lint::faultsOf(linted, session, !failure));
   }
   return found;
 }

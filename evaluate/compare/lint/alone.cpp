@@ -32,21 +32,20 @@ bool isOneDevice(const Calibration& calibration) {
 
 // ---- translations
 
-Finding millimetres(const LintedCalibration& linted, const std::string& field, double length,
-                    const LintOptions& options) {
+Finding millimetres(const LintedCalibration& linted, const std::string& field, double length) {
   return bad("Millimetres for metres",
              fmt::format("{}: the translation of {} is {:.4g} m long; in millimetres it would be "
                          "{:.4g} m",
                          linted.name, field, length, 1e-3 * length),
              fmt::format("divide the translation of {} in {} by 1000", field, linted.name),
-             {length, options.max_baseline_m, "m"});
+             {length, kMaxBaseline_m, "m"});
 }
 
-std::vector<Finding> translationUnits(const LintedCalibration& linted, const LintOptions& options) {
+std::vector<Finding> translationUnits(const LintedCalibration& linted) {
   std::vector<Finding> found;
   const auto check = [&](const std::string& field, const Transform& T) {
-    if (T.t.norm() > options.max_baseline_m) {
-      found.push_back(millimetres(linted, field, T.t.norm(), options));
+    if (T.t.norm() > kMaxBaseline_m) {
+      found.push_back(millimetres(linted, field, T.t.norm()));
     }
   };
   for (const CameraCalibration& camera : linted.calibration.cameras) {
@@ -56,15 +55,14 @@ std::vector<Finding> translationUnits(const LintedCalibration& linted, const Lin
   return found;
 }
 
-std::vector<Finding> leverArm(const LintedCalibration& linted, const LintOptions& options) {
+std::vector<Finding> leverArm(const LintedCalibration& linted) {
   const Calibration& c = linted.calibration;
   if (!c.imu || c.cameras.empty()) return {};
   // Within one housing the longest baseline says how large it is, and the IMU cannot be far
   // outside.
   const bool device = isOneDevice(c);
   const double bound =
-      device ? std::max(options.device_lever_arm_m, options.device_baselines * longestBaseline(c))
-             : options.max_lever_arm_m;
+      device ? std::max(kDeviceLeverArm_m, kDeviceBaselines * longestBaseline(c)) : kMaxLeverArm_m;
   const double arm = c.imu->T_SC0.t.norm();
   if (arm <= bound) return {};
   return {bad("Impossible lever arm",
@@ -91,13 +89,13 @@ double impliedScale(const Intrinsics& k) {
 
 /// Uncropped images have it near their middle; another resolution moves it off by its factor.
 std::vector<Finding> principalPoint(const LintedCalibration& linted,
-                                    const CameraCalibration& camera, const LintOptions& options) {
+                                    const CameraCalibration& camera) {
   const Intrinsics& k = camera.intrinsics;
   const Eigen::Index n = k.projection.size();
   const double x = k.projection(n - 2) / (k.resolution.width - 1) - 0.5;
   const double y = k.projection(n - 1) / (k.resolution.height - 1) - 0.5;
   const double shift = std::max(std::abs(x), std::abs(y));
-  if (shift <= options.max_principal_shift) return {};
+  if (shift <= kMaxPrincipalShift) return {};
   const double scale = impliedScale(k);
   return {bad(
       "Resolution and principal point",
@@ -109,24 +107,24 @@ std::vector<Finding> principalPoint(const LintedCalibration& linted,
       fmt::format("check resolution and intrinsics of {} in {}: one of them belongs to scaled or "
                   "cropped images",
                   camera.name, linted.name),
-      {shift, options.max_principal_shift, "share"})};
+      {shift, kMaxPrincipalShift, "share"})};
 }
 
 // ---- IMU
 
-std::vector<Finding> offsetUnit(const LintedCalibration& linted, const LintOptions& options) {
+std::vector<Finding> offsetUnit(const LintedCalibration& linted) {
   const double offset = meanTimeOffset(*linted.calibration.imu);
-  if (std::abs(offset) <= options.max_offset_s) return {};
+  if (std::abs(offset) <= kMaxOffset_s) return {};
   return {bad("Milliseconds for seconds",
               fmt::format("{}: the time offset is {:.4g} s; in milliseconds it would be {:.4g} s",
                           linted.name, offset, 1e-3 * offset),
               fmt::format("divide timeshift_cam_imu (time_offset_s) in {} by 1000", linted.name),
-              {std::abs(offset), options.max_offset_s, "s"})};
+              {std::abs(offset), kMaxOffset_s, "s"})};
 }
 
 /// Above its bound a density is in another unit, or a discrete-time deviation: one finding of a
 /// file, of the gyroscope first.
-std::vector<Finding> noiseSize(const LintedCalibration& linted, const LintOptions& options) {
+std::vector<Finding> noiseSize(const LintedCalibration& linted) {
   if (!linted.noise_known) return {};
   const ImuNoise& noise = linted.calibration.imu->noise;
   const auto finding = [&](const char* sensor, double value, double bound, const char* unit) {
@@ -137,28 +135,27 @@ std::vector<Finding> noiseSize(const LintedCalibration& linted, const LintOption
                            sensor, linted.name),
                {value, bound, unit});
   };
-  if (noise.gyro_density > options.max_gyro_density) {
-    return {finding("gyroscope", noise.gyro_density, options.max_gyro_density, "rad/s/sqrt(Hz)")};
+  if (noise.gyro_density > kMaxGyroDensity) {
+    return {finding("gyroscope", noise.gyro_density, kMaxGyroDensity, "rad/s/sqrt(Hz)")};
   }
-  if (noise.accel_density > options.max_accel_density) {
-    return {
-        finding("accelerometer", noise.accel_density, options.max_accel_density, "m/s^2/sqrt(Hz)")};
+  if (noise.accel_density > kMaxAccelDensity) {
+    return {finding("accelerometer", noise.accel_density, kMaxAccelDensity, "m/s^2/sqrt(Hz)")};
   }
   return {};
 }
 
 }  // namespace
 
-std::vector<Finding> alone(const LintedCalibration& linted, const LintOptions& options) {
-  std::vector<Finding> found = translationUnits(linted, options);
+std::vector<Finding> alone(const LintedCalibration& linted) {
+  std::vector<Finding> found = translationUnits(linted);
   // A lever arm in millimetres is impossible, too; its unit is the cause.
-  if (found.empty()) append(found, leverArm(linted, options));
+  if (found.empty()) append(found, leverArm(linted));
   for (const CameraCalibration& camera : linted.calibration.cameras) {
-    append(found, principalPoint(linted, camera, options));
+    append(found, principalPoint(linted, camera));
   }
   if (!linted.calibration.imu) return found;
-  append(found, offsetUnit(linted, options));
-  append(found, noiseSize(linted, options));
+  append(found, offsetUnit(linted));
+  append(found, noiseSize(linted));
   return found;
 }
 

@@ -1,18 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "calibrator/base/calibration.h"
-#include "calibrator/base/session.h"
-#include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/base/transform.h"
 #include "evaluate/compare/lint.h"
 #include "evaluate/metrics/verdict.h"
 
 namespace plumbline::lint {
+
+inline constexpr double kMaxBaseline_m = 5;       ///< between cameras, or to the IMU: another unit
+inline constexpr double kMaxLeverArm_m = 2;       ///< from IMU to camera, whatever carries them
+inline constexpr double kDeviceLeverArm_m = 0.1;  ///< within one device (their topics say so), ...
+inline constexpr double kDeviceBaselines = 2;  ///< ... unless so many longest baselines are longer
+inline constexpr double kMaxOffset_s = 0.5;    ///< time offset; more is milliseconds
+inline constexpr double kMaxPrincipalShift = 0.15;  ///< off the centre, of the image's size
+inline constexpr double kMaxGyroDensity = 0.05;     ///< [rad/s/sqrt(Hz)]
+inline constexpr double kMaxAccelDensity = 1;       ///< [m/s^2/sqrt(Hz)]
+inline constexpr double kSameRotation_rad = 0.05;   ///< up to which rotations count as equal
+inline constexpr double kSameTranslation_m = 0.02;  ///< likewise of translations
+inline constexpr double kFlipOffset_s = 5e-4;   ///< offsets below this have no sign worth comparing
+inline constexpr double kOddLeverArm_m = 0.05;  ///< off the other calibrations' median
+inline constexpr double kOddFactor = 3;         ///< and this many times their median distance
+inline constexpr double kRatioTolerance = 0.03;  ///< of ratios that unit mistakes leave, relative
+inline constexpr double kOffsetTolerance_s = 2e-3;     ///< of an offset against the correlation
+inline constexpr double kRotationTolerance_rad = 0.1;  ///< of T_SC0 against the session's rates
+inline constexpr double kNoiseFactor = 5;  ///< of a stated density over what the samples' can be
 
 /// A finding's numbers: what was compared with which bound, and in which unit.
 struct Measured {
@@ -28,12 +42,7 @@ inline Finding bad(const std::string& rule, const std::string& evidence, const s
 }
 
 /// What one file says of itself.
-std::vector<Finding> alone(const LintedCalibration& linted, const LintOptions& options);
-
-/// What files of one rig say of each other; `suspects` (parallel) are those with a finding already,
-/// which are left out.
-std::vector<Finding> together(std::span<const LintedCalibration> calibrations,
-                              const std::vector<bool>& suspects, const LintOptions& options);
+std::vector<Finding> alone(const LintedCalibration& linted);
 
 /// How far two transforms are apart.
 struct Distance {
@@ -43,27 +52,6 @@ struct Distance {
 Distance distanceBetween(const Transform& a, const Transform& b);
 
 /// Whether `given` is the inverse of `reference` rather than `reference` itself.
-bool isInverse(const Transform& given, const Transform& reference, const LintOptions& options);
-
-/// Poses T_FC of one camera of a session by its corners alone (camera 0 of each CameraPose is this
-/// camera).
-std::vector<CameraPose> posesOf(const Session& session, std::size_t camera,
-                                const Intrinsics& intrinsics);
-
-/// Pause between neighbouring poses [s] beyond which they give no rate: two and a half intervals.
-double longestGap(const std::vector<CameraPose>& poses);
-
-/// Median of T_C0Ck between poses of two cameras at the same time (2 ms); nothing where fewer than
-/// 5 frames have both.
-std::optional<Transform> medianBaseline(const std::vector<CameraPose>& camera_0,
-                                        const std::vector<CameraPose>& camera_k);
-
-/// RMS reprojection error [px] of a camera's corners under those poses, over every few views.
-double reprojectionRms(const Session& session, std::size_t camera, const Intrinsics& intrinsics,
-                       const std::vector<CameraPose>& poses);
-
-/// An upper bound for the white noise of one sample, from the median second difference (motion
-/// adds to it): of the gyroscope [rad/s] or the accelerometer [m/s^2].
-double sampleNoise(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample::*column);
+bool isInverse(const Transform& given, const Transform& reference);
 
 }  // namespace plumbline::lint

@@ -16,39 +16,43 @@
 namespace plumbline::lint {
 namespace {
 
-using Calibrations = std::span<const LintedCalibration>;
+// The files of a rig; suspects (parallel) have a fault of their own and are not held against
+// others.
+struct Rig {
+  std::span<const LintedCalibration> all;
+  std::vector<bool> suspects;
+};
+using Group = std::vector<std::size_t>;  // places in Rig::all
 // Whether a pair of files shows a fault of one of them.
 using PairRule = std::function<bool(const LintedCalibration&, const LintedCalibration&)>;
 
 // Files that stand against others under a rule: of three or more the minority, of two both.
-std::vector<std::vector<std::size_t>> accused(Calibrations all, const std::vector<bool>& suspects,
-                                              const PairRule& contradicts) {
-  std::vector<std::size_t> against(all.size(), 0);
-  std::vector<std::size_t> agreeing(all.size(), 0);
-  std::optional<std::pair<std::size_t, std::size_t>> first;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    for (std::size_t j = i + 1; j < all.size(); ++j) {
+std::vector<Group> accused(const Rig& rig, const PairRule& contradicts) {
+  std::vector<std::size_t> against(rig.all.size(), 0), agreeing(rig.all.size(), 0);
+  Group first;
+  for (std::size_t i = 0; i < rig.all.size(); ++i) {
+    for (std::size_t j = i + 1; j < rig.all.size(); ++j) {
       // A file with a fault of its own contradicts the others by it and says nothing of them.
-      if (suspects[i] || suspects[j]) continue;
-      const bool fault = contradicts(all[i], all[j]);
-      if (fault && !first) first = {i, j};
+      if (rig.suspects[i] || rig.suspects[j]) continue;
+      const bool fault = contradicts(rig.all[i], rig.all[j]);
+      if (fault && first.empty()) first = {i, j};
       for (const std::size_t k : {i, j}) ++(fault ? against : agreeing)[k];
     }
   }
-  if (!first) return {};
-  std::vector<std::vector<std::size_t>> groups;
-  for (std::size_t i = 0; i < all.size(); ++i) {
+  if (first.empty()) return {};
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < rig.all.size(); ++i) {
     if (against[i] > agreeing[i]) groups.push_back({i});
   }
   // Half of the files or more against the rest is no minority: then the first pair that disagrees
   // is named, both of it.
-  const bool undecided = groups.empty() || groups.size() * 2 >= all.size();
-  return undecided ? std::vector<std::vector<std::size_t>>{{first->first, first->second}} : groups;
+  if (groups.empty() || groups.size() * 2 >= rig.all.size()) return {first};
+  return groups;
 }
 
-std::string namesOf(Calibrations all, const std::vector<std::size_t>& group) {
-  if (group.size() == 1) return all[group[0]].name;
-  return all[group[0]].name + " or " + all[group[1]].name;
+std::string namesOf(const Rig& rig, const Group& group) {
+  if (group.size() == 1) return rig.all[group[0]].name;
+  return rig.all[group[0]].name + " or " + rig.all[group[1]].name;
 }
 
 // ---- transforms and offsets
@@ -57,29 +61,26 @@ bool bothHaveImus(const LintedCalibration& a, const LintedCalibration& b) {
   return a.calibration.imu && b.calibration.imu;
 }
 
-std::vector<Finding> invertedImu(Calibrations all, const std::vector<bool>& suspects,
-                                 const LintOptions& options) {
+std::vector<Finding> invertedImu(const Rig& rig) {
   std::vector<Finding> found;
   const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
-    return bothHaveImus(a, b) &&
-           isInverse(a.calibration.imu->T_SC0, b.calibration.imu->T_SC0, options);
+    return bothHaveImus(a, b) && isInverse(a.calibration.imu->T_SC0, b.calibration.imu->T_SC0);
   };
-  for (const auto& group : accused(all, suspects, rule)) {
-    const double angle = rotationAngle(all[group[0]].calibration.imu->T_SC0.R);
+  for (const auto& group : accused(rig, rule)) {
+    const double angle = rotationAngle(rig.all[group[0]].calibration.imu->T_SC0.R);
     found.push_back(bad(
         "Inverted transform",
         fmt::format("T_SC0 of {} is the inverse of the others' (a rotation by {:.1f} degrees)",
-                    namesOf(all, group), angle / kDegree),
+                    namesOf(rig, group), angle / kDegree),
         fmt::format("invert T_cam_imu (T_SC0) in {}: Kalibr's maps IMU to camera, ours camera to "
                     "IMU",
-                    namesOf(all, group)),
-        {angle, options.same_rotation_rad, "rad"}));
+                    namesOf(rig, group)),
+        {angle, kSameRotation_rad, "rad"}));
   }
   return found;
 }
 
-std::vector<Finding> flippedOffset(Calibrations all, const std::vector<bool>& suspects,
-                                   const LintOptions& options) {
+std::vector<Finding> flippedOffset(const Rig& rig) {
   std::vector<Finding> found;
   const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
     if (!bothHaveImus(a, b)) return false;
@@ -87,17 +88,17 @@ std::vector<Finding> flippedOffset(Calibrations all, const std::vector<bool>& su
     const double y = meanTimeOffset(*b.calibration.imu);
     const double size = std::max(std::abs(x), std::abs(y));
     // Opposite signs, and sizes that agree within a quarter of the larger.
-    return size > options.flip_offset_s && std::abs(x + y) < 0.25 * size;
+    return size > kFlipOffset_s && std::abs(x + y) < 0.25 * size;
   };
-  for (const auto& group : accused(all, suspects, rule)) {
-    const double offset = meanTimeOffset(*all[group[0]].calibration.imu);
+  for (const auto& group : accused(rig, rule)) {
+    const double offset = meanTimeOffset(*rig.all[group[0]].calibration.imu);
     found.push_back(
         bad("Flipped time offset",
             fmt::format("the time offset of {} is minus the others' ({:.3f} ms in {})",
-                        namesOf(all, group), 1e3 * offset, all[group[0]].name),
+                        namesOf(rig, group), 1e3 * offset, rig.all[group[0]].name),
             fmt::format("negate timeshift_cam_imu (time_offset_s) in {}: t_imu = t_cam + t_d",
-                        namesOf(all, group)),
-            {offset, options.flip_offset_s, "s"}));
+                        namesOf(rig, group)),
+            {offset, kFlipOffset_s, "s"}));
   }
   return found;
 }
@@ -115,10 +116,10 @@ double unlikeness(const Calibration& a, std::size_t i, const Calibration& b, std
   return isSameModel(x, y) ? (x.projection - y.projection).norm() : 0;
 }
 
-bool haveInverseBaselines(const Calibration& a, const Calibration& b, const LintOptions& options) {
+bool haveInverseBaselines(const Calibration& a, const Calibration& b) {
   // Three cameras and more are told apart by their places: permutedCameras().
   if (a.cameras.size() != 2 || b.cameras.size() != 2) return false;
-  return isInverse(a.cameras[1].T_C0Ci, b.cameras[1].T_C0Ci, options);
+  return isInverse(a.cameras[1].T_C0Ci, b.cameras[1].T_C0Ci);
 }
 
 /// Whether the intrinsics fit better crosswise.
@@ -127,17 +128,16 @@ bool areSwapped(const Calibration& a, const Calibration& b) {
          unlikeness(a, 0, b, 0) + unlikeness(a, 1, b, 1);
 }
 
-std::vector<Finding> camerasAndBaselines(Calibrations all, const std::vector<bool>& suspects,
-                                         const LintOptions& options) {
+std::vector<Finding> camerasAndBaselines(const Rig& rig) {
   std::vector<Finding> found;
   for (const bool swapped : {true, false}) {
     const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
-      return haveInverseBaselines(a.calibration, b.calibration, options) &&
+      return haveInverseBaselines(a.calibration, b.calibration) &&
              areSwapped(a.calibration, b.calibration) == swapped;
     };
-    for (const auto& group : accused(all, suspects, rule)) {
-      const double length = all[group[0]].calibration.cameras[1].T_C0Ci.t.norm();
-      const std::string names = namesOf(all, group);
+    for (const auto& group : accused(rig, rule)) {
+      const double length = rig.all[group[0]].calibration.cameras[1].T_C0Ci.t.norm();
+      const std::string names = namesOf(rig, group);
       found.push_back(bad(
           swapped ? "Order of cameras" : "Inverted baseline",
           fmt::format("T_C0C1 of {} is the inverse of the others' ({:.1f} mm){}", names,
@@ -146,7 +146,7 @@ std::vector<Finding> camerasAndBaselines(Calibrations all, const std::vector<boo
                   : fmt::format("invert T_cn_cnm1 of cam1 in {}: it maps the previous camera to "
                                 "this one",
                                 names),
-          {length, options.same_translation_m, "m"}));
+          {length, kSameTranslation_m, "m"}));
     }
   }
   return found;
@@ -154,8 +154,7 @@ std::vector<Finding> camerasAndBaselines(Calibrations all, const std::vector<boo
 
 /// Of each of a's cameras, which of b's is at its place, where that is another order than b's own.
 /// By the places in the rig, of three and more cameras; of two see camerasAndBaselines().
-std::vector<std::size_t> otherOrder(const Calibration& a, const Calibration& b,
-                                    const LintOptions& options) {
+std::vector<std::size_t> otherOrder(const Calibration& a, const Calibration& b) {
   constexpr std::size_t kMostCameras = 6;  // 720 orders
   const std::size_t n = a.cameras.size();
   if (b.cameras.size() != n || n < 3 || n > kMostCameras) return {};
@@ -166,8 +165,8 @@ std::vector<std::size_t> otherOrder(const Calibration& a, const Calibration& b,
     const Transform T_newC0 = b.cameras[order[0]].T_C0Ci.inverse();
     for (std::size_t i = 1; i < n; ++i) {
       const Distance d = distanceBetween(T_newC0 * b.cameras[order[i]].T_C0Ci, a.cameras[i].T_C0Ci);
-      if (d.rotation_rad > options.same_rotation_rad) return false;
-      if (d.translation_m > options.same_translation_m) return false;
+      if (d.rotation_rad > kSameRotation_rad) return false;
+      if (d.translation_m > kSameTranslation_m) return false;
     }
     return true;
   };
@@ -178,26 +177,25 @@ std::vector<std::size_t> otherOrder(const Calibration& a, const Calibration& b,
   return {};
 }
 
-std::vector<Finding> permutedCameras(Calibrations all, const std::vector<bool>& suspects,
-                                     const LintOptions& options) {
+std::vector<Finding> permutedCameras(const Rig& rig) {
   std::vector<Finding> found;
   const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
-    return !otherOrder(a.calibration, b.calibration, options).empty();
+    return !otherOrder(a.calibration, b.calibration).empty();
   };
-  for (const auto& group : accused(all, suspects, rule)) {
+  for (const auto& group : accused(rig, rule)) {
     // Of two that contradict each other the second is described, and both are named.
-    const LintedCalibration& odd = all[group.back()];
-    for (std::size_t j = 0; j < all.size(); ++j) {
-      if (suspects[j]) continue;
-      const auto order = otherOrder(all[j].calibration, odd.calibration, options);
+    const LintedCalibration& odd = rig.all[group.back()];
+    for (std::size_t j = 0; j < rig.all.size(); ++j) {
+      if (rig.suspects[j]) continue;
+      const auto order = otherOrder(rig.all[j].calibration, odd.calibration);
       if (order.empty()) continue;
       std::vector<std::string> names;
       for (const std::size_t k : order) names.push_back(odd.calibration.cameras[k].name);
       found.push_back(bad("Order of cameras",
                           fmt::format("by their places in the rig, {} of {} are the cameras of {}",
-                                      fmt::join(names, ", "), odd.name, all[j].name),
+                                      fmt::join(names, ", "), odd.name, rig.all[j].name),
                           fmt::format("list the cameras of {} in one order, or state rostopic",
-                                      namesOf(all, group)),
+                                      namesOf(rig, group)),
                           {static_cast<double>(order.size()), 0, "1"}));
       break;
     }
@@ -207,7 +205,7 @@ std::vector<Finding> permutedCameras(Calibrations all, const std::vector<bool>& 
 
 // One file's intrinsics are the other's, but its resolution is not; or the reverse. By logarithms,
 // so that it does not matter which file is which.
-bool resolutionContradicts(const Intrinsics& a, const Intrinsics& b, double tolerance) {
+bool resolutionContradicts(const Intrinsics& a, const Intrinsics& b) {
   if (!isSameModel(a, b)) return false;
   // fu, fv, pu, pv scale with the image; xi, alpha and beta before them do not.
   const Eigen::Vector4d x = a.projection.tail<4>();
@@ -215,12 +213,11 @@ bool resolutionContradicts(const Intrinsics& a, const Intrinsics& b, double tole
   const double image = std::log(static_cast<double>(a.resolution.width) / b.resolution.width);
   const Eigen::Array4d ratio = x.cwiseQuotient(y).array().log();
   const double mean = ratio.mean();
-  const bool alike = (ratio - mean).abs().maxCoeff() < std::log1p(tolerance);
+  const bool alike = (ratio - mean).abs().maxCoeff() < std::log1p(kRatioTolerance);
   return alike && std::abs(image - mean) > std::log(1.2);
 }
 
-std::vector<Finding> resolutions(Calibrations all, const std::vector<bool>& suspects,
-                                 const LintOptions& options) {
+std::vector<Finding> resolutions(const Rig& rig) {
   std::vector<Finding> found;
   // The first camera of `a` that contradicts b's.
   const auto cameraOf = [&](const LintedCalibration& a,
@@ -228,8 +225,7 @@ std::vector<Finding> resolutions(Calibrations all, const std::vector<bool>& susp
     const std::size_t n = std::min(a.calibration.cameras.size(), b.calibration.cameras.size());
     for (std::size_t i = 0; i < n; ++i) {
       const CameraCalibration& camera = a.calibration.cameras[i];
-      if (resolutionContradicts(camera.intrinsics, b.calibration.cameras[i].intrinsics,
-                                options.ratio_tolerance)) {
+      if (resolutionContradicts(camera.intrinsics, b.calibration.cameras[i].intrinsics)) {
         return &camera;
       }
     }
@@ -238,10 +234,10 @@ std::vector<Finding> resolutions(Calibrations all, const std::vector<bool>& susp
   const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
     return cameraOf(a, b) != nullptr;
   };
-  for (const auto& group : accused(all, suspects, rule)) {
+  for (const auto& group : accused(rig, rule)) {
     const CameraCalibration* camera = nullptr;
-    for (std::size_t j = 0; j < all.size() && camera == nullptr; ++j) {
-      if (!suspects[j]) camera = cameraOf(all[group[0]], all[j]);
+    for (std::size_t j = 0; j < rig.all.size() && camera == nullptr; ++j) {
+      if (!rig.suspects[j]) camera = cameraOf(rig.all[group[0]], rig.all[j]);
     }
     if (camera == nullptr) continue;
     const Resolution size = camera->intrinsics.resolution;
@@ -249,9 +245,10 @@ std::vector<Finding> resolutions(Calibrations all, const std::vector<bool>& susp
         "Resolution and principal point",
         fmt::format("{}: intrinsics and resolution of {} ({}x{} in {}) are not scaled by the same "
                     "factor as the others'",
-                    namesOf(all, group), camera->name, size.width, size.height, all[group[0]].name),
+                    namesOf(rig, group), camera->name, size.width, size.height,
+                    rig.all[group[0]].name),
         fmt::format("check resolution and intrinsics of {} in {}", camera->name,
-                    namesOf(all, group)),
+                    namesOf(rig, group)),
         {static_cast<double>(size.width), 0, "px"}));
   }
   return found;
@@ -263,11 +260,11 @@ enum class NoiseFault { kNone, kDiscrete, kDegrees };
 
 /// By what mistake the larger densities would come from the smaller: times sqrt(rate) both, or the
 /// gyroscope's times 180 / pi.
-NoiseFault noiseFault(const ImuNoise& large, const ImuNoise& small, double tolerance) {
+NoiseFault noiseFault(const ImuNoise& large, const ImuNoise& small) {
   const double gyro = large.gyro_density / small.gyro_density;
   const double accel = large.accel_density / small.accel_density;
-  const auto near = [&](double value, double target) {
-    return std::abs(value / target - 1) < tolerance;
+  const auto near = [](double value, double target) {
+    return std::abs(value / target - 1) < kRatioTolerance;
   };
   const double root = std::sqrt(large.rate_hz);
   // A discrete-time deviation is the density times sqrt(rate); near rates of 1 Hz the two are the
@@ -295,20 +292,18 @@ Finding noiseFinding(const LintedCalibration& linted, NoiseFault fault) {
 }
 
 // The larger densities are the wrong ones.
-std::vector<Finding> noiseUnits(Calibrations all, const std::vector<bool>& suspects,
-                                const LintOptions& options) {
+std::vector<Finding> noiseUnits(const Rig& rig) {
   std::vector<Finding> found;
   const auto isUsable = [&](std::size_t i) {
-    return !suspects[i] && all[i].calibration.imu && all[i].noise_known;
+    return !rig.suspects[i] && rig.all[i].calibration.imu && rig.all[i].noise_known;
   };
-  for (std::size_t i = 0; i < all.size(); ++i) {
+  for (std::size_t i = 0; i < rig.all.size(); ++i) {
     NoiseFault fault = NoiseFault::kNone;
-    for (std::size_t j = 0; j < all.size() && fault == NoiseFault::kNone; ++j) {
+    for (std::size_t j = 0; j < rig.all.size() && fault == NoiseFault::kNone; ++j) {
       if (i == j || !isUsable(i) || !isUsable(j)) continue;
-      fault = noiseFault(all[i].calibration.imu->noise, all[j].calibration.imu->noise,
-                         options.ratio_tolerance);
+      fault = noiseFault(rig.all[i].calibration.imu->noise, rig.all[j].calibration.imu->noise);
     }
-    if (fault != NoiseFault::kNone) found.push_back(noiseFinding(all[i], fault));
+    if (fault != NoiseFault::kNone) found.push_back(noiseFinding(rig.all[i], fault));
   }
   return found;
 }
@@ -317,14 +312,13 @@ std::vector<Finding> noiseUnits(Calibrations all, const std::vector<bool>& suspe
 
 /// Off the median position by more than the bound and three median distances: of three and more
 /// calibrations the odd one is known.
-std::vector<Finding> oddLeverArms(Calibrations all, const std::vector<bool>& suspects,
-                                  const LintOptions& options) {
+std::vector<Finding> oddLeverArms(const Rig& rig) {
   std::vector<std::size_t> used;
   std::vector<Eigen::Vector3d> arms;  // the IMU in camera 0: free of the IMU's axes
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (suspects[i] || !all[i].calibration.imu) continue;
+  for (std::size_t i = 0; i < rig.all.size(); ++i) {
+    if (rig.suspects[i] || !rig.all[i].calibration.imu) continue;
     used.push_back(i);
-    arms.push_back(all[i].calibration.imu->T_SC0.inverse().t);
+    arms.push_back(rig.all[i].calibration.imu->T_SC0.inverse().t);
   }
   if (arms.size() < 3) return {};
   Eigen::Vector3d middle;
@@ -335,11 +329,11 @@ std::vector<Finding> oddLeverArms(Calibrations all, const std::vector<bool>& sus
   }
   std::vector<double> distances;
   for (const auto& arm : arms) distances.push_back((arm - middle).norm());
-  const double bound = std::max(options.odd_lever_arm_m, options.odd_factor * median(distances));
+  const double bound = std::max(kOddLeverArm_m, kOddFactor * median(distances));
   std::vector<Finding> found;
   for (std::size_t k = 0; k < used.size(); ++k) {
     if (distances[k] <= bound) continue;
-    const std::string& name = all[used[k]].name;
+    const std::string& name = rig.all[used[k]].name;
     found.push_back(
         bad("Impossible lever arm",
             fmt::format(
@@ -351,6 +345,22 @@ std::vector<Finding> oddLeverArms(Calibrations all, const std::vector<bool>& sus
   return found;
 }
 
+/// What files of one rig say of each other.
+std::vector<Finding> together(const Rig& rig) {
+  std::vector<Finding> found;
+  const auto inverted = invertedImu(rig);
+  const auto cameras = camerasAndBaselines(rig);
+  append(found, inverted);
+  append(found, flippedOffset(rig));
+  append(found, cameras);
+  append(found, permutedCameras(rig));
+  append(found, resolutions(rig));
+  append(found, noiseUnits(rig));
+  // An inverse transform has another lever arm; it is named by its cause.
+  if (inverted.empty() && cameras.empty()) append(found, oddLeverArms(rig));
+  return found;
+}
+
 }  // namespace
 
 Distance distanceBetween(const Transform& a, const Transform& b) {
@@ -358,34 +368,35 @@ Distance distanceBetween(const Transform& a, const Transform& b) {
   return {d.tail<3>().norm(), d.head<3>().norm()};
 }
 
-bool isInverse(const Transform& given, const Transform& reference, const LintOptions& options) {
+bool isInverse(const Transform& given, const Transform& reference) {
   const Distance same = distanceBetween(given, reference);
   const Distance inverse = distanceBetween(given, reference.inverse());
   const double arm = reference.t.norm();
-  const bool close = inverse.rotation_rad < options.same_rotation_rad &&
-                     inverse.translation_m < std::max(options.same_translation_m, 0.3 * arm);
+  const bool close = inverse.rotation_rad < kSameRotation_rad &&
+                     inverse.translation_m < std::max(kSameTranslation_m, 0.3 * arm);
   // Not its own inverse: either the rotation differs clearly from its inverse, or, where it hardly
   // does (near the identity, half a turn), the translation says so.
-  const bool turned = same.rotation_rad > 4 * options.same_rotation_rad;
+  const bool turned = same.rotation_rad > 4 * kSameRotation_rad;
   const bool moved = same.translation_m > 0.5 * arm && same.translation_m > 0.005 &&
                      same.translation_m > 3 * inverse.translation_m;
   return close && (turned || moved);
 }
 
-std::vector<Finding> together(Calibrations all, const std::vector<bool>& suspects,
-                              const LintOptions& options) {
+}  // namespace plumbline::lint
+
+namespace plumbline {
+
+std::vector<Finding> lintCalibrations(std::span<const LintedCalibration> calibrations) {
   std::vector<Finding> found;
-  const auto inverted = invertedImu(all, suspects, options);
-  const auto cameras = camerasAndBaselines(all, suspects, options);
-  append(found, inverted);
-  append(found, flippedOffset(all, suspects, options));
-  append(found, cameras);
-  append(found, permutedCameras(all, suspects, options));
-  append(found, resolutions(all, suspects, options));
-  append(found, noiseUnits(all, suspects, options));
-  // An inverse transform has another lever arm; it is named by its cause.
-  if (inverted.empty() && cameras.empty()) append(found, oddLeverArms(all, suspects, options));
+  lint::Rig rig{calibrations, {}};
+  // A file with a fault of its own contradicts all others by it: it is not held against them.
+  for (const LintedCalibration& linted : calibrations) {
+    std::vector<Finding> own = lint::alone(linted);
+    rig.suspects.push_back(!own.empty());
+    append(found, std::move(own));
+  }
+  append(found, lint::together(rig));
   return found;
 }
 
-}  // namespace plumbline::lint
+}  // namespace plumbline
