@@ -9,7 +9,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calibrator/base/error.h"
 #include "calibrator/batch/camera/batch.h"
@@ -18,6 +17,7 @@
 #include "datasets/calibration/kalibr/run.h"
 #include "evaluate/compare/lint.h"
 #include "evaluate/compare/parameters.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/session/load_session.h"
 
 namespace plumbline {
@@ -71,7 +71,7 @@ void addOwnFigures(const KalibrResults& results, ComparedFile& file) {
   }
   if (parts.empty()) return;
   file.remarks.push_back({"Kalibr's own errors", VerdictLevel::kGood,
-                          fmt::format("RMS in sample, from its text: {}", fmt::join(parts, ", "))});
+                          fmt::format("RMS in sample, from its text: {}", joined(parts))});
 }
 
 /// Its place and offset hold for samples that are corrected by the model.
@@ -160,10 +160,6 @@ std::vector<Finding> worstOf(std::vector<Finding> findings) {
   return {std::move(*worst)};
 }
 
-const char* methodName(FrameAlignment alignment) {
-  return alignment == FrameAlignment::kMeanFrames ? "mean-frames" : "cross-reprojection";
-}
-
 /// Uncertainty of projections under the recording's corners, all weighted alike.
 void addUncertainty(const Session& session, const CompareRequest& request, OnSession& out) {
   CameraInformationOptions options;
@@ -173,7 +169,8 @@ void addUncertainty(const Session& session, const CompareRequest& request, OnSes
   options.threads = request.score.camera.threads;
   const auto information = cameraInformation(session, *out.stage, options);
   if (!information) return;
-  out.uncertainty.method = fmt::format("{} on {}", methodName(request.alignment), session.name);
+  const bool mean = request.alignment == FrameAlignment::kMeanFrames;
+  out.uncertainty.method = (mean ? "mean-frames on " : "cross-reprojection on ") + session.name;
   out.uncertainty.projection = information->projection;
 }
 
@@ -201,39 +198,28 @@ ComparisonRecord emptyRecord(const CompareRequest& request) {
   return record;
 }
 
-bool isAmong(const Finding& finding, const std::vector<Finding>& findings) {
-  return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) {
-    return f.rule == finding.rule && f.evidence == finding.evidence;
-  });
-}
-
-LintedCalibration lintedOf(const ComparedFile& file) {
-  const bool noise_known = file.compared.calibration.imu && file.states_noise;
-  return {file.compared.label, file.compared.calibration, noise_known, file.states_offset,
-          file.imu_places_agree};
+std::vector<LintedCalibration> lintedOf(const std::vector<ComparedFile>& files) {
+  std::vector<LintedCalibration> all;
+  for (const ComparedFile& file : files) {
+    const bool noise_known = file.compared.calibration.imu && file.states_noise;
+    all.push_back({file.compared.label, file.compared.calibration, noise_known, file.states_offset,
+                   file.imu_places_agree});
+  }
+  return all;
 }
 
 /// Lint of each file into its calibration; what only shows between them is returned.
 std::vector<Finding> lintAll(std::vector<ComparedFile>& files) {
-  std::vector<LintedCalibration> all;
-  std::vector<Finding> alone;
-  for (ComparedFile& file : files) {
-    all.push_back(lintedOf(file));
-    file.compared.lint = lintCalibrations({&all.back(), 1});
-    alone.insert(alone.end(), file.compared.lint.begin(), file.compared.lint.end());
+  const std::vector<LintedCalibration> all = lintedOf(files);
+  std::set<std::pair<std::string, std::string>> alone;  // rules and evidence
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    files[i].compared.lint = lintCalibrations({&all[i], 1});
+    for (const Finding& f : files[i].compared.lint) alone.insert({f.rule, f.evidence});
   }
   // Linting all together repeats what each shows alone.
-  std::vector<Finding> between;
-  for (Finding& f : lintCalibrations(all)) {
-    if (!isAmong(f, alone)) between.push_back(std::move(f));
-  }
+  std::vector<Finding> between = lintCalibrations(all);
+  std::erase_if(between, [&](const Finding& f) { return alone.contains({f.rule, f.evidence}); });
   return between;
-}
-
-std::vector<Finding> lintOnSession(const std::vector<ComparedFile>& files, const Session& session) {
-  std::vector<LintedCalibration> all;
-  for (const ComparedFile& file : files) all.push_back(lintedOf(file));
-  return lintAgainstSession(all, session);
 }
 
 std::vector<Calibration> calibrationsOf(const std::vector<ComparedFile>& files) {
@@ -257,14 +243,14 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, const LoadedSessi
     if (!shape.empty()) file.remarks.push_back(unusedShape(shape));
   }
   // Once for all: what the samples themselves show is one finding, whatever number of files.
-  append(record.verdict.findings, lintOnSession(files, loaded.session));
+  append(record.verdict.findings, lintAgainstSession(lintedOf(files), loaded.session));
   if (request.session_estimate) {
     progress("calibrating the session itself", -1);
     // A shape that was given is used for the session's own estimate as for every score.
     const TargetMode target =
         request.load->target_shape ? TargetMode::kKnown : request.load->target;
-    record.session_estimate = sessionEstimate(loaded.session, calibrationsOf(files), request.score,
-                                              target, request.thresholds);
+    record.session_estimate =
+        sessionEstimate(loaded.session, calibrationsOf(files), request.score, target);
   }
   return all;
 }
@@ -285,12 +271,11 @@ void removeUnknownOffsets(const std::vector<ComparedFile>& files, ComparisonReco
 
 void addScores(const std::vector<OnSession>& all, ComparisonRecord& record) {
   for (std::size_t i = 0; i < all.size(); ++i) {
-    record.scores.insert(record.scores.end(), all[i].scores.begin(), all[i].scores.end());
+    append(record.scores, all[i].scores);
     // Pairs are with the first calibration, to which all differences are.
     if (i == 0 || !all[0].stage || !all[i].stage) continue;
-    const auto paired =
-        pairedPredictions(*all[0].stage, *all[i].stage, record.calibrations[i].label);
-    record.paired.insert(record.paired.end(), paired.begin(), paired.end());
+    append(record.paired,
+           pairedPredictions(*all[0].stage, *all[i].stage, record.calibrations[i].label));
   }
 }
 
@@ -306,15 +291,13 @@ void addMaps(const std::vector<ComparedFile>& files, const std::vector<OnSession
     } else if (files[i].extras.cameras) {
       known = uncertaintyFromFile(*files[i].extras.cameras, c.calibration.cameras);
     }
-    const auto maps =
-        uncertaintyMaps(c.calibration.cameras, c.label, known, options.ranges_m, options.grid);
-    record.uncertainties.insert(record.uncertainties.end(), maps.begin(), maps.end());
+    append(record.uncertainties,
+           uncertaintyMaps(c.calibration.cameras, c.label, known, options.ranges_m, options.grid));
   }
   // After all uncertainties, by which the differences are weighted.
   for (std::size_t i = 1; i < files.size(); ++i) {
-    const auto maps = differenceMaps(record.calibrations[0], record.calibrations[i],
-                                     record.uncertainties, options);
-    record.differences.insert(record.differences.end(), maps.begin(), maps.end());
+    append(record.differences, differenceMaps(record.calibrations[0], record.calibrations[i],
+                                              record.uncertainties, options));
   }
 }
 
@@ -358,11 +341,11 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
   }
   // Without a recording nothing else names the comparison.
   if (record.name.empty()) record.name = record.calibrations.front().label;
-  record.parameters = comparedParameters(calibrationsOf(files), request.thresholds);
+  record.parameters = comparedParameters(calibrationsOf(files));
   removeUnknownOffsets(files, record);
   addScores(on_session, record);
   addMaps(files, on_session, request.maps, record);
-  append(findings, comparisonFindings(record, request.thresholds));
+  append(findings, comparisonFindings(record));
   for (const ComparedFile& file : files) {
     for (Finding f : file.remarks) {
       f.rule = fmt::format("{}: {}", file.compared.label, f.rule);
@@ -373,7 +356,7 @@ ComparisonRecord compareCalibrations(const CompareRequest& request, const Progre
   // says.
   append(findings, std::move(record.verdict.findings));
   record.verdict = makeVerdict(std::move(findings));
-  record.verdict.headline = comparisonHeadline(record, request.thresholds);
+  record.verdict.headline = comparisonHeadline(record);
   return record;
 }
 

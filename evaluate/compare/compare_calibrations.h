@@ -87,7 +87,6 @@ struct CompareRequest {
   bool session_estimate = true;  ///< calibrate the recording itself too: sessionEstimate()
   FrameAlignment alignment = FrameAlignment::kCrossReprojection;
   MapOptions maps;
-  ComparisonThresholds thresholds;
   Provenance provenance;  ///< version, command, options and date; input and hash are filled in
 
   /// Throws InputError for values out of range.

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
@@ -24,8 +24,7 @@ std::string pairName(const ComparisonRecord& record, std::size_t i) {
 }
 
 /// Caution at most: significant differences may compensate each other, which the projection shows.
-Finding significantFinding(const ComparisonRecord& record, std::size_t i,
-                           const ComparisonThresholds& bounds) {
+Finding significantFinding(const ComparisonRecord& record, std::size_t i) {
   std::vector<const ComparedParameter*> beyond;
   std::size_t known = 0;
   double largest = 0;
@@ -34,37 +33,30 @@ Finding significantFinding(const ComparisonRecord& record, std::size_t i,
     if (!p.significance[i]) continue;
     ++known;
     largest = std::max(largest, *p.significance[i]);
-    if (*p.significance[i] > bounds.significance) beyond.push_back(&p);
+    if (*p.significance[i] > kThresholds.significance) beyond.push_back(&p);
   }
   std::stable_sort(beyond.begin(), beyond.end(),
                    [i](const ComparedParameter* a, const ComparedParameter* b) {
                      return *a->significance[i] > *b->significance[i];
                    });
   std::vector<std::string> names;
-  for (std::size_t k = 0; k < std::min(beyond.size(), kMostNamed); ++k) {
-    names.push_back(fmt::format("{} ({:.1f})", beyond[k]->name, *beyond[k]->significance[i]));
+  for (const ComparedParameter* p : beyond) {
+    names.push_back(fmt::format("{} ({:.1f})", p->name, *p->significance[i]));
   }
-  if (beyond.size() > kMostNamed) names.push_back("...");
-  Finding f{"Parameters of " + pairName(record, i),
-            beyond.empty() ? VerdictLevel::kGood : VerdictLevel::kCaution,
-            "",
-            "",
-            largest,
-            bounds.significance,
-            "sigma"};
-  if (known == 0) {
-    f.evidence = "no parameter has a standard deviation in both: significance is unknown";
-  } else if (beyond.empty()) {
-    f.evidence = fmt::format("{} parameters agree within {} standard deviations (largest {:.2g})",
-                             known, bounds.significance, largest);
-  } else {
-    f.evidence = fmt::format("{} of {} differ by more than {} standard deviations: {}",
-                             beyond.size(), known, bounds.significance, fmt::join(names, ", "));
-    f.advice =
-        "look at the projection difference: parameters may compensate each other without any "
-        "effect";
-  }
-  return f;
+  const double bound = kThresholds.significance;
+  return finding(
+      {"Parameters of " + pairName(record, i),
+       "sigma",
+       {bound, 0},
+       "look at the projection difference: parameters may compensate each other without any "
+       "effect"},
+      beyond.empty() ? VerdictLevel::kGood : VerdictLevel::kCaution, largest,
+      known == 0 ? "no parameter has a standard deviation in both: significance is unknown"
+      : beyond.empty()
+          ? fmt::format("{} parameters agree within {} standard deviations (largest {:.2g})", known,
+                        bound, largest)
+          : fmt::format("{} of {} differ by more than {} standard deviations: {}", beyond.size(),
+                        known, bound, firstNames(std::move(names), kMostNamed)));
 }
 
 /// A difference of a transform or of the offset in a person's units, beside its bound.
@@ -77,9 +69,8 @@ struct Geometry {
 };
 
 /// Whether every component of a transform, or the offset, is known under both with its deviation
-/// and differs by no more than `significance` of them.
-bool isExplained(const ComparisonRecord& record, std::size_t i, const std::string& name,
-                 double significance) {
+/// and differs by no more than the significant number of them.
+bool isExplained(const ComparisonRecord& record, std::size_t i, const std::string& name) {
   std::size_t known = 0;
   for (const ComparedParameter& p : record.parameters) {
     // Norms have no sign and no deviation; their components have. Of the cameras' own offsets only
@@ -88,42 +79,40 @@ bool isExplained(const ComparisonRecord& record, std::size_t i, const std::strin
                       p.name.starts_with("time_offset.");
     if (bare || (p.name != name && !p.name.starts_with(name + ".")) || !p.difference[i]) continue;
     // A single component without a deviation leaves open whether chance explains the whole.
-    if (!p.significance[i] || *p.significance[i] > significance) return false;
+    if (!p.significance[i] || *p.significance[i] > kThresholds.significance) return false;
     ++known;
   }
   return known > 0;
 }
 
 /// From the norms' rows: X.angle [rad] and X.lever [m] of every transform, then the offset [s].
-std::vector<Geometry> geometryOf(const ComparisonRecord& record, std::size_t i,
-                                 const ComparisonThresholds& bounds) {
+std::vector<Geometry> geometryOf(const ComparisonRecord& record, std::size_t i) {
   std::vector<Geometry> all;
   for (const ComparedParameter& p : record.parameters) {
     if (!p.name.ends_with(".angle") || !p.difference[i]) continue;
     // Without ".angle".
     const std::string name = p.name.substr(0, p.name.size() - 6);
     const ComparedParameter* lever = comparedParameter(record, name + ".lever");
-    const bool explained = isExplained(record, i, name, bounds.significance);
-    all.push_back({name, *p.difference[i] / kDegree, bounds.angle_deg, "deg", explained});
-    all.push_back({name, 1e3 * lever->difference[i].value_or(0), bounds.lever_mm, "mm", explained});
+    const bool explained = isExplained(record, i, name);
+    all.push_back({name, *p.difference[i] / kDegree, kThresholds.angle_deg, "deg", explained});
+    all.push_back(
+        {name, 1e3 * lever->difference[i].value_or(0), kThresholds.lever_mm, "mm", explained});
   }
   const ComparedParameter* offset = comparedParameter(record, "time_offset");
   if (offset && offset->difference[i]) {
-    all.push_back({"time offset", 1e3 * std::abs(*offset->difference[i]), bounds.offset_ms, "ms",
-                   isExplained(record, i, "time_offset", bounds.significance)});
+    all.push_back({"time offset", 1e3 * std::abs(*offset->difference[i]), kThresholds.offset_ms,
+                   "ms", isExplained(record, i, "time_offset")});
   }
   return all;
 }
 
 std::string geometryWords(const std::vector<Geometry>& all) {
-  std::vector<std::string> parts;
-  for (const Geometry& g : all) {
-    parts.push_back(fmt::format("{} {:.3g} {}{}", g.name, g.value, g.unit,
-                                g.value > g.bound.caution && g.explained
-                                    ? " (within the standard deviations of both)"
-                                    : ""));
-  }
-  return fmt::format("{}", fmt::join(parts, "; "));
+  const auto words = [](const Geometry& g) {
+    const bool within = g.value > g.bound.caution && g.explained;
+    return fmt::format("{} {:.3g} {}{}", g.name, g.value, g.unit,
+                       within ? " (within the standard deviations of both)" : "");
+  };
+  return joined(all, words, "; ");
 }
 
 std::string geometryAdvice(const ComparisonRecord& record) {
@@ -138,9 +127,8 @@ std::string geometryAdvice(const ComparisonRecord& record) {
 /// All transforms and the offset are one finding, of the worst level among them; its value is, of
 /// those of that level, the one furthest beyond its bound of caution. Levels come first, since
 /// bounds of caution and bad are not in one proportion.
-void addGeometry(const ComparisonRecord& record, std::size_t i, const ComparisonThresholds& bounds,
-                 std::vector<Finding>& findings) {
-  const std::vector<Geometry> all = geometryOf(record, i, bounds);
+void addGeometry(const ComparisonRecord& record, std::size_t i, std::vector<Finding>& findings) {
+  const std::vector<Geometry> all = geometryOf(record, i);
   if (all.empty()) return;
   // What deviations explain ranks behind all that they do not.
   const auto rank = [](const Geometry& g) {
@@ -192,11 +180,7 @@ std::string projectionAdvice(const ComparisonRecord& record, const std::string& 
   if (better.empty())
     return "compare the recordings: corners near the image's border determine the difference there";
   // Who was estimated from these corners predicts them better anyway.
-  const auto held_out = [&](const std::string& one) {
-    return std::any_of(record.scores.begin(), record.scores.end(),
-                       [&](const CalibrationScore& s) { return s.label == one && s.held_out; });
-  };
-  if (!held_out(label) || !held_out(record.calibrations[0].label)) {
+  if (!isHeldOut(record, label) || !isHeldOut(record, record.calibrations[0].label)) {
     return fmt::format(
         "{} predicts the corners better, but it is not known that both were estimated from other "
         "recordings: score them on a recording of neither; record more corners near the image's "
@@ -210,8 +194,7 @@ std::string projectionAdvice(const ComparisonRecord& record, const std::string& 
 }
 
 /// All cameras and ranges of a pair are one finding: one cause, several places.
-void addProjection(const ComparisonRecord& record, std::size_t i,
-                   const ComparisonThresholds& bounds, std::vector<Finding>& findings) {
+void addProjection(const ComparisonRecord& record, std::size_t i, std::vector<Finding>& findings) {
   const std::string& label = record.calibrations[i].label;
   const std::string pair = label + " - " + record.calibrations[0].label;
   std::vector<std::string> places;
@@ -224,11 +207,11 @@ void addProjection(const ComparisonRecord& record, std::size_t i,
     places.push_back(mapWords(map, extremes));
   }
   if (places.empty()) return;
-  VerdictLevel level = levelAbove(worst, bounds.difference_px);
+  VerdictLevel level = levelAbove(worst, kThresholds.difference_px);
   if (undefined > kMostUndefined) level = std::max(level, VerdictLevel::kCaution);
-  findings.push_back(finding({"Projection of " + pairName(record, i), "px", bounds.difference_px,
-                              projectionAdvice(record, label)},
-                             level, worst, fmt::format("{}", fmt::join(places, "; "))));
+  findings.push_back(finding({"Projection of " + pairName(record, i), "px",
+                              kThresholds.difference_px, projectionAdvice(record, label)},
+                             level, worst, joined(places, "; ")));
 }
 
 /// Good in any case: which one predicts better is an answer and no fault.
@@ -295,7 +278,7 @@ void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Findin
   if (parts.empty()) return;
   findings.push_back({"Models of " + pairName(record, i),
                       comparable ? VerdictLevel::kGood : VerdictLevel::kCaution,
-                      fmt::format("{}", fmt::join(parts, "; "))});
+                      joined(parts, "; ")});
 }
 
 }  // namespace
@@ -317,25 +300,35 @@ MapExtremes extremesOf(const ImageMap& map) {
   return extremes;
 }
 
-const ComparedParameter* comparedParameter(const ComparisonRecord& record,
-                                           const std::string& name) {
-  const auto found = std::find_if(record.parameters.begin(), record.parameters.end(),
-                                  [&](const ComparedParameter& p) { return p.name == name; });
-  return found == record.parameters.end() ? nullptr : &*found;
+std::string firstNames(std::vector<std::string> names, std::size_t most) {
+  if (names.size() > most) {
+    names.resize(most);
+    names.push_back("...");
+  }
+  return joined(names);
 }
 
-std::vector<Finding> comparisonFindings(const ComparisonRecord& record,
-                                        const ComparisonThresholds& thresholds) {
+bool isHeldOut(const ComparisonRecord& record, const std::string& label) {
+  return std::any_of(record.scores.begin(), record.scores.end(),
+                     [&](const CalibrationScore& s) { return s.label == label && s.held_out; });
+}
+
+const ComparedParameter* comparedParameter(const ComparisonRecord& record,
+                                           const std::string& name) {
+  return findBy(record.parameters, &ComparedParameter::name, name);
+}
+
+std::vector<Finding> comparisonFindings(const ComparisonRecord& record) {
   std::vector<Finding> findings;
   for (std::size_t i = 1; i < record.calibrations.size(); ++i) {
     addModels(record, i, findings);
-    findings.push_back(significantFinding(record, i, thresholds));
-    addGeometry(record, i, thresholds, findings);
+    findings.push_back(significantFinding(record, i));
+    addGeometry(record, i, findings);
   }
   // Parameters of each pair first, then who stands alone in them, then what they do to pixels.
-  append(findings, loneFindings(record, thresholds));
+  append(findings, loneFindings(record));
   for (std::size_t i = 1; i < record.calibrations.size(); ++i) {
-    addProjection(record, i, thresholds, findings);
+    addProjection(record, i, findings);
   }
   for (const PairedPrediction& p : record.paired) {
     findings.push_back(predictionFinding(record, p));

@@ -20,6 +20,12 @@ struct MapExtremes {
 };
 MapExtremes extremesOf(const ImageMap& map);
 
+/// "a, b, ...": the first of these names, and whether there are more.
+std::string firstNames(std::vector<std::string> names, std::size_t most);
+
+/// Whether a calibration is known to be from other data than the session.
+bool isHeldOut(const ComparisonRecord& record, const std::string& label);
+
 /// A row of the compared parameters by its name; none where there is no such row.
 const ComparedParameter* comparedParameter(const ComparisonRecord& record, const std::string& name);
 
@@ -27,15 +33,13 @@ const ComparedParameter* comparedParameter(const ComparisonRecord& record, const
 /// deviations, transforms and offsets, the worst projection difference of each pair and camera with
 /// its value at the centre, which calibration predicts corners better, calibrations that could not
 /// be scored; then the lint of every calibration.
-std::vector<Finding> comparisonFindings(const ComparisonRecord& record,
-                                        const ComparisonThresholds& thresholds = {});
+std::vector<Finding> comparisonFindings(const ComparisonRecord& record);
 
 /// What a reader asks of a comparison first, for every calibration but the first: which predicts
 /// corners better and by how much (pooled over cameras, 95 % interval of the paired difference;
 /// only "better" where it excludes zero), and by how much they differ over the image, in T_SC0 and
 /// in the time offset; then which of three and more stands alone, and in what (loneParameters()).
-std::string comparisonHeadline(const ComparisonRecord& record,
-                               const ComparisonThresholds& thresholds = {});
+std::string comparisonHeadline(const ComparisonRecord& record);
 
 /// A parameter in which one of three and more calibrations stands alone: it differs from each of
 /// the others by more than `significance` standard deviations, and these agree with each other
@@ -50,20 +54,14 @@ struct LoneParameter {
 /// By calibration, the clearest first. Only parameters that three or more calibrations state with
 /// a standard deviation, all comparable with the first's; differences are as if the estimates were
 /// independent, those between two that are not the first to first order in their tangents.
-std::vector<LoneParameter> loneParameters(const ComparisonRecord& record,
-                                          const ComparisonThresholds& thresholds = {});
+std::vector<LoneParameter> loneParameters(const ComparisonRecord& record);
 
 /// The same against the session's own estimate, for two calibrations and more: one stands alone
 /// where the session and all others agree. Only where these others are known not to have been
 /// estimated from that session: those that were agree with it anyway.
-std::vector<LoneParameter> loneAgainstSession(const ComparisonRecord& record,
-                                              const ComparisonThresholds& thresholds = {});
-
-/// "T_SC0.tx (5.1), T_SC0.ry (4)": the clearest of one calibration's, with their deviations.
-std::string loneNames(const std::vector<LoneParameter>& lone, std::size_t calibration);
+std::vector<LoneParameter> loneAgainstSession(const ComparisonRecord& record);
 
 /// A finding for each calibration that stands alone in some parameter.
-std::vector<Finding> loneFindings(const ComparisonRecord& record,
-                                  const ComparisonThresholds& thresholds);
+std::vector<Finding> loneFindings(const ComparisonRecord& record);
 
 }  // namespace plumbline

@@ -3,10 +3,10 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "datasets/calibration/export/calibration_export.h"
 #include "evaluate/compare/compare_calibrations.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/verdict.h"
 #include "evaluate/session/load_session.h"
 
@@ -16,9 +16,7 @@ namespace {
 using Places = std::vector<std::size_t>;
 
 std::string listOf(const std::vector<StatedCamera>& cameras) {
-  std::vector<std::string> words;
-  for (const StatedCamera& camera : cameras) words.push_back(wordsOf(camera));
-  return fmt::format("{}", fmt::join(words, ", "));
+  return joined(cameras, [](const StatedCamera& camera) { return wordsOf(camera); });
 }
 
 /// The places of the first file's cameras, those that every file has in front: camera 0, which
@@ -31,7 +29,7 @@ Places commonFirst(const std::vector<CameraMatch>& matches) {
     (everywhere ? order : rest).push_back(c);
   }
   if (order.empty()) return {};
-  order.insert(order.end(), rest.begin(), rest.end());
+  append(order, rest);
   return order;
 }
 
@@ -52,12 +50,9 @@ void renameRows(const std::vector<StatedCamera>& from, const std::vector<StatedC
                 ParameterCovariance& covariance) {
   for (std::string& row : covariance.names) {
     const std::size_t dot = std::min(row.find('.'), row.size());
-    const auto at = std::find_if(from.begin(), from.end(), [&](const StatedCamera& camera) {
-      return row.substr(0, dot) == camera.name;
-    });
-    const std::string name =
-        at == from.end() ? "-" : to[static_cast<std::size_t>(at - from.begin())].name;
-    row = name + row.substr(dot);
+    const StatedCamera* camera = findBy(from, &StatedCamera::name, row.substr(0, dot));
+    row =
+        (camera ? to[static_cast<std::size_t>(camera - from.data())].name : "-") + row.substr(dot);
   }
 }
 
@@ -93,7 +88,7 @@ std::vector<Finding> pairing(const FileCameras& file, const std::vector<StatedCa
   if (parts.empty()) return {};
   // An order that is only another one is no fault.
   if (by_place || !left_out.empty()) f.level = VerdictLevel::kCaution;
-  f.evidence = fmt::format("{}", fmt::join(parts, "; "));
+  f.evidence = joined(parts, "; ");
   return {f};
 }
 
@@ -115,15 +110,13 @@ std::vector<Finding> matchToFirst(std::vector<ComparedFile>& files) {
   }
   const Places order = commonFirst(matches);
   if (order.empty()) {
-    std::vector<std::string> lists;
-    for (const ComparedFile& file : files) {
-      lists.push_back(fmt::format("{} of {}", file.compared.label,
-                                  listOf(statedBy(file.compared.calibration.cameras))));
-    }
+    const auto cameras_of = [](const ComparedFile& file) {
+      return file.compared.label + " of " + listOf(statedBy(file.compared.calibration.cameras));
+    };
     throw InputError(fmt::format(
         "the calibrations have no camera in common, by rostopic and name; {}. Correct rostopic in "
         "a file where it is the same camera",
-        fmt::join(lists, ", ")));
+        joined(files, cameras_of)));
   }
   std::vector<Finding> findings;
   for (std::size_t i = 0; i < files.size(); ++i) {

@@ -11,8 +11,13 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/batch.h"
 #include "evaluate/metrics/calibration/parameters.h"
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/half_width.h"
+#include "evaluate/metrics/lists.h"
+#include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
 namespace {
@@ -22,17 +27,8 @@ using Calibrations = std::vector<Calibration>;
 /// A camera's or the IMU's transform, where the calibration has it.
 using TransformOf = std::function<const Transform*(const Calibration&)>;
 
-const CalibrationParameter* find(const std::vector<CalibrationParameter>& list,
-                                 const std::string& name) {
-  const auto found = std::find_if(list.begin(), list.end(),
-                                  [&](const CalibrationParameter& p) { return p.name == name; });
-  return found == list.end() ? nullptr : &*found;
-}
-
 /// |difference| / hypot of both deviations; none without both, as for norms, which have no sign.
-void addSignificance(const ComparisonThresholds& thresholds, ComparedParameter& row) {
-  row.significance.clear();
-  row.levels.clear();
+void addSignificance(ComparedParameter& row) {
   for (std::size_t i = 0; i < row.values.size(); ++i) {
     std::optional<double> sigmas;
     if (i > 0 && row.difference[i] && row.std[i] && row.std[0]) {
@@ -42,7 +38,9 @@ void addSignificance(const ComparisonThresholds& thresholds, ComparedParameter& 
       if (std > 0) sigmas = std::abs(*row.difference[i]) / std;
     }
     row.significance.push_back(sigmas);
-    row.levels.push_back(thresholds.levelOf(sigmas.value_or(0)));
+    row.levels.push_back(sigmas >= kThresholds.significance ? VerdictLevel::kBad
+                         : sigmas >= kThresholds.notable    ? VerdictLevel::kCaution
+                                                            : VerdictLevel::kGood);
   }
 }
 
@@ -53,14 +51,13 @@ std::vector<ComparedParameter> listedRows(const Calibrations& calibrations) {
   std::vector<ComparedParameter> rows;
   for (const auto& list : lists) {
     for (const CalibrationParameter& p : list) {
-      const bool known = std::any_of(rows.begin(), rows.end(),
-                                     [&](const ComparedParameter& r) { return r.name == p.name; });
-      if (!known) rows.push_back({p.name, p.unit, {}, {}, {}, {}});
+      if (findBy(rows, &ComparedParameter::name, p.name)) continue;
+      rows.push_back({p.name, p.unit, {}, {}, {}, {}});
     }
   }
   for (ComparedParameter& row : rows) {
     for (const auto& list : lists) {
-      const CalibrationParameter* p = find(list, row.name);
+      const auto* p = findBy(list, &CalibrationParameter::name, row.name);
       row.values.push_back(p ? std::optional(p->value) : std::nullopt);
       row.std.push_back(p ? p->std : std::nullopt);
     }
@@ -81,28 +78,28 @@ void addChanges(const Calibrations& calibrations, std::vector<ComparedParameter>
 }
 
 /// A row of plain numbers that some calibrations have.
+using NumberOf = std::function<std::optional<double>(const Calibration&)>;
 ComparedParameter numberRow(const std::string& name, const std::string& unit,
-                            const std::vector<std::optional<double>>& values) {
-  ComparedParameter row{name, unit, values, {}, {}, {}};
-  row.std.resize(values.size());
-  row.difference.resize(values.size());
-  for (std::size_t i = 1; i < values.size(); ++i) {
-    if (values[i] && values[0]) row.difference[i] = *values[i] - *values[0];
+                            const Calibrations& calibrations, const NumberOf& number_of) {
+  ComparedParameter row{name, unit, {}, {}, {}, {}};
+  for (const Calibration& c : calibrations) {
+    row.values.push_back(number_of(c));
+    const bool known = row.values.size() > 1 && row.values.back() && row.values[0];
+    row.difference.push_back(known ? std::optional(*row.values.back() - *row.values[0])
+                                   : std::nullopt);
   }
+  row.std.resize(calibrations.size());
   return row;
 }
 
 /// calibrationParameters() has camera 0's offset; tools with a single one are compared with the
 /// mean over cameras.
 void meanOffsets(const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
-  const auto row = std::find_if(rows.begin(), rows.end(),
-                                [](const ComparedParameter& r) { return r.name == "time_offset"; });
-  if (row == rows.end()) return;
-  std::vector<std::optional<double>> values;
-  for (const Calibration& c : calibrations) {
-    values.push_back(c.imu ? std::optional(meanTimeOffset(*c.imu)) : std::nullopt);
-  }
-  ComparedParameter mean = numberRow(row->name, row->unit, values);
+  ComparedParameter* row = findBy(rows, &ComparedParameter::name, "time_offset");
+  if (!row) return;
+  ComparedParameter mean = numberRow(row->name, row->unit, calibrations, [](const Calibration& c) {
+    return c.imu ? std::optional(meanTimeOffset(*c.imu)) : std::nullopt;
+  });
   // Still of camera 0's offset, the only deviation that files state.
   mean.std = row->std;
   *row = mean;
@@ -110,14 +107,16 @@ void meanOffsets(const Calibrations& calibrations, std::vector<ComparedParameter
 
 void addNorms(const std::string& name, const TransformOf& transform_of,
               const Calibrations& calibrations, std::vector<ComparedParameter>& rows) {
-  std::vector<std::optional<double>> angles, levers;
-  for (const Calibration& c : calibrations) {
-    const Transform* T = transform_of(c);
-    angles.push_back(T ? std::optional(rotationAngle(T->R)) : std::nullopt);
-    levers.push_back(T ? std::optional(T->t.norm()) : std::nullopt);
-  }
-  ComparedParameter angle = numberRow(name + ".angle", "rad", angles);
-  ComparedParameter lever = numberRow(name + ".lever", "m", levers);
+  const auto of = [&](double (*norm)(const Transform&)) -> NumberOf {
+    return [&transform_of, norm](const Calibration& c) {
+      const Transform* T = transform_of(c);
+      return T ? std::optional(norm(*T)) : std::nullopt;
+    };
+  };
+  ComparedParameter angle = numberRow(name + ".angle", "rad", calibrations,
+                                      of([](const Transform& T) { return rotationAngle(T.R); }));
+  ComparedParameter lever = numberRow(name + ".lever", "m", calibrations,
+                                      of([](const Transform& T) { return T.t.norm(); }));
   const Transform* first = transform_of(calibrations[0]);
   for (std::size_t i = 1; i < calibrations.size(); ++i) {
     const Transform* T = transform_of(calibrations[i]);
@@ -140,13 +139,12 @@ void addCameraOffsets(const Calibrations& calibrations, std::vector<ComparedPara
     cameras = std::max(cameras, c.imu->time_offsets.size());
   }
   for (std::size_t i = 0; i < cameras; ++i) {
-    std::vector<std::optional<double>> values;
-    for (const Calibration& c : calibrations) {
-      // Also those with one offset for all: every camera has that one.
+    // Also those with one offset for all: every camera has that one.
+    const auto offset_of = [i](const Calibration& c) {
       const bool has = c.imu && i < c.cameras.size();
-      values.push_back(has ? std::optional(c.imu->timeOffset(i)) : std::nullopt);
-    }
-    rows.push_back(numberRow(fmt::format("time_offset.cam{}", i), "s", values));
+      return has ? std::optional(c.imu->timeOffset(i)) : std::nullopt;
+    };
+    rows.push_back(numberRow(fmt::format("time_offset.cam{}", i), "s", calibrations, offset_of));
   }
 }
 
@@ -208,13 +206,7 @@ std::vector<double> blockMeans(const std::vector<double>& values) {
 
 }  // namespace
 
-VerdictLevel ComparisonThresholds::levelOf(double sigmas) const {
-  if (sigmas >= significance) return VerdictLevel::kBad;
-  return sigmas >= notable ? VerdictLevel::kCaution : VerdictLevel::kGood;
-}
-
-std::vector<ComparedParameter> comparedParameters(const Calibrations& calibrations,
-                                                  const ComparisonThresholds& thresholds) {
+std::vector<ComparedParameter> comparedParameters(const Calibrations& calibrations) {
   if (calibrations.empty()) return {};
   std::vector<ComparedParameter> rows = listedRows(calibrations);
   addChanges(calibrations, rows);
@@ -234,7 +226,7 @@ std::vector<ComparedParameter> comparedParameters(const Calibrations& calibratio
   const TransformOf imu_of = [](const Calibration& c) { return c.imu ? &c.imu->T_SC0 : nullptr; };
   if (imu) addNorms("T_SC0", imu_of, calibrations, rows);
   addCameraOffsets(calibrations, rows);
-  for (ComparedParameter& row : rows) addSignificance(thresholds, row);
+  for (ComparedParameter& row : rows) addSignificance(row);
   nameCameras(calibrations, rows);
   return rows;
 }
@@ -300,6 +292,43 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
     out.push_back(std::move(p));
   }
   return out;
+}
+
+SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>& calibrations,
+                                const ScoreOptions& options, TargetMode target) {
+  SessionEstimate own;
+  own.session = session.name;
+  if (!canBeCalibrated(calibrations.front())) {
+    own.problem = "the first calibration's camera models can be scored but not calibrated";
+    return own;
+  }
+  // The first one's models, so that parameters compare one by one.
+  CameraStageOptions camera = withModelsOf(calibrations.front(), options.camera);
+  camera.target = target;
+  const auto cameras = calibrateCameras(session, camera);
+  if (!cameras) {
+    own.problem = problemOf(cameras.failure());
+    return own;
+  }
+  own.calibration.cameras = cameras->cameras;
+  // As calibrateSession() does: the board that the cameras were estimated with.
+  session.target.shape = cameras->target;
+  const bool imu = std::any_of(calibrations.begin(), calibrations.end(),
+                               [](const Calibration& c) { return c.imu.has_value(); });
+  if (imu && options.use_imu && session.imu) {
+    // The camera stage fails where it does not converge; this one returns where it stopped, so it
+    // is asked.
+    const auto stage = calibrateCameraImu(session, cameras->cameras, options.camera_imu);
+    if (stage && stage->summary.converged) {
+      own.calibration.imu = stage->imu;
+    } else {
+      own.problem = "camera-IMU: " + problemOf(stage ? notConverged(*stage) : stage.failure());
+    }
+  }
+  std::vector<Calibration> all = {own.calibration};
+  append(all, calibrations);
+  own.parameters = comparedParameters(all);
+  return own;
 }
 
 }  // namespace plumbline

@@ -14,7 +14,7 @@
 namespace plumbline {
 
 /// When a difference is worth a person's attention.
-struct ComparisonThresholds {
+inline constexpr struct ComparisonThresholds {
   double notable = 2;         ///< of a parameter's difference, caution from [standard deviations]
   double significance = 3;    ///< and bad from; above it the findings name the parameter
   Bound difference_px{1, 5};  ///< worst projection difference
@@ -22,10 +22,7 @@ struct ComparisonThresholds {
   Bound lever_mm{5, 20};      ///< of a translation
   Bound angle_deg{0.2, 1.0};  ///< of a rotation
   Bound offset_ms{0.5, 5.0};  ///< of the time offset
-
-  /// Of a parameter's difference in standard deviations.
-  VerdictLevel levelOf(double sigmas) const;
-};
+} kThresholds;
 
 /// Every parameter under all calibrations, in the order of the first (docs/comparison.md):
 /// the list of calibrationParameters(), where `time_offset` is the mean over cameras, then
@@ -36,8 +33,7 @@ struct ComparisonThresholds {
 /// Differences are to the first calibration (calibrationChange(): tangents for transforms), with
 /// significance where both deviations are known, as if the two estimates were independent. Where a
 /// camera's model differs from the first's, its parameters have values but no difference.
-std::vector<ComparedParameter> comparedParameters(const std::vector<Calibration>& calibrations,
-                                                  const ComparisonThresholds& thresholds = {});
+std::vector<ComparedParameter> comparedParameters(const std::vector<Calibration>& calibrations);
 
 /// Takes the time offset of the calibration at this place, which its file does not state, out of
 /// the rows: no value, and no difference from it.
@@ -65,7 +61,6 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
 /// share their corners. What cannot be calibrated (a model that can only be scored, a stage that
 /// fails) is said in SessionEstimate::problem; then `parameters` has what there is.
 SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>& calibrations,
-                                const ScoreOptions& options, TargetMode target,
-                                const ComparisonThresholds& thresholds);
+                                const ScoreOptions& options, TargetMode target);
 
 }  // namespace plumbline
