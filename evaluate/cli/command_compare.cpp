@@ -16,6 +16,7 @@
 #include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/compare/compare_calibrations.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/trajectory/verdict.h"
 #include "evaluate/metrics/verdict.h"
 #include "evaluate/results/progress.h"
@@ -106,12 +107,6 @@ std::vector<double> rangesFrom(const std::vector<std::string>& words) {
   return ranges;
 }
 
-ImageGrid gridFrom(const std::string& word) {
-  // Of the form of an image's size, and of whole numbers from 1 like one.
-  const Resolution size = resolutionFrom(word, "--grid");
-  return {size.width, size.height};
-}
-
 CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
   CompareRequest request;
   request.calibrations = o.calibrations;
@@ -141,7 +136,9 @@ CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
       "--fit", o.fit,
       {{"squares", DifferenceFit::kSquares}, {"fourth-power", DifferenceFit::kFourthPower}});
   request.maps.ranges_m = rangesFrom(o.ranges);
-  request.maps.grid = gridFrom(o.grid);
+  // Of the form of an image's size, and of whole numbers from 1 like one.
+  const Resolution grid = resolutionFrom(o.grid, "--grid");
+  request.maps.grid = {grid.width, grid.height};
   request.maps.focus_radius_px = o.focus_radius_px;
   request.provenance = makeProvenance("compare", givenOptions(app));
   return request;
@@ -163,14 +160,8 @@ std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
 
 std::vector<std::string> filesBesideSession(const CompareOptions& o) {
   std::vector<std::string> inputs = o.calibrations;
-  for (const std::string& pattern : {o.runs.runs, o.runs.truth}) {
-    for (std::string& file : filesOf(pattern)) inputs.push_back(std::move(file));
-  }
+  for (const std::string& pattern : {o.runs.runs, o.runs.truth}) append(inputs, filesOf(pattern));
   return inputs;
-}
-
-OutputRequest comparisonOutput(const CompareOptions& o) {
-  return o.output.request("comparison", o.session, filesBesideSession(o));
 }
 
 /// What runs say counts like what the calibrations say: without it, failed ones pass.
@@ -186,7 +177,7 @@ void addRuns(TrajectoryStudy study, ComparisonRecord& record) {
 int compare(const CompareOptions& o, const CLI::App& app) {
   ProgressBar bar;
   const CompareRequest request = compareRequest(o, app);
-  ResultWriter out(o.output, comparisonOutput(o));
+  ResultWriter out(o.output, o.output.request("comparison", o.session, filesBesideSession(o)));
   // Ahead of the scores, which take far longer: a pattern or a truth that is wrong is told at once.
   std::optional<TrajectoryStudy> trajectories = trajectoriesOf(o);
   ComparisonRecord record = compareCalibrations(request, bar.sink());

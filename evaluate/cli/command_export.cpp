@@ -8,7 +8,6 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "calibrator/base/error.h"
@@ -18,6 +17,7 @@
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
+#include "evaluate/metrics/lists.h"
 
 namespace plumbline {
 namespace {
@@ -31,9 +31,7 @@ struct ExportFilesOptions {
 };
 
 std::string knownTools() {
-  std::vector<std::string> words;
-  for (const ExportTool tool : exportTools()) words.push_back(toString(tool));
-  return fmt::format("{}", fmt::join(words, ", "));
+  return joined(exportTools(), [](ExportTool tool) { return toString(tool); });
 }
 
 void declareExport(CLI::App& app, ExportFilesOptions& o) {

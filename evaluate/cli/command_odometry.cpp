@@ -16,6 +16,7 @@
 #include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/trajectory/verdict.h"
 #include "evaluate/odometry/run_odometry.h"
 #include "evaluate/results/provenance.h"
@@ -97,8 +98,8 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
     throw InputError(
         "--executable: the built-in odometry has none; choose an external system by --with");
   }
-  request.output_w_first = o.metrics.estimate_w_first;
-  request.output_inverted = o.metrics.estimate_inverted;
+  request.output_w_first = o.metrics.request.estimate_w_first;
+  request.output_inverted = o.metrics.request.estimate_inverted;
   if (!request.runner && (request.output_w_first || request.output_inverted)) {
     throw InputError(
         "--estimate-w-first and --estimate-inverted are of what an external system writes; choose "
@@ -106,9 +107,9 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
   }
   // Never empty: CLI11 has let through known words only.
   request.hint = *enumFrom<HintKind>(o.estimate);
-  request.how.metrics = trajectoryMetricsFrom(o.metrics);
-  request.how.truth_w_first = o.metrics.truth_w_first;
-  request.how.truth_inverted = o.metrics.truth_inverted;
+  request.how = judgedAs(o.metrics);
+  // Estimates are written here, as this program has them.
+  request.how.estimate_w_first = request.how.estimate_inverted = false;
   setLimits(o.metrics, request);
   return request;
 }
@@ -117,7 +118,7 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
 std::vector<std::string> inputsOf(const OdometryCommandOptions& o) {
   const OdometryRequest& r = o.request;
   std::vector<std::string> inputs = r.sequences;
-  inputs.insert(inputs.end(), r.calibrations.begin(), r.calibrations.end());
+  append(inputs, r.calibrations);
   if (r.imu) inputs.push_back(*r.imu);
   if (isRunnerFile(o.with)) inputs.push_back(o.with);
   if (!r.truth) return inputs;
@@ -129,11 +130,7 @@ std::vector<std::string> inputsOf(const OdometryCommandOptions& o) {
 
 /// "MH_01, MH_02".
 std::string namesOf(const std::vector<std::string>& sequences) {
-  std::string names;
-  for (const std::string& sequence : sequences) {
-    names += (names.empty() ? "" : ", ") + findSession(sequence).name;
-  }
-  return names;
+  return joined(sequences, [](const std::string& folder) { return findSession(folder).name; });
 }
 
 int runOdometryCommand(const OdometryCommandOptions& o, const CLI::App& app) {

@@ -14,11 +14,12 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/options/guide_trajectory_options.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
+#include "evaluate/cli/options/simulation_options.h"
 #include "evaluate/cli/terminal.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/replay/replay_session.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
@@ -76,12 +77,9 @@ void readLatency(const std::string& text, GuideLatency& latency) {
     latency.*known.seconds = *ms / 1e3;
     return;
   }
-  std::string names;
-  for (const LatencyName& known : kLatencies) {
-    names += (names.empty() ? "" : ", ") + std::string(known.name);
-  }
-  throw InputError(
-      fmt::format("--latency-ms {}: expected STEP=MILLISECONDS with a step among {}", text, names));
+  throw InputError(fmt::format(
+      "--latency-ms {}: expected STEP=MILLISECONDS with a step among {}", text,
+      joined(kLatencies, [](const LatencyName& known) { return std::string(known.name); })));
 }
 
 void declareViews(CLI::App& app, ViewGuideOptions& o) {
@@ -166,9 +164,9 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
   for (const std::string& latency : latencies) readLatency(latency, o.latency);
   // People say bits, the guide counts nats.
   o.views.threshold_nats = o.trajectories.threshold_nats = threshold_bits * std::numbers::ln2;
-  o.views.criterion = o.trajectories.criterion = viewCriterionFrom(criterion);
-  o.views.later_use = laterUseFrom(later_use);
-  o.trajectories.first = firstTrajectoryFrom(first_trajectory);
+  o.views.criterion = o.trajectories.criterion = enumValue<ViewCriterion>("--criterion", criterion);
+  o.views.later_use = enumValue<LaterUseKind>("--later-use", later_use);
+  o.trajectories.first = enumValue<FirstTrajectory>("--first-trajectory", first_trajectory);
   o.views.stop_excess = stop_excess_percent / 100;
   // One option for the suggestions of both stages.
   o.trajectories.expires_s = o.views.expires_s;

@@ -11,7 +11,6 @@
 #include "calibrator/base/transform.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/options/guide_trajectory_options.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/options/simulation_options.h"
@@ -117,8 +116,9 @@ OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
   // Never empty: CLI11 has let through known words only.
   s.method = *enumFrom<OperatorMethod>(o.method);
   s.guide_board = *enumFrom<GuideBoard>(o.guide_board);
-  s.guide.views.criterion = s.guide.trajectories.criterion = viewCriterionFrom(o.criterion);
-  s.guide.trajectories.first = firstTrajectoryFrom(o.first_trajectory);
+  s.guide.views.criterion = s.guide.trajectories.criterion =
+      enumValue<ViewCriterion>("--criterion", o.criterion);
+  s.guide.trajectories.first = enumValue<FirstTrajectory>("--first-trajectory", o.first_trajectory);
   s.skill = skillFrom(o.skill);
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
     // After the skill's word, of which they change single values.

@@ -94,7 +94,7 @@ void checkTrajectory(const StudyCommandOptions& options) {
     throw InputError(fmt::format("plumbline evaluate trajectory: {}", error.what()));
   }
   // Numbers were checked as they were parsed; words are where they are read.
-  (void)trajectoryMetricsFrom(metrics);
+  (void)judgedAs(metrics);
 }
 
 std::string timeText(double seconds) {
@@ -225,6 +225,22 @@ int study(const StudyOptions& o, const CLI::App& app) {
   return finish(night, results, watch.seconds(), o, json);
 }
 
+/// A step that failed is a result of the night like any other: only what cannot be done at all
+/// counts for the exit code.
+int runSteps(const std::vector<std::string>& names,
+             const std::function<void(const std::string& name)>& run) {
+  int exit_code = kDone;
+  for (const std::string& name : names) {
+    try {
+      run(name);
+    } catch (const std::exception& error) {  // whatever it is, the others may do
+      complain(error.what());
+      exit_code = kBadInput;
+    }
+  }
+  return exit_code;
+}
+
 std::function<int()> configureRunStep(CLI::App& app) {
   struct Options {
     std::string night;
@@ -237,19 +253,10 @@ std::function<int()> configureRunStep(CLI::App& app) {
   app.add_option("--threads", o->threads, "Threads of each step")
       ->check(numberWithin(1, kMostJobs));
   return [o] {
-    int exit_code = kDone;
-    for (const std::string& name : o->names) {
-      try {
-        // A step that failed is a result of the night like any other: only what cannot be done at
-        // all counts for the exit code.
-        const StepResult result = runStep(o->night, name, o->threads);
-        if (!result.message.empty()) complain(fmt::format("{}: {}", name, result.message));
-      } catch (const std::exception& error) {  // whatever it is, the others may do
-        complain(error.what());
-        exit_code = kBadInput;
-      }
-    }
-    return exit_code;
+    return runSteps(o->names, [&](const std::string& name) {
+      const StepResult result = runStep(o->night, name, o->threads);
+      if (!result.message.empty()) complain(fmt::format("{}: {}", name, result.message));
+    });
   };
 }
 
@@ -263,17 +270,9 @@ std::function<int()> configureRunPack(CLI::App& app) {
   app.add_option("packs", o->packs, "File with one line of steps per task")->required();
   app.add_option("index", o->index, "Line of the task, from 0")->required();
   return [o] {
-    int exit_code = kDone;
     // One thread a step: the array asks for no CPUs beyond the default of a task.
-    for (const std::string& name : stepsOfPack(o->packs, o->index)) {
-      try {
-        (void)runStep(o->night, name, 1);
-      } catch (const std::exception& error) {  // whatever it is, the others may do
-        complain(error.what());
-        exit_code = kBadInput;
-      }
-    }
-    return exit_code;
+    return runSteps(stepsOfPack(o->packs, o->index),
+                    [&](const std::string& name) { (void)runStep(o->night, name, 1); });
   };
 }
 

@@ -68,21 +68,13 @@ Command completionCommand();
 Command manCommand();
 Command targetCommand();  ///< with subcommands
 Command odometryCommand();
-Command evaluateCommand();  ///< with subcommands; the table is in command_evaluate.cpp
+Command evaluateCommand();  ///< with subcommands
 
 /// What `plumbline calibrate` itself says against its words, the last one first, as CLI11 takes a
 /// vector; no file is opened. Throws CLI::ParseError or InputError.
 void checkCalibrateLine(std::vector<std::string> reversed);
 
-/// The subcommands of `simulate`.
-Command simulateStudyCommand();
-Command simulateSequenceCommand();
-Command simulateOperatorCommand();
-
-/// The subcommands of `evaluate`.
-Command evaluateTrajectoryCommand();
-Command evaluateTrajectoriesCommand();
-Command evaluateCalibrationCommand();
+Command simulateOperatorCommand();  ///< of `simulate`, whose others are in command_simulate.cpp
 
 /// Prints a failure with its cure in one line and returns the command's exit code: data that
 /// contradict what a file states are bad input.

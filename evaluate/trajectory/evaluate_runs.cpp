@@ -326,7 +326,7 @@ TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::pa
   try {
     auto result = evaluateFiles(readEstimate(how), truth, how);
     if (!result) return failedRun(expected, problemOf(result.failure()));
-    TrajectoryRun run = std::move(result.value().run);
+    TrajectoryRun run = std::move(result).value();
     run.sequence = expected.sequence;
     run.calibration = expected.calibration;
     run.run = expected.run;

@@ -112,7 +112,7 @@ std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs
 
 /// What `evaluate trajectory` prints for a person: a table of errors, rmse first, the pairs and the
 /// alignment they stand on, and the remarks.
-std::string trajectorySummary(const TrajectoryEvaluation& evaluation);
+std::string trajectorySummary(const TrajectoryRun& run);
 
 /// What `evaluate trajectories` prints for a person: completion and median ATE by sequence and
 /// calibration, paired differences, and why each run that is not complete is so.

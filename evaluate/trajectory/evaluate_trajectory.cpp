@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/trajectory/quaternion_order.h"
@@ -159,25 +159,23 @@ std::vector<std::string> remarksOf(const std::filesystem::path& path, const Traj
   return remarks;
 }
 
-std::vector<std::string> joined(std::vector<std::string> first, std::vector<std::string> second) {
-  std::move(second.begin(), second.end(), std::back_inserter(first));
-  return first;
+// `first` stands before what is remarked already.
+void prepend(std::vector<std::string> first, TrajectoryRun& run) {
+  append(first, run.remarks);
+  run.remarks = std::move(first);
 }
 
-std::vector<std::string> remarksOnErrors(const TrajectoryRun& run, bool with_rotation,
-                                         std::size_t deltas) {
-  std::vector<std::string> remarks;
+void remarkOnErrors(bool with_rotation, std::size_t deltas, TrajectoryRun& run) {
   if (!with_rotation) {
-    remarks.push_back(
+    run.remarks.push_back(
         fmt::format("there are no orientations: no rotation errors{}",
                     deltas > 0 ? ", and no relative ones, which need the body's frame" : ""));
   }
   for (const RelativeErrorRecord& rpe : run.rpe) {
     if (rpe.translation_m.n > 0) continue;
-    remarks.push_back(fmt::format("no poses are {} {} apart: no relative error over that distance",
-                                  rpe.delta, rpe.unit));
+    run.remarks.push_back(fmt::format(
+        "no poses are {} {} apart: no relative error over that distance", rpe.delta, rpe.unit));
   }
-  return remarks;
 }
 
 /// Rotation and translation by least squares over positions.
@@ -187,33 +185,33 @@ bool isFit(const AlignmentRecord& alignment) {
          alignment.kind == toString(AlignmentKind::kYaw);
 }
 
-// `evaluation` with the NEES of the pairs, whose covariances are the estimate's.
-TrajectoryEvaluation withNees(TrajectoryEvaluation evaluation, const Trajectory& estimate,
-                              const Association& association, const AlignedPoses& poses) {
-  const AlignmentRecord& alignment = evaluation.run.alignment;
+// `run` with the NEES of the pairs, whose covariances are the estimate's.
+TrajectoryRun withNees(TrajectoryRun run, const Trajectory& estimate,
+                       const Association& association, const AlignedPoses& poses) {
+  const AlignmentRecord& alignment = run.alignment;
   std::vector<Matrix6d> covariances;
   covariances.reserve(association.estimate_index.size());
   for (const std::size_t i : association.estimate_index) {
     covariances.push_back(alignedCovariance(estimate.covariances[i], alignment));
   }
   const Nees nees = neesOf(poses, covariances);
-  evaluation.run.nees = nees.parts;
+  run.nees = nees.parts;
   if (nees.left_out > 0) {
-    evaluation.remarks.push_back(
+    run.remarks.push_back(
         fmt::format("{} covariances are not positive definite: excluded from NEES", nees.left_out));
   }
   if (nees.used > 0 && isFit(alignment)) {
-    evaluation.remarks.push_back(
+    run.remarks.push_back(
         fmt::format("NEES after alignment {}: the fit removes error that the covariances, which "
                     "grow from the start, include; use yaw-first or se3-first",
                     alignment.kind));
   }
-  return evaluation;
+  return run;
 }
 
 // With clock and bodies in common.
-Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Trajectory& truth,
-                                       const TrajectoryMetricOptions& options) {
+Result<TrajectoryRun> evaluated(const Trajectory& estimate, const Trajectory& truth,
+                                const TrajectoryMetricOptions& options) {
   const bool with_rotation = estimate.has_orientation && truth.has_orientation;
   const Association association = associate(estimate, truth, options.association);
   if (association.pairs.size() < kFewestPairs) {
@@ -230,42 +228,38 @@ Result<TrajectoryEvaluation> evaluated(const Trajectory& estimate, const Traject
   run.alignment = *alignment;
   run = withCoverage(std::move(run), estimate, truth, options);
   run = measured(std::move(run), association.pairs, options.rpe, with_rotation);
-  std::vector<std::string> remarks =
-      joined(remarksOn(association, estimate, truth, options.clock.has_value()),
-             remarksOnErrors(run, with_rotation, options.rpe.size()));
-  TrajectoryEvaluation evaluation{std::move(run), std::move(remarks)};
-  if (!with_rotation) return evaluation;
+  run.remarks = remarksOn(association, estimate, truth, options.clock.has_value());
+  remarkOnErrors(with_rotation, options.rpe.size(), run);
+  if (!with_rotation) return run;
   const RotationRemark rotations = rotationRemark(association.pairs, *alignment, options.alignment);
   // The bodies differ, or one side is inverted: figures of rotations would be of that and not of
   // errors.
-  if (!rotations.cure.empty()) {
-    evaluation.run = withoutRotations(std::move(evaluation.run), rotations);
-    return evaluation;
-  }
-  if (!rotations.text.empty()) evaluation.remarks.push_back(rotations.text);
-  if (estimate.covariances.empty()) return evaluation;
-  return withNees(std::move(evaluation), estimate, association,
+  if (!rotations.cure.empty()) return withoutRotations(std::move(run), rotations);
+  if (!rotations.text.empty()) run.remarks.push_back(rotations.text);
+  if (estimate.covariances.empty()) return run;
+  return withNees(std::move(run), estimate, association,
                   alignedPoses(association.pairs, *alignment));
 }
 
-// A file whose w stands first, as its reader took it to stand last.
-TrajectoryFile reordered(TrajectoryFile file, const std::filesystem::path& path) {
+// A file whose w may stand first, as its reader took it to stand last, and whose quaternions may
+// map the world into the body; its positions are in the world.
+TrajectoryFile readAs(const std::filesystem::path& path, TrajectoryReadOptions options,
+                      bool w_first, bool inverted) {
+  options.order_is_stated = w_first;
+  TrajectoryFile file = readTrajectory(path, options);
   // The other formats have one order, or name it.
-  if (file.format != TrajectoryFormat::kTum || !file.trajectory.has_orientation) {
+  if (w_first && (file.format != TrajectoryFormat::kTum || !file.trajectory.has_orientation)) {
     throw InputError(path.string(), 0,
                      "is not a TUM file with quaternions; --truth-w-first and --estimate-w-first "
                      "apply to TUM files only; omit the option");
   }
-  for (StampedPose& pose : file.trajectory.poses) pose.q = fromWFirst(pose.q);
-  return file;
-}
-
-// A file whose quaternions map the world into the body; its positions are in the world.
-TrajectoryFile inverted(TrajectoryFile file, const std::filesystem::path& path) {
-  if (!file.trajectory.has_orientation) {
+  if (inverted && !file.trajectory.has_orientation) {
     throw InputError(path.string(), 0, "has no quaternions to invert; omit the option");
   }
-  for (StampedPose& pose : file.trajectory.poses) pose.q = pose.q.conjugate();
+  for (StampedPose& pose : file.trajectory.poses) {
+    if (w_first) pose.q = fromWFirst(pose.q);
+    if (inverted) pose.q = pose.q.conjugate();
+  }
   return file;
 }
 
@@ -287,9 +281,8 @@ void TrajectoryMetricOptions::check() const {
   }
 }
 
-Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
-                                                  const Trajectory& truth,
-                                                  const TrajectoryMetricOptions& options) {
+Result<TrajectoryRun> evaluateTrajectories(const Trajectory& estimate, const Trajectory& truth,
+                                           const TrajectoryMetricOptions& options) {
   options.check();
   const bool with_rotation = estimate.has_orientation && truth.has_orientation;
   if (!with_rotation && standsOnRotation(options.alignment.kind)) {
@@ -301,50 +294,38 @@ Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
   TrajectoryMetricOptions rest = options;
   // The offset that was found contains the one that was given.
   rest.association.time_offset_s = frames->time_offset_s;
-  Result<TrajectoryEvaluation> result =
+  Result<TrajectoryRun> result =
       evaluated(estimate, frames->truth_S ? *frames->truth_S : truth, rest);
   if (!result) return result;
-  TrajectoryEvaluation& evaluation = result.value();
-  evaluation.run.clock_offset = frames->clock_offset;
-  evaluation.run.hand_eye = frames->hand_eye;
-  evaluation.remarks = joined(frames->remarks, std::move(evaluation.remarks));
-  evaluation.run.remarks = evaluation.remarks;
+  result.value().clock_offset = frames->clock_offset;
+  result.value().hand_eye = frames->hand_eye;
+  prepend(frames->remarks, result.value());
   return result;
 }
 
 TrajectoryFile readEstimate(const TrajectoryRequest& request) {
-  TrajectoryReadOptions options = request.read_estimate;
-  options.order_is_stated = request.estimate_w_first;
-  TrajectoryFile file = readTrajectory(request.estimate, options);
-  if (request.estimate_w_first) file = reordered(std::move(file), request.estimate);
-  return request.estimate_inverted ? inverted(std::move(file), request.estimate) : file;
+  return readAs(request.estimate, request.read_estimate, request.estimate_w_first,
+                request.estimate_inverted);
 }
 
 TrajectoryFile readTruth(const TrajectoryRequest& request) {
-  TrajectoryReadOptions options = request.read_truth;
-  options.order_is_stated = request.truth_w_first;
-  TrajectoryFile file = readTrajectory(request.truth, options);
-  if (request.truth_w_first) file = reordered(std::move(file), request.truth);
-  return request.truth_inverted ? inverted(std::move(file), request.truth) : file;
+  return readAs(request.truth, request.read_truth, request.truth_w_first, request.truth_inverted);
 }
 
-Result<TrajectoryEvaluation> evaluateFiles(const TrajectoryFile& estimate,
-                                           const TrajectoryFile& truth,
-                                           const TrajectoryRequest& request) {
-  Result<TrajectoryEvaluation> result =
+Result<TrajectoryRun> evaluateFiles(const TrajectoryFile& estimate, const TrajectoryFile& truth,
+                                    const TrajectoryRequest& request) {
+  Result<TrajectoryRun> result =
       evaluateTrajectories(estimate.trajectory, truth.trajectory, request.metrics);
   if (!result) return named(result.failure(), estimate, truth, request);
-  TrajectoryEvaluation& evaluation = result.value();
-  evaluation.run.estimate = request.estimate.string();
-  evaluation.run.truth = request.truth.string();
-  evaluation.remarks =
-      joined(joined(remarksOf(request.estimate, estimate), remarksOf(request.truth, truth)),
-             std::move(evaluation.remarks));
-  evaluation.run.remarks = evaluation.remarks;
+  TrajectoryRun& run = result.value();
+  run.estimate = request.estimate.string();
+  run.truth = request.truth.string();
+  prepend(remarksOf(request.truth, truth), run);
+  prepend(remarksOf(request.estimate, estimate), run);
   return result;
 }
 
-Result<TrajectoryEvaluation> evaluateTrajectory(const TrajectoryRequest& request) {
+Result<TrajectoryRun> evaluateTrajectory(const TrajectoryRequest& request) {
   return evaluateFiles(readEstimate(request), readTruth(request), request);
 }
 

@@ -48,19 +48,13 @@ struct TrajectoryRequest {
   TrajectoryMetricOptions metrics;
 };
 
-struct TrajectoryEvaluation {
-  TrajectoryRun run;
-  std::vector<std::string> remarks;  ///< run.remarks, a sentence each
-};
-
 /// Pairs, aligns and measures two trajectories in memory. The rotation's errors are empty (n = 0)
 /// where one of them has no orientations. Failures by reason: kNoOverlap where the spans do not
 /// meet or no stamps pair, with both spans and the likely cause; kNotObservable for fewer than
 /// three pairs and whatever align() refuses; kImplausible for quaternions in the wrong order; what
 /// commonFrames says. NEES are there where the estimate has covariances.
-Result<TrajectoryEvaluation> evaluateTrajectories(const Trajectory& estimate,
-                                                  const Trajectory& truth,
-                                                  const TrajectoryMetricOptions& options);
+Result<TrajectoryRun> evaluateTrajectories(const Trajectory& estimate, const Trajectory& truth,
+                                           const TrajectoryMetricOptions& options);
 
 /// The files of a request, as its options say. Throw InputError for bad ones, and where w is said
 /// to stand first in a file that is not TUM.
@@ -68,12 +62,11 @@ TrajectoryFile readEstimate(const TrajectoryRequest& request);
 TrajectoryFile readTruth(const TrajectoryRequest& request);
 
 /// evaluateTrajectories on what these returned; failures and remarks name the files.
-Result<TrajectoryEvaluation> evaluateFiles(const TrajectoryFile& estimate,
-                                           const TrajectoryFile& truth,
-                                           const TrajectoryRequest& request);
+Result<TrajectoryRun> evaluateFiles(const TrajectoryFile& estimate, const TrajectoryFile& truth,
+                                    const TrajectoryRequest& request);
 
 /// All of it.
-Result<TrajectoryEvaluation> evaluateTrajectory(const TrajectoryRequest& request);
+Result<TrajectoryRun> evaluateTrajectory(const TrajectoryRequest& request);
 
 /// What brings an estimate and its truth to one clock and one body.
 struct CommonFrames {

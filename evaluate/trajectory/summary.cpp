@@ -117,11 +117,10 @@ std::string rowOf(const TrajectoryRun& run) {
 
 }  // namespace
 
-std::string trajectorySummary(const TrajectoryEvaluation& evaluation) {
-  const TrajectoryRun& run = evaluation.run;
+std::string trajectorySummary(const TrajectoryRun& run) {
   std::string text =
       table(run) + "\n" + pairsLine(run) + alignmentLine(run.alignment) + neesLines(run);
-  for (const std::string& remark : evaluation.remarks) text += "note: " + remark + "\n";
+  for (const std::string& remark : run.remarks) text += "note: " + remark + "\n";
   return text;
 }
 

@@ -11,6 +11,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/cli/options/simulation_options.h"
+#include "evaluate/metrics/lists.h"
 
 namespace plumbline {
 namespace {
@@ -48,9 +49,7 @@ const std::vector<QuantityWords>& quantityWords() {
 }
 
 const QuantityWords& wordsOf(Quantity quantity) {
-  const auto& all = quantityWords();
-  return *std::find_if(all.begin(), all.end(),
-                       [&](const QuantityWords& w) { return w.quantity == quantity; });
+  return *findBy(quantityWords(), &QuantityWords::quantity, quantity);
 }
 
 /// "deg or rad", "m/s2, or none".
@@ -155,13 +154,11 @@ Words partsOf(std::string_view spec) {
 }
 
 const FaultDescription& descriptionOf(const std::string& spec, std::string_view name) {
-  std::string known;
-  for (const FaultDescription& d : faultDescriptions()) {
-    if (d.name == name) return d;
-    known += (known.empty() ? "" : ", ") + std::string(d.name);
-  }
+  const auto all = faultDescriptions();
+  if (const auto* known = findBy(all, &FaultDescription::name, name)) return *known;
   throw InputError(fmt::format(
-      "--fault {}: unknown fault; expected one of {}; --fault list describes them", spec, known));
+      "--fault {}: unknown fault; expected one of {}; --fault list describes them", spec,
+      joined(all, [](const FaultDescription& d) { return std::string(d.name); })));
 }
 
 /// The instant [s], where the fault has one.

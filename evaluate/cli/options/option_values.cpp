@@ -12,11 +12,11 @@
 
 #include <fmt/core.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/camera/camera.h"
+#include "evaluate/metrics/lists.h"
 
 namespace plumbline {
 namespace {
@@ -122,12 +122,6 @@ void addRange(const std::string& option, const std::vector<std::string>& ends,
   for (int k = 0; k <= static_cast<int>(count); ++k) amounts.push_back(cleaned(from + k * step));
 }
 
-template <WordedEnum E>
-E byWord(const std::string& option, const std::string& word) {
-  if (const auto value = enumFrom<E>(word)) return *value;
-  refuse(option, word, "one of " + allWords<E>());
-}
-
 /// "PROJECTION-DISTORTION"; empty for words that are none, and for a pair that can be read but not
 /// calibrated.
 std::optional<CameraModelPair> calibratedModelFrom(const std::string& word) {
@@ -209,18 +203,6 @@ ViewSelectionOptions viewSelectionFrom(const std::string& word) {
          "predicted-error:2%");
 }
 
-ViewCriterion viewCriterionFrom(const std::string& word) {
-  return byWord<ViewCriterion>("--criterion", word);
-}
-
-FirstTrajectory firstTrajectoryFrom(const std::string& word) {
-  return byWord<FirstTrajectory>("--first-trajectory", word);
-}
-
-LaterUseKind laterUseFrom(const std::string& word) {
-  return byWord<LaterUseKind>("--later-use", word);
-}
-
 std::vector<CameraModelPair> modelsFrom(const std::string& words) {
   std::vector<CameraModelPair> models;
   for (const std::string& word : split(words, ',')) {
@@ -256,8 +238,6 @@ Resolution resolutionFrom(const std::string& word, const char* option) {
   refuse(option, word, "WIDTHxHEIGHT, e.g. 752x480");
 }
 
-MotionKind motionFrom(const std::string& word) { return byWord<MotionKind>("--motion", word); }
-
 void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) {
   const auto equals = assignment.find('=');
   const auto member = thresholdMembers().find(assignment.substr(0, equals));
@@ -278,10 +258,9 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) 
              fmt::format("CAUTION,BAD with BAD the {} of the two", rising ? "larger" : "smaller"));
     }
   }
-  std::vector<std::string> names;
-  for (const auto& [name, unused] : thresholdMembers()) names.push_back(name);
   refuse("--threshold", assignment,
-         fmt::format("NAME=CAUTION,BAD with NAME one of {}", fmt::join(names, ", ")));
+         "NAME=CAUTION,BAD with NAME one of " +
+             joined(thresholdMembers(), [](const auto& member) { return member.first; }));
 }
 
 TimeNs nanosecondsFromMilliseconds(const std::string& option, double milliseconds) {
@@ -311,27 +290,11 @@ std::vector<double> amountsFrom(const std::string& option, const std::string& wo
   return amounts;
 }
 
-AlignmentKind alignmentFrom(const std::string& word) {
-  return byWord<AlignmentKind>("--align", word);
-}
-
-AssociationRule associationFrom(const std::string& word) {
-  return byWord<AssociationRule>("--association", word);
-}
-
-RelativePairs relativePairsFrom(const std::string& word) {
-  return byWord<RelativePairs>("--rpe-pairs", word);
-}
-
 std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words) {
   std::vector<RelativeDelta> deltas;
   if (words == "none") return deltas;
   for (const std::string& word : split(words, ',')) deltas.push_back(relativeDeltaFrom(word));
   return deltas;
-}
-
-TrajectoryFormat trajectoryFormatFrom(const std::string& option, const std::string& word) {
-  return byWord<TrajectoryFormat>(option, word);
 }
 
 }  // namespace plumbline

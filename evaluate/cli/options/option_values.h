@@ -8,16 +8,12 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/enum_words.h"
 #include "calibrator/base/error.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/view_terms.h"
-#include "calibrator/guidance/guide_options.h"
-#include "calibrator/simulate/trajectory.h"
-#include "datasets/trajectory/trajectory_reader.h"
-#include "evaluate/metrics/trajectory/alignment.h"
-#include "evaluate/metrics/trajectory/association.h"
 #include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/verdict.h"
 
@@ -41,6 +37,13 @@ Value wordFrom(const char* option, const std::string& word,
   throw InputError(fmt::format("{} {}: expected {}", option, word, words));
 }
 
+/// The value of an enumeration's word, of the option named.
+template <WordedEnum E>
+E enumValue(const std::string& option, const std::string& word) {
+  if (const auto value = enumFrom<E>(word)) return *value;
+  throw InputError(fmt::format("{} {}: expected one of {}", option, word, allWords<E>()));
+}
+
 /// "none" or "cauchy:SCALE" -> scale of the Cauchy loss [px]; 0 for none.
 double lossFrom(const std::string& word);
 
@@ -51,15 +54,6 @@ std::pair<CornerFilter, double> outliersFrom(const std::string& word);
 /// or "predicted-error:2%": by predicted error, until it adds no more than this. Without a seed.
 ViewSelectionOptions viewSelectionFrom(const std::string& word);
 
-/// --criterion: "mi" or "predicted-error".
-ViewCriterion viewCriterionFrom(const std::string& word);
-
-/// --first-trajectory: "at-once" or "scored".
-FirstTrajectory firstTrajectoryFrom(const std::string& word);
-
-/// --later-use: "seen" or "image".
-LaterUseKind laterUseFrom(const std::string& word);
-
 /// "pinhole-radtan,pinhole-equidistant" -> one per camera; a single one stands for all cameras.
 std::vector<CameraModelPair> modelsFrom(const std::string& words);
 /// A single one, of the option named.
@@ -67,9 +61,6 @@ CameraModelPair modelFrom(const std::string& option, const std::string& word);
 
 /// "752x480", of the option named.
 Resolution resolutionFrom(const std::string& word, const char* option = "--resolution");
-
-/// "full", "pure-rotation", "single-axis", "planar", "static" or "fronto-parallel".
-MotionKind motionFrom(const std::string& word);
 
 /// "rmse_px=1.5,3" (caution, bad) changes one threshold of the verdict.
 void setThreshold(const std::string& assignment, VerdictThresholds& thresholds);
@@ -84,19 +75,7 @@ TimeNs nanosecondsFromMilliseconds(const std::string& option, double millisecond
 /// InputError naming the option for anything else, or for more than 10,000 amounts.
 std::vector<double> amountsFrom(const std::string& option, const std::string& words);
 
-/// --align: "se3", "sim3", "scale", "yaw", "origin", "se3-first", "yaw-first", "none".
-AlignmentKind alignmentFrom(const std::string& word);
-
-/// --association: "one-to-one", "interpolate", "evo", "rpg", "ov_eval".
-AssociationRule associationFrom(const std::string& word);
-
 /// --rpe: "1m,10m,1frames,0.5s", or "none".
 std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words);
-
-/// --rpe-pairs: "plumbline", "evo", "evo-all", "rpg", "ov_eval".
-RelativePairs relativePairsFrom(const std::string& word);
-
-/// "tum", "euroc", "kitti", "motive", "vicon", of the option named.
-TrajectoryFormat trajectoryFormatFrom(const std::string& option, const std::string& word);
 
 }  // namespace plumbline

@@ -320,8 +320,8 @@ std::vector<std::string> givenInputs(std::vector<std::optional<std::string>> inp
 }
 
 std::vector<std::string> filesOf(const std::string& pattern) {
+  if (pattern.empty()) return {};
   std::vector<std::string> files;
-  if (pattern.empty()) return files;
   for (const RunFile& file : findRuns(pattern)) files.push_back(file.path.string());
   return files;
 }

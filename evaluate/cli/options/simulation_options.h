@@ -6,6 +6,7 @@
 #include <CLI/App.hpp>
 
 #include "calibrator/base/april_grid.h"
+#include "calibrator/guidance/guide_options.h"
 #include "calibrator/simulate/faults/fault.h"
 
 namespace plumbline {
@@ -39,5 +40,9 @@ std::string targetShapeExample();
 /// a simulated operator makes.
 void declareSimulatedBoard(CLI::App& app, double& corner_sigma_px, double& board_bend_mm,
                            std::string& guide_board);
+
+/// When a guide stops, its trajectories and the operator's speed: of `replay` and `simulate
+/// operator`. `first_trajectory`: a word of FirstTrajectory.
+void declareTrajectoriesAndStops(CLI::App& app, GuideOptions& guide, std::string& first_trajectory);
 
 }  // namespace plumbline

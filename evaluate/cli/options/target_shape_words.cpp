@@ -10,6 +10,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/options/simulation_options.h"
+#include "evaluate/metrics/lists.h"
 
 namespace plumbline {
 namespace {
@@ -110,11 +111,8 @@ const Word& wordNamed(const std::string& words, const std::string& name) {
 }  // namespace
 
 std::string targetShapeExample() {
-  std::string example;
-  for (const Word& word : allWords()) {
-    example += fmt::format("{}{}={}", example.empty() ? "" : ",", word.name, word.example);
-  }
-  return example;
+  const auto words = [](const Word& word) { return fmt::format("{}={}", word.name, word.example); };
+  return joined(allWords(), words, ",");
 }
 
 TargetShape targetShapeFromWords(const std::string& words, const AprilGrid& grid) {

@@ -17,19 +17,21 @@ constexpr double kLongestTime = 4e9;  // [s], more than any two clocks differ; h
 constexpr double kNarrowest = 0.05, kWidest = 600;  // [s] of the search for a clock offset
 
 void declarePairing(CLI::App& app, TrajectoryMetricWords& o) {
+  AssociationOptions& pairing = o.request.metrics.association;
   addWithDefault(app, "--association", o.association,
                  "How stamps are paired: one-to-one, interpolate, evo, rpg or ov_eval");
-  addWithDefault(app, "--max-dt", o.max_dt_s, "Largest difference of paired stamps [s]")
+  addWithDefault(app, "--max-dt", pairing.max_dt_s, "Largest difference of paired stamps [s]")
       ->check(numberWithin(0, kLongestTime));
-  addWithDefault(app, "--max-gap", o.max_gap_s,
+  addWithDefault(app, "--max-gap", pairing.max_gap_s,
                  "interpolate: widest gap of the truth to interpolate over [s]")
       ->check(numberWithin(0, kLongestTime));
-  addWithDefault(app, "--time-offset", o.time_offset_s,
+  addWithDefault(app, "--time-offset", pairing.time_offset_s,
                  "Add this to the estimate's stamps before pairing [s]")
       ->check(numberWithin(-kLongestTime, kLongestTime));
 }
 
 void declareFrames(CLI::App& app, TrajectoryMetricWords& o) {
+  TrajectoryRequest& r = o.request;
   addWithDefault(app, "--clock-offset", o.clock_offset,
                  "t_truth - t_estimate: auto (from angular rates), seconds, or none");
   app.add_option("--clock-range", o.clock_range_s,
@@ -39,19 +41,20 @@ void declareFrames(CLI::App& app, TrajectoryMetricWords& o) {
   addWithDefault(app, "--hand-eye", o.hand_eye,
                  "Transform from marker body to the estimate's body: auto (estimated, and applied "
                  "to the truth) or none");
-  app.add_flag("--estimate-w-first", o.estimate_w_first,
+  app.add_flag("--estimate-w-first", r.estimate_w_first,
                "The estimate is TUM with quaternions w x y z");
-  app.add_flag("--truth-w-first", o.truth_w_first, "The truth is TUM with quaternions w x y z");
-  app.add_flag("--estimate-inverted", o.estimate_inverted,
+  app.add_flag("--truth-w-first", r.truth_w_first, "The truth is TUM with quaternions w x y z");
+  app.add_flag("--estimate-inverted", r.estimate_inverted,
                "The estimate's quaternions map the world into the body");
-  app.add_flag("--truth-inverted", o.truth_inverted,
+  app.add_flag("--truth-inverted", r.truth_inverted,
                "The truth's quaternions map the world into the body");
 }
 
 void declareErrors(CLI::App& app, TrajectoryMetricWords& o) {
   addWithDefault(app, "--align", o.align,
                  "Alignment: se3, sim3, scale, yaw, origin, se3-first, yaw-first or none");
-  addWithDefault(app, "--align-first", o.align_first, "Align by the first N pairs only (0: all)")
+  addWithDefault(app, "--align-first", o.request.metrics.alignment.first_n,
+                 "Align by the first N pairs only (0: all)")
       ->check(numberFrom(0));
   addWithDefault(app, "--rpe", o.rpe,
                  "Segment lengths of relative errors (RPE): 1m,10m,1frames,0.5s, or none");
@@ -74,7 +77,7 @@ double knownOffset(const std::string& word) {
 }
 
 std::vector<RelativeDelta> pairedBy(const std::string& word, std::vector<RelativeDelta> deltas) {
-  const RelativePairs pairs = relativePairsFrom(word);
+  const RelativePairs pairs = enumValue<RelativePairs>("--rpe-pairs", word);
   for (RelativeDelta& delta : deltas) {
     // Not left to be an empty table: the rule never selects any.
     if (!hasPairsOver(pairs, delta.unit)) {
@@ -108,18 +111,9 @@ void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
 }
 
 TrajectoryRequest judgedAs(const TrajectoryMetricWords& o) {
-  TrajectoryRequest request;
-  request.metrics = trajectoryMetricsFrom(o);
-  request.estimate_w_first = o.estimate_w_first;
-  request.truth_w_first = o.truth_w_first;
-  request.estimate_inverted = o.estimate_inverted;
-  request.truth_inverted = o.truth_inverted;
-  return request;
-}
-
-TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
-  TrajectoryMetricOptions metrics;
-  metrics.association = {associationFrom(o.association), o.max_dt_s, o.max_gap_s, o.time_offset_s};
+  TrajectoryRequest request = o.request;
+  TrajectoryMetricOptions& metrics = request.metrics;
+  metrics.association.rule = enumValue<AssociationRule>("--association", o.association);
   // Both are added to the estimate's stamps (t_truth - t_estimate), so that they add up.
   metrics.association.time_offset_s += knownOffset(o.clock_offset);
   if (o.clock_offset == "auto") {
@@ -130,13 +124,12 @@ TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& o) {
         "--clock-range is of the search of --clock-offset auto; give both, or omit it");
   }
   metrics.hand_eye = wordFrom<bool>("--hand-eye", o.hand_eye, {{"auto", true}, {"none", false}});
-  metrics.alignment.kind = alignmentFrom(o.align);
-  metrics.alignment.first_n = o.align_first;
+  metrics.alignment.kind = enumValue<AlignmentKind>("--align", o.align);
   metrics.rpe = pairedBy(o.rpe_pairs, relativeDeltasFrom(o.rpe));
   metrics.coverage = wordFrom<CoverageSpan>(
       "--coverage-from", o.coverage_from,
       {{"start", CoverageSpan::kTruth}, {"first-pose", CoverageSpan::kFirstPose}});
-  return metrics;
+  return request;
 }
 
 }  // namespace plumbline

@@ -17,13 +17,8 @@ struct TrajectoryMetricWords {
   std::string align = "se3", association = "one-to-one", rpe = "1m";
   std::string rpe_pairs = "plumbline";
   std::string clock_offset = "none", hand_eye = "none";
-  int align_first = 0;
-  double max_dt_s = AssociationOptions{}.max_dt_s;
-  double max_gap_s = AssociationOptions{}.max_gap_s;
-  double time_offset_s = 0;
+  TrajectoryRequest request;            ///< what is no word
   std::optional<double> clock_range_s;  ///< of auto alone
-  bool estimate_w_first = false, truth_w_first = false;
-  bool estimate_inverted = false, truth_inverted = false;
   std::string coverage_from = "start";
   double min_coverage = kLeastCoverage;
   double max_ate_m = 0;  ///< 0: not given
@@ -44,10 +39,7 @@ void setLimits(const TrajectoryMetricWords& words, Request& request) {
   if (words.max_ate_m > 0) request.max_ate_m = words.max_ate_m;
 }
 
-/// A request without its files: the words as values and how quaternions are read. Throws as below.
+/// The request with the words as values; throws InputError that names an option and what it may be.
 TrajectoryRequest judgedAs(const TrajectoryMetricWords& words);
-
-/// The words as values; throws InputError that names an option and what it may be.
-TrajectoryMetricOptions trajectoryMetricsFrom(const TrajectoryMetricWords& words);
 
 }  // namespace plumbline

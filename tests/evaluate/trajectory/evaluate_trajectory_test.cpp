@@ -44,20 +44,20 @@ TEST(EvaluateTrajectories, AnExactEstimateHasNoErrorAndNoRemarks) {
   options.rpe = {{1, RelativeDelta::Unit::kMetres}, {1, RelativeDelta::Unit::kFrames}};
   const auto result = evaluateTrajectories(spiralFrom(0), spiralFrom(0), options);
   ASSERT_TRUE(result.ok());
-  EXPECT_EQ(result->run.association.matches, 200U);
-  EXPECT_LT(result->run.ate_translation_m.rmse, 1e-12);
-  EXPECT_LT(result->run.ate_rotation_deg.rmse, 1e-10);
-  ASSERT_EQ(result->run.rpe.size(), 2U);
-  EXPECT_GT(result->run.rpe[0].translation_m.n, 150U);
-  EXPECT_DOUBLE_EQ(result->run.coverage, 1);
-  EXPECT_EQ(result->run.error_m.size(), 200U);
+  EXPECT_EQ(result->association.matches, 200U);
+  EXPECT_LT(result->ate_translation_m.rmse, 1e-12);
+  EXPECT_LT(result->ate_rotation_deg.rmse, 1e-10);
+  ASSERT_EQ(result->rpe.size(), 2U);
+  EXPECT_GT(result->rpe[0].translation_m.n, 150U);
+  EXPECT_DOUBLE_EQ(result->coverage, 1);
+  EXPECT_EQ(result->error_m.size(), 200U);
   EXPECT_THAT(result->remarks, IsEmpty());
 }
 
 TEST(EvaluateTrajectories, CoverageLeavesOutHoles) {
   Trajectory half = spiralFrom(0);
   half.poses.erase(half.poses.begin() + 50, half.poses.begin() + 149);
-  EXPECT_NEAR(evaluateTrajectories(half, spiralFrom(0), {})->run.coverage, 99 / 199.0, 1e-12);
+  EXPECT_NEAR(evaluateTrajectories(half, spiralFrom(0), {})->coverage, 99 / 199.0, 1e-12);
 }
 
 TEST(EvaluateTrajectories, NoOverlapNamesBothSpansAndTheCause) {
@@ -84,7 +84,7 @@ TEST(EvaluateTrajectories, TooFewPairsSayHowFarTheStampsAreApart) {
   EXPECT_NEAR(std::abs(between.number("nearest_s")), 0.05, 1e-6);
   TrajectoryMetricOptions options;
   options.association.rule = AssociationRule::kInterpolate;
-  EXPECT_EQ(evaluateTrajectories(spiralFrom(0.05), spiralFrom(0), options)->run.association.matches,
+  EXPECT_EQ(evaluateTrajectories(spiralFrom(0.05), spiralFrom(0), options)->association.matches,
             199U);
   options.association.max_gap_s = 0.05;
   const auto gaps = evaluateTrajectories(spiralFrom(0.05), spiralFrom(0), options);
@@ -125,7 +125,7 @@ TEST(EvaluateTrajectories, RemarksNamePosesThatEvoUsesTwice) {
   TrajectoryMetricOptions options;
   options.association.rule = AssociationRule::kEvo;
   const auto result = evaluateTrajectories(estimate, spiralFrom(0), options);
-  EXPECT_EQ(result->run.association.estimate_duplicates, 1U);
+  EXPECT_EQ(result->association.estimate_duplicates, 1U);
   EXPECT_THAT(result->remarks, Contains(HasSubstr("1 poses twice")));
   EXPECT_THAT(evaluateTrajectories(estimate, spiralFrom(0), {})->remarks, IsEmpty());
 }
@@ -135,12 +135,12 @@ TEST(EvaluateTrajectories, RemarksNameABodyFrameThatDiffers) {
   const Eigen::Quaterniond q_BC(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX()));
   for (StampedPose& pose : estimate.poses) pose.q = pose.q * q_BC;
   const auto result = evaluateTrajectories(estimate, spiralFrom(0), {});
-  EXPECT_THAT(result->run.left_out, HasSubstr("68.8 deg between the body frames"));
-  EXPECT_EQ(result->run.cure, "--hand-eye auto");
-  EXPECT_EQ(result->run.ate_rotation_deg.n, 0U) << "known to be no error, so not shown";
+  EXPECT_THAT(result->left_out, HasSubstr("68.8 deg between the body frames"));
+  EXPECT_EQ(result->cure, "--hand-eye auto");
+  EXPECT_EQ(result->ate_rotation_deg.n, 0U) << "known to be no error, so not shown";
   TrajectoryMetricOptions options;
   options.alignment.kind = AlignmentKind::kSim3;
-  EXPECT_EQ(evaluateTrajectories(estimate, spiralFrom(0), options)->run.cure,
+  EXPECT_EQ(evaluateTrajectories(estimate, spiralFrom(0), options)->cure,
             "--align se3 --hand-eye auto")
       << "hand-eye needs lengths";
 }
@@ -154,9 +154,9 @@ TEST(EvaluateTrajectories, AnotherBodyIsFoundUnderAnAlignmentByTheFirstPose) {
   for (const AlignmentKind kind : {AlignmentKind::kSe3First, AlignmentKind::kOrigin}) {
     options.alignment.kind = kind;
     const auto result = evaluateTrajectories(estimate, spiralFrom(0), options);
-    EXPECT_GT(result->run.ate_translation_m.rmse, 0.1);
-    EXPECT_EQ(result->run.cure, "--hand-eye auto");
-    EXPECT_THAT(result->run.left_out, HasSubstr("turns the positions"));
+    EXPECT_GT(result->ate_translation_m.rmse, 0.1);
+    EXPECT_EQ(result->cure, "--hand-eye auto");
+    EXPECT_THAT(result->left_out, HasSubstr("turns the positions"));
   }
 }
 
@@ -172,12 +172,12 @@ TEST(EvaluateTrajectories, RemarksNameInvertedQuaternions) {
     for (StampedPose& pose : estimate.poses) pose = {pose.t, q_WE * pose.p, q_WE * pose.q};
     for (StampedPose& pose : (of_truth ? truth : estimate).poses) pose.q = pose.q.conjugate();
     const auto result = evaluateTrajectories(estimate, truth, {});
-    EXPECT_THAT(result->run.left_out,
+    EXPECT_THAT(result->left_out,
                 HasSubstr(of_truth ? "of the truth are inv" : "of the estimate are inv"));
-    EXPECT_EQ(result->run.cure, of_truth ? "--truth-inverted" : "--estimate-inverted");
-    EXPECT_LT(result->run.ate_translation_m.rmse, 1e-9);
-    EXPECT_EQ(result->run.ate_rotation_deg.n, 0U) << "known to be wrong, so not shown";
-    EXPECT_THAT(result->run.rpe, IsEmpty());
+    EXPECT_EQ(result->cure, of_truth ? "--truth-inverted" : "--estimate-inverted");
+    EXPECT_LT(result->ate_translation_m.rmse, 1e-9);
+    EXPECT_EQ(result->ate_rotation_deg.n, 0U) << "known to be wrong, so not shown";
+    EXPECT_THAT(result->rpe, IsEmpty());
   }
 }
 
@@ -187,9 +187,9 @@ TEST(EvaluateTrajectories, WithoutOrientationsOnlyPositionsAreJudged) {
   TrajectoryMetricOptions options;
   options.rpe = {{1, RelativeDelta::Unit::kMetres}};
   const auto result = evaluateTrajectories(spiralFrom(0), truth, options);
-  EXPECT_EQ(result->run.ate_translation_m.n, 200U);
-  EXPECT_EQ(result->run.ate_rotation_deg.n, 0U);
-  EXPECT_THAT(result->run.rpe, IsEmpty());
+  EXPECT_EQ(result->ate_translation_m.n, 200U);
+  EXPECT_EQ(result->ate_rotation_deg.n, 0U);
+  EXPECT_THAT(result->rpe, IsEmpty());
   EXPECT_THAT(result->remarks, Contains(HasSubstr("no orientations")));
   options.alignment.kind = AlignmentKind::kSe3First;
   EXPECT_EQ(evaluateTrajectories(spiralFrom(0), truth, options).failure().code,
@@ -200,7 +200,7 @@ TEST(TrajectoryDocument, HoldsTheFieldsThatScriptsRead) {
   TrajectoryMetricOptions options;
   options.rpe = {{2, RelativeDelta::Unit::kSeconds}};
   const auto json = nlohmann::json::parse(documentOf(
-      SingleTrajectory{evaluateTrajectories(spiralFrom(0), spiralFrom(0), options)->run, {}, {}}));
+      SingleTrajectory{*evaluateTrajectories(spiralFrom(0), spiralFrom(0), options), {}, {}}));
   EXPECT_EQ(json["n"], 200);
   EXPECT_EQ(json["association"], "one-to-one");
   EXPECT_EQ(json["alignment"], "se3");

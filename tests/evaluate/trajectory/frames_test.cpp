@@ -55,20 +55,20 @@ TEST(TrajectoryFrames, ClockAndHandEyeLeaveTheNoise) {
   options.association.rule = AssociationRule::kInterpolate;
   const auto without = evaluateTrajectories(ours, theirs, options);
   ASSERT_TRUE(without.ok());
-  EXPECT_GT(without->run.ate_translation_m.rmse, 0.05);
+  EXPECT_GT(without->ate_translation_m.rmse, 0.05);
   options.clock = ClockOffsetOptions{};
   options.hand_eye = true;
   const auto with = evaluateTrajectories(ours, theirs, options);
   ASSERT_TRUE(with.ok()) << with.failure();
-  ASSERT_TRUE(with->run.clock_offset && with->run.hand_eye);
-  EXPECT_NEAR(with->run.clock_offset->offset_s, 0.31, 4 * with->run.clock_offset->std_s);
-  EXPECT_NEAR(with->run.association.time_offset_s, with->run.clock_offset->offset_s, 1e-12);
-  const Vector6d error = boxminus(with->run.hand_eye->T_SM, kT_SM);
-  EXPECT_LT(error.cwiseQuotient(with->run.hand_eye->T_SM_std).cwiseAbs().maxCoeff(), 5);
+  ASSERT_TRUE(with->clock_offset && with->hand_eye);
+  EXPECT_NEAR(with->clock_offset->offset_s, 0.31, 4 * with->clock_offset->std_s);
+  EXPECT_NEAR(with->association.time_offset_s, with->clock_offset->offset_s, 1e-12);
+  const Vector6d error = boxminus(with->hand_eye->T_SM, kT_SM);
+  EXPECT_LT(error.cwiseQuotient(with->hand_eye->T_SM_std).cwiseAbs().maxCoeff(), 5);
   EXPECT_LT(error.head<3>().norm(), 2e-3);
-  EXPECT_NEAR(with->run.ate_translation_m.rmse, 2e-3 * std::sqrt(3), 4e-4);
-  EXPECT_LT(with->run.ate_rotation_deg.rmse, 0.15);
-  EXPECT_THAT(with->run.remarks, Contains(HasSubstr("hand-eye")));
+  EXPECT_NEAR(with->ate_translation_m.rmse, 2e-3 * std::sqrt(3), 4e-4);
+  EXPECT_LT(with->ate_rotation_deg.rmse, 0.15);
+  EXPECT_THAT(with->remarks, Contains(HasSubstr("hand-eye")));
   EXPECT_THAT(documentOf(SingleTrajectory{with->run, {}, {}}), HasSubstr("\"hand_eye\""));
 }
 
@@ -78,7 +78,7 @@ TEST(TrajectoryFrames, ASearchIsAboutTheOffsetThatIsGiven) {
   options.association.time_offset_s = 30;
   const auto found = evaluateTrajectories(estimate(motion()), markers(motion(), 30.2), options);
   ASSERT_TRUE(found.ok()) << found.failure();
-  EXPECT_NEAR(found->run.clock_offset->offset_s, 30.2, 1e-3);
+  EXPECT_NEAR(found->clock_offset->offset_s, 30.2, 1e-3);
 }
 
 TEST(TrajectoryFrames, WhatCannotBeEstimatedIsRefused) {
@@ -108,7 +108,7 @@ TEST(TrajectoryFrames, WFirstIsRefusedWithTheCure) {
 }
 
 // Pose noise that the covariances state, times `factor`.
-TrajectoryEvaluation judged(double factor, AlignmentKind kind) {
+TrajectoryRun judged(double factor, AlignmentKind kind) {
   Trajectory ours = estimate(motion(), 3);
   Matrix6d P = Matrix6d::Zero();
   P.diagonal() << Eigen::Vector3d::Constant(4e-6), Eigen::Vector3d::Constant(1e-6);
@@ -123,13 +123,13 @@ TrajectoryEvaluation judged(double factor, AlignmentKind kind) {
 
 TEST(TrajectoryFrames, NeesTellsConsistentFromOverconfident) {
   const auto consistent = judged(1, AlignmentKind::kNone);
-  ASSERT_EQ(consistent.run.nees.size(), 3U);
-  for (const NeesRecord& r : consistent.run.nees) {
+  ASSERT_EQ(consistent.nees.size(), 3U);
+  for (const NeesRecord& r : consistent.nees) {
     EXPECT_GT(r.mean, r.lower) << r.part;
     EXPECT_LT(r.mean, r.upper) << r.part;
   }
   EXPECT_THAT(consistent.remarks, IsEmpty());
-  for (const NeesRecord& r : judged(0.8, AlignmentKind::kNone).run.nees) {
+  for (const NeesRecord& r : judged(0.8, AlignmentKind::kNone).nees) {
     EXPECT_GT(r.mean, r.upper) << r.part;
   }
   EXPECT_THAT(judged(1, AlignmentKind::kSe3).remarks, Contains(HasSubstr("NEES after alignment")));

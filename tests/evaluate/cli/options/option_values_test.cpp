@@ -10,6 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/information/predicted_error.h"
+#include "calibrator/simulate/trajectory.h"
+#include "datasets/trajectory/trajectory_reader.h"
 
 namespace plumbline {
 namespace {
@@ -54,12 +57,15 @@ TEST(SelectionOption, IsInBitsWhicheverUnitWasGiven) {
 }
 
 TEST(OptionValues, Criterion) {
-  EXPECT_EQ(viewCriterionFrom("mi"), ViewCriterion::kMutualInformation);
-  EXPECT_EQ(viewCriterionFrom("predicted-error"), ViewCriterion::kPredictedError);
-  EXPECT_THAT(complaint([] { (void)viewCriterionFrom("error"); }), HasSubstr("predicted-error"));
-  EXPECT_EQ(laterUseFrom("seen"), LaterUseKind::kSeen);
-  EXPECT_EQ(laterUseFrom("image"), LaterUseKind::kImage);
-  EXPECT_THAT(complaint([] { (void)laterUseFrom("here"); }), HasSubstr("image"));
+  EXPECT_EQ(enumValue<ViewCriterion>("--criterion", "mi"), ViewCriterion::kMutualInformation);
+  EXPECT_EQ(enumValue<ViewCriterion>("--criterion", "predicted-error"),
+            ViewCriterion::kPredictedError);
+  EXPECT_THAT(complaint([] { (void)enumValue<ViewCriterion>("--criterion", "error"); }),
+              HasSubstr("predicted-error"));
+  EXPECT_EQ(enumValue<LaterUseKind>("--later-use", "seen"), LaterUseKind::kSeen);
+  EXPECT_EQ(enumValue<LaterUseKind>("--later-use", "image"), LaterUseKind::kImage);
+  EXPECT_THAT(complaint([] { (void)enumValue<LaterUseKind>("--later-use", "here"); }),
+              HasSubstr("image"));
 }
 
 TEST(ModelsOption, TakesKalibrsWordsAndAliases) {
@@ -82,8 +88,8 @@ TEST(OptionValues, RefusalsNameTheOptionThatWasGiven) {
                 AllOf(HasSubstr("--model "), HasSubstr("one for all cameras")))
         << word;
   }
-  EXPECT_EQ(trajectoryFormatFrom("--format", "tum"), TrajectoryFormat::kTum);
-  EXPECT_THAT(complaint([] { (void)trajectoryFormatFrom("--estimate-format", "x"); }),
+  EXPECT_EQ(enumValue<TrajectoryFormat>("--format", "tum"), TrajectoryFormat::kTum);
+  EXPECT_THAT(complaint([] { (void)enumValue<TrajectoryFormat>("--estimate-format", "x"); }),
               HasSubstr("--estimate-format x"));
 }
 
@@ -125,9 +131,10 @@ TEST(ShiftOption, IsANumberOfReasonableSize) {
 }
 
 TEST(MotionOption, NamesItsKinds) {
-  EXPECT_EQ(motionFrom("full"), MotionKind::kFull);
-  EXPECT_EQ(motionFrom("single-axis"), MotionKind::kSingleAxisRotation);
-  EXPECT_THAT(complaint([] { (void)motionFrom("circle"); }), HasSubstr("fronto-parallel"));
+  EXPECT_EQ(enumValue<MotionKind>("--motion", "full"), MotionKind::kFull);
+  EXPECT_EQ(enumValue<MotionKind>("--motion", "single-axis"), MotionKind::kSingleAxisRotation);
+  EXPECT_THAT(complaint([] { (void)enumValue<MotionKind>("--motion", "circle"); }),
+              HasSubstr("fronto-parallel"));
 }
 
 }  // namespace
