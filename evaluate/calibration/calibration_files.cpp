@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/session/session_reader.h"
+#include "datasets/images/image_io.h"
 #include "evaluate/calibration/calibrate_session.h"
 #include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/results/text.h"
 #include "report/records/documents.h"
 
@@ -19,11 +24,7 @@ namespace plumbline {
 namespace {
 
 std::string numbers(const Eigen::VectorXd& values) {
-  std::string text;
-  for (double value : values) {
-    text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", value);
-  }
-  return text;
+  return joined(values, [](double value) { return fmt::format("{:.6g}", value); });
 }
 
 void addErrors(Text& text, const char* name, const StageSummary& s) {
@@ -87,10 +88,9 @@ void addLeftOut(Text& text, const CameraImuStageResult& stage) {
 // Of T_SC0 and the time offset: robust where it is known, the formal one beside it.
 void addImu(Text& text, const CameraImuStageResult& stage) {
   const ImuCalibration& imu = stage.imu;
-  const auto deviations = [&](const Vector6d& s) {
-    const double degrees = kDegrees;
+  const auto deviations = [](const Vector6d& s) {
     return fmt::format("[{:.2f}, {:.2f}, {:.2f}] mm, [{:.4f}, {:.4f}, {:.4f}] deg", 1e3 * s[0],
-                       1e3 * s[1], 1e3 * s[2], degrees * s[3], degrees * s[4], degrees * s[5]);
+                       1e3 * s[1], 1e3 * s[2], kDegrees * s[3], kDegrees * s[4], kDegrees * s[5]);
   };
   const auto& robust = stage.summary.robust_std;
   const Eigen::Vector3d mm = 1e3 * imu.T_SC0.t;
@@ -155,26 +155,18 @@ void addTarget(Text& text, const TargetFit& fit, bool kept) {
       fit.shapeHeldOutPx(), fit.flat_held_out_px);
 }
 
-Calibration calibrationOf(const CalibrationRecord& record) {
-  Calibration calibration;
-  calibration.cameras = record.cameras();
-  if (record.camera_imu) calibration.imu = record.camera_imu->imu;
-  return calibration;
-}
-
 template <class StageResult>
-void addRows(fmt::memory_buffer& text, const char* name, const StageResult& stage) {
+void addRows(Text& text, const char* name, const StageResult& stage) {
   for (const CornerResidual& r : stage.residuals) {
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.6f},{:.6f},{:.6f},{:.6f},{}\n", name,
-                   stage.frames[r.frame].t, stage.cameras[r.camera].name, r.corner_id, r.uv.x(),
-                   r.uv.y(), r.error.x(), r.error.y(), r.used ? 1 : 0);
+    add(text, "{},{},{},{},{:.6f},{:.6f},{:.6f},{:.6f},{}\n", name, stage.frames[r.frame].t,
+        stage.cameras[r.camera].name, r.corner_id, r.uv.x(), r.uv.y(), r.error.x(), r.error.y(),
+        r.used ? 1 : 0);
   }
 }
 
 std::string residualsTable(const CalibrationRecord& record) {
-  fmt::memory_buffer text;
-  fmt::format_to(std::back_inserter(text),
-                 "#stage,timestamp [ns],camera,corner_id,u [px],v [px],e_u [px],e_v [px],used\n");
+  Text text;
+  add(text, "#stage,timestamp [ns],camera,corner_id,u [px],v [px],e_u [px],e_v [px],used\n");
   if (record.camera) addRows(text, "camera", *record.camera);
   if (record.camera_imu) addRows(text, "camera_imu", *record.camera_imu);
   return fmt::to_string(text);
@@ -183,7 +175,8 @@ std::string residualsTable(const CalibrationRecord& record) {
 }  // namespace
 
 std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool residuals) {
-  const Calibration calibration = calibrationOf(record);
+  Calibration calibration{record.cameras(), {}};
+  if (record.camera_imu) calibration.imu = record.camera_imu->imu;
   const auto& imu = calibration.imu;
   std::vector<ResultFile> files{
       {"calibration.json", documentOf(record)},
@@ -216,6 +209,48 @@ std::string calibrationSummary(const CalibrationRecord& record) {
   }
   add(text, "{}", verdictText(record.verdict));
   return fmt::to_string(text);
+}
+
+namespace {
+
+constexpr int kWidest = 800;  // [px]
+constexpr int kQuality = 60;
+
+/// Empty where the file cannot be read: its corners may come from the cache.
+std::optional<ViewImage> imageOf(const std::string& path, int camera, TimeNs t) {
+  try {
+    const GrayImage image = readGrayImage(path);
+    const int factor = (image.width() + kWidest - 1) / kWidest;
+    return ViewImage{camera, t, factor, encodeJpeg(shrunk(image, factor), kQuality)};
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+void addViewImages(const LoadedSession& loaded, CalibrationRecord& record) {
+  record.view_images.clear();
+  const bool any = std::any_of(loaded.images.begin(), loaded.images.end(),
+                               [](const auto& of_camera) { return !of_camera.empty(); });
+  if (!any || (!record.camera && !record.camera_imu)) return;
+  // The page ranks the views of the camera stage, and those of the other where the cameras were
+  // given.
+  const auto& frames = record.camera ? record.camera->frames : record.camera_imu->frames;
+  const auto& residuals = record.camera ? record.camera->residuals : record.camera_imu->residuals;
+  const std::vector<ViewErrors> views = viewErrors(residuals);
+  const std::vector<std::size_t> order = worstFirst(views);
+  for (std::size_t i = 0; i < std::min(kWorstViews, order.size()); ++i) {
+    const ViewErrors& v = views[order[i]];
+    const auto camera = static_cast<std::size_t>(v.camera);
+    const Frame& frame = frames[static_cast<std::size_t>(v.frame)];
+    const auto& images = loaded.images[camera];
+    if (images.empty()) continue;
+    const auto& file = images[static_cast<std::size_t>(frame.view[camera])];
+    if (auto image = imageOf(file.path, v.camera, frame.t)) {
+      record.view_images.push_back(std::move(*image));
+    }
+  }
 }
 
 }  // namespace plumbline

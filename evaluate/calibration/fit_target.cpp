@@ -2,6 +2,7 @@
 #include "evaluate/calibration/fit_target.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -163,17 +164,13 @@ Result<std::vector<BoardAgreement>> agreementOf(SessionStages& stages, const Joi
   return agreement;
 }
 
-std::string agreementText(BoardAgreement agreement) {
-  switch (agreement) {
-    case BoardAgreement::kSame:
-      return "shows the same board";
-    case BoardAgreement::kSamePredicted:
-      return "differs significantly, but its own shape predicts held-out frames no better";
-    case BoardAgreement::kOther:
-      return "differs, and its own shape predicts held-out frames better: another board, one that "
-             "has changed, or a lens that its model misfits";
-  }
-  return "";
+const char* agreementText(BoardAgreement agreement) {
+  constexpr std::array kWords{
+      "shows the same board",
+      "differs significantly, but its own shape predicts held-out frames no better",
+      "differs, and its own shape predicts held-out frames better: another board, one that has "
+      "changed, or a lens that its model misfits"};
+  return kWords[static_cast<std::size_t>(agreement)];
 }
 
 std::string higherText(const JointTarget& joint) {

@@ -26,18 +26,16 @@ struct CalibrateOptions {
   EstimationOptions estimation;
   ResultOptions output;
   std::optional<std::string> select_views;
-  bool free_cameras = false, joint = false, residuals = false;
-  bool no_halves = false;
+  bool joint = false, residuals = false, no_halves = false;
   double imu_shift_ms = 0;
-  int resamples = 0;
-  std::uint64_t seed = 1;
   std::vector<std::string> thresholds;
+  CalibrateRequest request;  ///< what is no word
 };
 
 void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   o.estimation.choose_models = true;
   o.estimation.declare(app);
-  app.add_flag("--free-cameras", o.free_cameras,
+  app.add_flag("--free-cameras", o.request.free_cameras,
                "Refine the cameras of --cameras: they are only start values")
       ->needs(app.get_option("--cameras"));
   app.add_flag("--joint", o.joint, "Refine the cameras in the camera-IMU stage too");
@@ -48,12 +46,12 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
       "Select views: mi:0.2bits (by information gain, like Kalibr) or predicted-error:2% (as few "
       "as keep the predicted error within 2 % of that of all views); default: all views");
   app.add_option(
-         "--resample", o.resamples,
+         "--resample", o.request.resamples,
          "Recalibrate on N bootstrap resamples of time segments and report the bootstrap std")
       // One draw has no scatter to take a deviation from.
       ->check(CLI::IsMember({0}) | numberFrom(2));
   app.add_flag("--no-halves", o.no_halves, "Do not compare the halves of the recording");
-  addWithDefault(app, "--seed", o.seed, "Seed of resampling and view selection")
+  addWithDefault(app, "--seed", o.request.seed, "Seed of resampling and view selection")
       ->check(seedFrom(0));
 }
 
@@ -65,37 +63,17 @@ void declareOutput(CLI::App& app, CalibrateOptions& o) {
       ->allow_extra_args(false);
 }
 
-CameraStageOptions cameraOptions(const CalibrateOptions& o, const LoadRequest& load) {
-  CameraStageOptions options = o.estimation.cameraStage(load);
-  if (o.select_views) {
-    options.select_views = viewSelectionFrom(*o.select_views);
-    options.select_views->seed = o.seed;
-  }
-  return options;
-}
-
-CameraImuOptions cameraImuOptions(const CalibrateOptions& o, const CameraStageOptions& camera) {
-  CameraImuOptions options = o.estimation.cameraImuStage(camera);
-  options.imu_shift_ns = nanosecondsFromMilliseconds("--imu-shift-ms", o.imu_shift_ms);
-  options.free_cameras = o.joint;
-  return options;
-}
-
 CalibrateRequest calibrateRequest(const CalibrateOptions& o, const CLI::App& app) {
-  CalibrateRequest request;
-  request.load = o.session.request();
-  request.load.read.read_imu = !o.estimation.no_imu;
-  // What sensor.yaml states is of no matter where models come from an option or a file: without
-  // either, one that cannot be calibrated is refused as it is read.
-  request.load.read.supported_models_only = !o.estimation.models && !o.estimation.cameras;
-  request.camera = cameraOptions(o, request.load);
-  request.camera_imu = cameraImuOptions(o, request.camera);
-  request.cameras_file = o.estimation.cameras;
-  request.free_cameras = o.free_cameras;
+  CalibrateRequest request = o.request;
+  o.estimation.estimate(o.session, request);
+  if (o.select_views) {
+    request.camera.select_views = viewSelectionFrom(*o.select_views);
+    request.camera.select_views->seed = request.seed;
+  }
+  request.camera_imu.imu_shift_ns = nanosecondsFromMilliseconds("--imu-shift-ms", o.imu_shift_ms);
+  request.camera_imu.free_cameras = o.joint;
   request.halves = !o.no_halves;
   request.use_imu = !o.estimation.no_imu;
-  request.resamples = o.resamples;
-  request.seed = o.seed;
   for (const std::string& word : o.thresholds) setThreshold(word, request.thresholds);
   request.provenance = makeProvenance("calibrate", givenOptions(app));
   return request;

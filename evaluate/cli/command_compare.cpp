@@ -32,13 +32,13 @@ namespace {
 struct CompareOptions {
   // Both ranges, since at infinity only a rotation can make up for other intrinsics, near by a
   // translation as well.
-  std::vector<std::string> calibrations, labels, ranges{"inf", "1"};
+  std::vector<std::string> ranges{"inf", "1"};
+  CompareRequest request;  ///< what is no word
   SessionOptions session;
   ResultOptions output;
   std::string grid = "31x21";
   std::string uncertainty = "cross-reprojection";
   std::string fit = "squares";
-  double focus_radius_px = 0;
   bool no_session_estimate = false;
   MeasurementOptions measurements;
   RunsRequest runs;  // trajectories that were estimated with these calibrations
@@ -52,7 +52,7 @@ void declareMaps(CLI::App& app, CompareOptions& o) {
       ->capture_default_str();
   addWithDefault(app, "--grid", o.grid, "Grid of points over the image, COLUMNSxROWS");
   addWithDefault(
-      app, "--focus-radius", o.focus_radius_px,
+      app, "--focus-radius", o.request.maps.focus_radius_px,
       "Align over this radius around the image's centre with equal weights [px] (0: weighted by "
       "the projection uncertainty, or a sixth of the image if there is none)")
       ->check(numberFrom(0));
@@ -63,11 +63,11 @@ void declareMaps(CLI::App& app, CompareOptions& o) {
 }
 
 void declareCompare(CLI::App& app, CompareOptions& o) {
-  app.add_option("calibrations", o.calibrations,
+  app.add_option("calibrations", o.request.calibrations,
                  "Two or more calibrations of Plumbline, Kalibr or yac; differences are relative "
                  "to the first")
       ->required();
-  app.add_option("--labels", o.labels, "Labels of the calibrations, e.g. ours,kalibr")
+  app.add_option("--labels", o.request.labels, "Labels of the calibrations, e.g. ours,kalibr")
       ->delimiter(',')
       ->allow_extra_args(false);
   o.session.declareOptional(app);
@@ -108,9 +108,7 @@ std::vector<double> rangesFrom(const std::vector<std::string>& words) {
 }
 
 CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
-  CompareRequest request;
-  request.calibrations = o.calibrations;
-  request.labels = o.labels;
+  CompareRequest request = o.request;
   request.session_estimate = !o.no_session_estimate;
   if (!o.session.session.empty()) {
     request.load = o.session.request();
@@ -139,7 +137,6 @@ CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
   // Of the form of an image's size, and of whole numbers from 1 like one.
   const Resolution grid = resolutionFrom(o.grid, "--grid");
   request.maps.grid = {grid.width, grid.height};
-  request.maps.focus_radius_px = o.focus_radius_px;
   request.provenance = makeProvenance("compare", givenOptions(app));
   return request;
 }
@@ -154,12 +151,12 @@ std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
   setLimits(o.metrics, request);
   // The field {calibration} of the pattern is a calibration's label; a run of none of them is
   // refused.
-  request.calibrations = comparedLabels(o.calibrations, o.labels);
+  request.calibrations = comparedLabels(o.request.calibrations, o.request.labels);
   return evaluateRuns(request);
 }
 
 std::vector<std::string> filesBesideSession(const CompareOptions& o) {
-  std::vector<std::string> inputs = o.calibrations;
+  std::vector<std::string> inputs = o.request.calibrations;
   for (const std::string& pattern : {o.runs.runs, o.runs.truth}) append(inputs, filesOf(pattern));
   return inputs;
 }

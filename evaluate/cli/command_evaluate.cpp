@@ -35,16 +35,14 @@ namespace {
 constexpr int kMostFolds = 100;
 
 struct EvaluateCalibrationOptions {
-  std::string calibration;
+  EvaluateCalibrationRequest request;  ///< what is no word
   SessionOptions session;
   EstimationOptions estimation;
-  std::vector<std::string> held_out;
   ResultOptions output;
-  int folds = 0;
 };
 
 void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
-  app.add_option("calibration", o.calibration,
+  app.add_option("calibration", o.request.calibration,
                  "Calibration to score: Plumbline's calibration.json, Kalibr's or OpenVINS' "
                  "camchain*.yaml, yac's result, or Basalt's")
       ->required();
@@ -55,12 +53,12 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
   app.remove_option(app.get_option("--cameras"));
   app.get_option("--no-imu")->description("Score the cameras only");
   app.add_option(
-         "--held-out", o.held_out,
+         "--held-out", o.request.held_out,
          "Folders of further sessions, held out (not used for the calibration), with commas "
          "between them; repeatable")
       ->delimiter(',')
       ->allow_extra_args(false);
-  app.add_option("--folds", o.folds,
+  app.add_option("--folds", o.request.score.folds,
                  "K-fold cross-validation: recalibrate K times without one part of the session and "
                  "score that part")
       ->check(CLI::Range(2, kMostFolds));
@@ -69,17 +67,14 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
 
 EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationOptions& o,
                                                       const CLI::App& app) {
-  EvaluateCalibrationRequest request;
-  request.calibration = o.calibration;
+  EvaluateCalibrationRequest request = o.request;
   request.load = o.session.request();
   request.load.read.read_imu = !o.estimation.no_imu;
   // The calibration's models count, not those of sensor.yaml.
   request.load.read.supported_models_only = false;
-  request.held_out = o.held_out;
   request.score.camera = o.estimation.cameraStage(request.load);
   request.score.camera_imu = o.estimation.cameraImuStage(request.score.camera);
   request.score.use_imu = !o.estimation.no_imu;
-  request.score.folds = o.folds;
   auto given = givenOptions(app);
   // The record names the file itself, beside its scores.
   std::erase_if(given, [](const auto& option) { return option.first == "calibration"; });
@@ -90,8 +85,8 @@ EvaluateCalibrationRequest evaluateCalibrationRequest(const EvaluateCalibrationO
 int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App& app) {
   ProgressBar bar;
   const EvaluateCalibrationRequest request = evaluateCalibrationRequest(o, app);
-  std::vector<std::string> inputs = o.held_out;
-  inputs.push_back(o.calibration);
+  std::vector<std::string> inputs = request.held_out;
+  inputs.push_back(request.calibration);
   ResultWriter out(o.output,
                    o.output.request("scores of a calibration", o.session, std::move(inputs)));
   const auto result = evaluateCalibration(request, bar.sink());

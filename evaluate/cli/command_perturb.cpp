@@ -109,14 +109,9 @@ std::vector<Perturbation> perturbationsOf(const PerturbOptions& o) {
 PerturbRequest perturbRequest(PerturbOptions o, const CLI::App& app) {
   readStudy(o);
   PerturbRequest request;
-  request.load = o.session.request();
+  o.estimation.estimate(o.session, request);
   // Its lists decide the result, so its content belongs to the input hash.
   if (!o.study.empty()) request.load.others.push_back(o.study);
-  request.load.read.read_imu = !o.estimation.no_imu;
-  request.load.read.supported_models_only = !o.estimation.models && !o.estimation.cameras;
-  request.camera = o.estimation.cameraStage(request.load);
-  request.camera_imu = o.estimation.cameraImuStage(request.camera);
-  request.cameras_file = o.estimation.cameras;
   request.perturbations = perturbationsOf(o);
   request.threads = request.load.threads;
   request.provenance = makeProvenance("perturb", givenOptions(app));

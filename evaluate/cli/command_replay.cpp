@@ -217,13 +217,8 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
 
 ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {
   ReplayRequest request;
-  request.load = o.session.request();
   // Without an IMU the camera stage is replayed alone.
-  request.load.read.read_imu = !o.estimation.no_imu;
-  request.load.read.supported_models_only = !o.estimation.models && !o.estimation.cameras;
-  request.camera = o.estimation.cameraStage(request.load);
-  request.camera_imu = o.estimation.cameraImuStage(request.camera);
-  request.cameras_file = o.estimation.cameras;
+  o.estimation.estimate(o.session, request);
   request.guide = o.guide.options(request.camera);
   request.arrival_s = o.guide.arrival_ms / 1e3;
   request.suggestions = o.suggestions;

@@ -6,6 +6,7 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <thread>
 #include <utility>
@@ -94,34 +95,21 @@ std::string chosenWords(const CLI::App& app) {
 
 // The option that puts right what the libraries, which know no options, found wrong; "": none does.
 std::string optionFor(InputFault code) {
-  switch (code) {
-    case InputFault::kNoTarget:
-      return "; give it with --target FILE";
-    case InputFault::kNoResolution:
-      return "; give it with --resolution WxH";
-    case InputFault::kNoCorners:
-      return "; run plumbline detect on it first";
-    case InputFault::kNoImuNoise:
-      return "; give its noise densities with --imu imu.yaml";
-    case InputFault::kNoImuSamples:
-      return "; or ignore the IMU with --no-imu";
-    case InputFault::kResultExists:
-      return "; replace it with --force";
-    case InputFault::kNoCache:
-      return "; choose another with --cache DIR, or none with --no-cache";
-    case InputFault::kNothingSelected:
-      return "; correct --from and --to";
-    case InputFault::kUnsupportedModel:
-      return "; choose it with --models";
-    case InputFault::kUnknownCamera:
-      return "; correct --only";
-    case InputFault::kTooManyCameras:
-      return "; choose cameras with --only, e.g. --only cam0,cam1";
-    case InputFault::kBadCameraRate:
-      return "; correct --camera-rate";
-    default:
-      return "";
-  }
+  static const std::map<InputFault, std::string> kOptions{
+      {InputFault::kNoTarget, "; give it with --target FILE"},
+      {InputFault::kNoResolution, "; give it with --resolution WxH"},
+      {InputFault::kNoCorners, "; run plumbline detect on it first"},
+      {InputFault::kNoImuNoise, "; give its noise densities with --imu imu.yaml"},
+      {InputFault::kNoImuSamples, "; or ignore the IMU with --no-imu"},
+      {InputFault::kResultExists, "; replace it with --force"},
+      {InputFault::kNoCache, "; choose another with --cache DIR, or none with --no-cache"},
+      {InputFault::kNothingSelected, "; correct --from and --to"},
+      {InputFault::kUnsupportedModel, "; choose it with --models"},
+      {InputFault::kUnknownCamera, "; correct --only"},
+      {InputFault::kTooManyCameras, "; choose cameras with --only, e.g. --only cam0,cam1"},
+      {InputFault::kBadCameraRate, "; correct --camera-rate"}};
+  const auto found = kOptions.find(code);
+  return found == kOptions.end() ? "" : found->second;
 }
 
 // The same, where the command has the option.

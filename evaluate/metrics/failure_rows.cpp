@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <iterator>
-
 #include "evaluate/metrics/failure_text.h"
+#include "evaluate/metrics/lists.h"
 
 namespace plumbline {
 namespace {
@@ -288,9 +286,6 @@ const FailureRow kRows[] = {
 
 }  // namespace
 
-const FailureRow& failureRow(FailureCode code) {
-  return *std::find_if(std::begin(kRows), std::end(kRows),
-                       [&](const FailureRow& row) { return row.code == code; });
-}
+const FailureRow& failureRow(FailureCode code) { return *findBy(kRows, &FailureRow::code, code); }
 
 }  // namespace plumbline

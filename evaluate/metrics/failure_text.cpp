@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 #include <vector>
 
 #include <fmt/args.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+
+#include "evaluate/metrics/lists.h"
 
 namespace plumbline {
 namespace {
@@ -42,7 +45,7 @@ struct AddValue {
   Words& words;
   const char* name;
   void operator()(const std::vector<std::string>& names) const {
-    words.push_back(fmt::arg(name, fmt::format("{}", fmt::join(names, ", "))));
+    words.push_back(fmt::arg(name, joined(names)));
   }
   void operator()(const Eigen::Vector3d& axis) const {
     words.push_back(fmt::arg(name, axisName(axis)));
@@ -87,7 +90,7 @@ std::string looseDirections(const Failure& f) {
     loose.push_back(
         fmt::format("the time offset (standard deviation {:.2g} s)", f.number("offset_std_s")));
   }
-  return fmt::format("{}", fmt::join(loose, ", "));
+  return joined(loose);
 }
 
 constexpr double kEpochStarts = 3e8;  // [s]; no recording was stamped with a calendar before 1979
@@ -138,76 +141,66 @@ std::string partnersFound(const Failure& f) {
 
 // What some sentences say beyond the values as they stand; of each failure at most one of these has
 // something.
+using Values = std::map<std::string, FailureValue>;
 
 /// Of all cameras; or, where some suit the gyroscope, of those whose stamps contradict it alone.
-void addOfRates(const Failure& f, Words& words) {
-  if (f.code != Code::kRatesDoNotCorrelate) return;
+Values ofRates(const Failure& f) {
+  if (f.code != Code::kRatesDoNotCorrelate) return {};
   const auto found = f.values.find("cameras");
   if (found == f.values.end()) {
-    words.push_back(fmt::arg("alone", ""));
-    words.push_back(fmt::arg(
-        "mend",
-        "check that both are from the same recording, that their stamps come from one clock (a "
-        "larger offset can be given by --imu-shift-ms), that the gyroscope columns are in the "
-        "right order and unit, and that there are no wrong samples (spikes) or tag ids"));
-    return;
+    return {
+        {"alone", ""},
+        {"mend",
+         "check that both are from the same recording, that their stamps come from one clock (a "
+         "larger offset can be given by --imu-shift-ms), that the gyroscope columns are in the "
+         "right order and unit, and that there are no wrong samples (spikes) or tag ids"}};
   }
-  const auto& names = std::get<std::vector<std::string>>(found->second.content());
-  const std::string list = fmt::format("{}", fmt::join(names, ", "));
-  words.push_back(fmt::arg(
-      "alone", fmt::format("; each camera alone: the stamps of {} contradict the gyroscope, those "
-                           "of the others were not found to",
-                           list)));
-  words.push_back(fmt::arg(
-      "mend", fmt::format("check the stamps of {} (lost frames that evenly spaced stamps hide, "
-                          "another clock), or calibrate the other cameras (--only)",
-                          list)));
+  const auto list = joined(std::get<std::vector<std::string>>(found->second.content()));
+  return {
+      {"alone", fmt::format("; each camera alone: the stamps of {} contradict the gyroscope, "
+                            "those of the others were not found to",
+                            list)},
+      {"mend", fmt::format("check the stamps of {} (lost frames that evenly spaced stamps hide, "
+                           "another clock), or calibrate the other cameras (--only)",
+                           list)}};
 }
 
 /// Of samples that an IMU's file holds.
-void addOfSamples(const Failure& f, Words& words) {
+Values ofSamples(const Failure& f) {
   switch (f.code) {
     case Code::kColumnsSwapped:
     case Code::kAccelerometerInG:
     case Code::kAccelerometerInMilliG:
     case Code::kAccelerometerUnits:
-      words.push_back(fmt::arg(
-          "norms", fmt::format("the accelerometer's median norm is {:.4g} (expected about {:.2f} "
-                               "m/s^2), the gyroscope's {:.4g}",
-                               f.number("accel"), f.number("gravity"), f.number("gyro"))));
-      return;
+      return {
+          {"norms", fmt::format("the accelerometer's median norm is {:.4g} (expected about {:.2f} "
+                                "m/s^2), the gyroscope's {:.4g}",
+                                f.number("accel"), f.number("gravity"), f.number("gyro"))}};
     case Code::kGyroscopeScale:
-      words.push_back(fmt::arg(
-          "cut_off", f.values.count("cut_off_at") == 0
-                         ? std::string()
-                         : fmt::format("; its readings are cut off at {:.3g} rad/s, the end of the "
-                                       "sensor's range: move more gently, or set a wider range",
-                                       f.number("cut_off_at"))));
-      return;
+      return {
+          {"cut_off", f.values.count("cut_off_at") == 0
+                          ? std::string()
+                          : fmt::format("; its readings are cut off at {:.3g} rad/s, the end of "
+                                        "the sensor's range: move more gently, or set a wider "
+                                        "range",
+                                        f.number("cut_off_at"))}};
     case Code::kSamplesInBursts:
-      words.push_back(fmt::arg("apart_us", 1e6 * f.number("apart_s")));
-      words.push_back(fmt::arg("pause_ms", 1e3 * f.number("pause_s")));
-      return;
+      return {{"apart_us", 1e6 * f.number("apart_s")}, {"pause_ms", 1e3 * f.number("pause_s")}};
     case Code::kStampsWander:
-      words.push_back(fmt::arg("from_ms", 1e3 * f.number("from_s")));
-      words.push_back(fmt::arg("to_ms", 1e3 * f.number("to_s")));
-      words.push_back(fmt::arg("std_ms", 1e3 * f.number("std_s")));
-      return;
+      return {{"from_ms", 1e3 * f.number("from_s")},
+              {"to_ms", 1e3 * f.number("to_s")},
+              {"std_ms", 1e3 * f.number("std_s")}};
     case Code::kImuDoesNotCover:
-      words.push_back(fmt::arg("span", imuSpan(f)));
-      return;
+      return {{"span", imuSpan(f)}};
     default:
-      return;
+      return {};
   }
 }
 
 /// What leaves a parameter of a camera free, by what is known of its views; nothing is said that
 /// does not hold of them.
-struct FreeText {
-  std::string why, mend;
-};
 
-FreeText whyFree(const Failure& f) {
+Values whyFree(const Failure& f) {
   // Where a rig is tilted less, or sees less of the image, that is named as the cause.
   constexpr double kTilted = 25;  // degrees
   constexpr double kReach = 0.6;  // half diagonals
@@ -215,120 +208,111 @@ FreeText whyFree(const Failure& f) {
   // More coefficients than the usual models have can fail to separate whatever the views.
   const bool many = f.number("coefficients") > 4;
   if (f.code == Code::kDistortionFree && reach < kReach && !many) {
-    return {fmt::format(": too few corners away from the image's centre (nine in ten within {:.0f} "
+    return {{"why", fmt::format(
+                        ": too few corners away from the image's centre (nine in ten within {:.0f} "
                         "% of its half diagonal)",
-                        100 * reach),
-            "add views with the target near the edges and corners of the image"};
+                        100 * reach)},
+            {"mend", "add views with the target near the edges and corners of the image"}};
   }
   if (f.code != Code::kDistortionFree && tilt_deg < kTilted) {
-    return {fmt::format(": the views are nearly parallel to the target (nine in ten tilted by less "
+    return {{"why", fmt::format(
+                        ": the views are nearly parallel to the target (nine in ten tilted by less "
                         "than {:.0f} degrees)",
-                        tilt_deg),
-            "add views with the target tilted by 30 degrees and more, about both of its axes, and "
-            "the camera rolled"};
+                        tilt_deg)},
+            {"mend",
+             "add views with the target tilted by 30 degrees and more, about both of its axes, and "
+             "the camera rolled"}};
   }
   if (f.number("lens_held") > 0) {
     return {
-        ": the lens model has more coefficients than these views determine; with them held all "
-        "else is determined",
-        "take a lens model with fewer coefficients, or let --models auto choose; views of other "
-        "distances, tilts and parts of the image may determine this one"};
+        {"why",
+         ": the lens model has more coefficients than these views determine; with them held all "
+         "else is determined"},
+        {"mend",
+         "take a lens model with fewer coefficients, or let --models auto choose; views of other "
+         "distances, tilts and parts of the image may determine this one"}};
   }
-  return {"; the cause is not known",
-          "try another lens model (--models), or add views with the target tilted, rolled, and all "
-          "over the image"};
+  return {
+      {"why", "; the cause is not known"},
+      {"mend",
+       "try another lens model (--models), or add views with the target tilted, rolled, and all "
+       "over the image"}};
 }
 
 /// Of a camera.
-void addOfCameras(const Failure& f, Words& words) {
+Values ofCameras(const Failure& f) {
   switch (f.code) {
     case Code::kFocalLengthFree:
     case Code::kPrincipalPointFree:
-    case Code::kDistortionFree: {
-      const FreeText text = whyFree(f);
-      words.push_back(fmt::arg("why", text.why));
-      words.push_back(fmt::arg("mend", text.mend));
-      return;
-    }
-    case Code::kCamerasDoNotFit: {
-      const bool given = f.number("given") > 0;
-      words.push_back(fmt::arg("whose", given ? "the given" : "the calibrated"));
-      words.push_back(fmt::arg(
-          "mend", given ? "refine the cameras on this recording (--free-cameras), or calibrate "
-                          "them on it (without --cameras)"
-                        : "mend that first: try another lens model (--models auto), check the "
-                          "target's layout in target.yaml, and see the errors over the image on "
-                          "the page of a run with --no-imu"));
-      return;
-    }
+    case Code::kDistortionFree:
+      return whyFree(f);
+    case Code::kCamerasDoNotFit:
+      if (f.number("given") > 0) {
+        return {{"whose", "the given"},
+                {"mend",
+                 "refine the cameras on this recording (--free-cameras), or calibrate them on it "
+                 "(without --cameras)"}};
+      }
+      return {{"whose", "the calibrated"},
+              {"mend",
+               "mend that first: try another lens model (--models auto), check the target's layout "
+               "in target.yaml, and see the errors over the image on the page of a run with "
+               "--no-imu"}};
     default:
-      return;
+      return {};
   }
 }
 
 /// Of a calibration.
-void addOfCalibration(const Failure& f, Words& words) {
+Values ofCalibration(const Failure& f) {
   switch (f.code) {
-    case Code::kCameraImuNotConverged: {
-      const bool found = f.values.count("fault") > 0;
-      words.push_back(fmt::arg(
-          "found",
-          found ? "; where it stopped, one fault explains the residuals best: " + wordOf(f, "fault")
-                : ""));
-      words.push_back(
-          fmt::arg("mend", found ? wordOf(f, "cure")
-                                 : "check imu.yaml's noise densities and the recording's motion, "
-                                   "or calibrate the cameras alone with --no-imu"));
-      return;
-    }
+    case Code::kCameraImuNotConverged:
+      if (f.values.count("fault") > 0) {
+        return {{"found", "; where it stopped, one fault explains the residuals best: " +
+                              wordOf(f, "fault")},
+                {"mend", wordOf(f, "cure")}};
+      }
+      return {{"found", ""},
+              {"mend",
+               "check imu.yaml's noise densities and the recording's motion, or calibrate the "
+               "cameras alone with --no-imu"}};
     case Code::kRotationAboutOneAxis:
-      words.push_back(fmt::arg("across", otherAxes(axisOf(f, "axis"))));
-      return;
+      return {{"across", otherAxes(axisOf(f, "axis"))}};
     case Code::kScaleDisagrees: {
       // Metres by the IMU per metre that target.yaml states: below 1 the stated size is too large.
       const double scale = f.number("scale");
-      words.push_back(fmt::arg("times", std::max(scale, 1 / scale)));
-      words.push_back(fmt::arg("size", scale < 1 ? "large" : "small"));
-      words.push_back(fmt::arg("measured", scale * f.number("tag_size")));
-      words.push_back(fmt::arg("measured_std", f.number("scale_std") * f.number("tag_size")));
-      return;
+      return {{"times", std::max(scale, 1 / scale)},
+              {"size", scale < 1 ? "large" : "small"},
+              {"measured", scale * f.number("tag_size")},
+              {"measured_std", f.number("scale_std") * f.number("tag_size")}};
     }
     case Code::kLooseDirections:
-      words.push_back(fmt::arg("loose", looseDirections(f)));
-      return;
+      return {{"loose", looseDirections(f)}};
     default:
-      return;
+      return {};
   }
 }
 
 /// Of a trajectory and its ground truth.
-void addOfTrajectory(const Failure& f, Words& words) {
+Values ofTrajectory(const Failure& f) {
   switch (f.code) {
     case Code::kNoCommonTime:
-      if (f.values.count("unstamped") > 0) {
-        words.push_back(fmt::arg("likely", giveTimes(wordOf(f, "unstamped"))));
-        return;
-      }
+      if (f.values.count("unstamped") > 0) return {{"likely", giveTimes(wordOf(f, "unstamped"))}};
       // From the estimate's own stamps: what is suggested takes the place of an offset that was
       // given.
-      words.push_back(
-          fmt::arg("likely", likelyCause(f.number("estimate_from_s") - f.number("given_s"),
-                                         f.number("truth_from_s"))));
-      return;
+      return {{"likely", likelyCause(f.number("estimate_from_s") - f.number("given_s"),
+                                     f.number("truth_from_s"))}};
     case Code::kPartnersInGaps:
     case Code::kTooFewPartners:
-      words.push_back(fmt::arg("found", partnersFound(f)));
-      return;
+      return {{"found", partnersFound(f)}};
     case Code::kQuaternionsWFirst: {
       const std::string which = wordOf(f, "which");
-      words.push_back(fmt::arg("option", which == "truth"      ? "--truth-w-first"
-                                         : which == "estimate" ? "--estimate-w-first"
-                                                               : "--truth-w-first or "
-                                                                 "--estimate-w-first"));
-      return;
+      return {{"option", which == "truth"      ? "--truth-w-first"
+                         : which == "estimate" ? "--estimate-w-first"
+                                               : "--truth-w-first or --estimate-w-first"}};
     }
     default:
-      return;
+      return {};
   }
 }
 
@@ -347,16 +331,15 @@ std::string wideAngle(const Failure& f) {
 
 FailureText textOf(const Failure& failure) {
   const FailureRow& row = failureRow(failure.code);
-  Words words;
-  for (const auto& [name, value] : failure.values) {
-    std::visit(AddValue{words, name.c_str()}, value.content());
-  }
   try {
-    addOfRates(failure, words);
-    addOfSamples(failure, words);
-    addOfCameras(failure, words);
-    addOfCalibration(failure, words);
-    addOfTrajectory(failure, words);
+    Words words;
+    for (const Values& values :
+         {failure.values, ofRates(failure), ofSamples(failure), ofCameras(failure),
+          ofCalibration(failure), ofTrajectory(failure)}) {
+      for (const auto& [name, value] : values) {
+        std::visit(AddValue{words, name.c_str()}, value.content());
+      }
+    }
     FailureText text{fmt::vformat(row.message, words), fmt::vformat(row.cure, words)};
     if (!failure.where.empty()) text.message = failure.where + ": " + text.message;
     text.cure += wideAngle(failure);

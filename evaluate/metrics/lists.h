@@ -21,7 +21,8 @@ std::string joined(const List& list, const Words& words, const char* between = "
   return text;
 }
 inline std::string joined(const std::vector<std::string>& words, const char* between = ", ") {
-  return joined(words, [](const std::string& word) { return word; }, between);
+  return joined(
+      words, [](const std::string& word) { return word; }, between);
 }
 
 /// The first element whose member is `value`; nullptr where there is none.

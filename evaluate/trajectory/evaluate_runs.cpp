@@ -91,10 +91,10 @@ std::optional<RunFile> matched(const std::string& path, const Matcher& matcher) 
   RunFile file;
   file.path = path;
   for (std::size_t i = 0; i < matcher.fields.size(); ++i) {
-    const std::string text = match[i + 1];
-    if (matcher.fields[i] == "sequence") file.sequence = text;
-    if (matcher.fields[i] == "calibration") file.calibration = text;
-    if (matcher.fields[i] == "run") file.run = text;
+    const std::string& field = matcher.fields[i];
+    (field == "sequence" ? file.sequence
+     : field == "run"    ? file.run
+                         : file.calibration) = match[i + 1];
   }
   return file;
 }
@@ -161,11 +161,6 @@ struct Truth {
 
 using Truths = std::map<std::string, Truth>;  // by sequence; under "" where one serves all
 
-TrajectoryRequest withTruth(TrajectoryRequest how, const std::filesystem::path& path) {
-  how.truth = path;
-  return how;
-}
-
 /// Every truth is read once, whatever number of runs it judges. Throws for the first that is bad.
 Truths readTruths(const RunsRequest& request) {
   if (hasField(request.truth, "run") || hasField(request.truth, "calibration")) {
@@ -181,7 +176,9 @@ Truths readTruths(const RunsRequest& request) {
   std::vector<Truth*> list;
   for (auto& [sequence, truth] : truths) list.push_back(&truth);
   parallelFor(list.size(), request.threads, [&](int, std::size_t i) {
-    list[i]->file = readTruth(withTruth(request.how, list[i]->path));
+    TrajectoryRequest how = request.how;
+    how.truth = list[i]->path;
+    list[i]->file = readTruth(how);
   });
   return truths;
 }
@@ -211,32 +208,24 @@ void refuseUnknown(const std::vector<RunFile>& files, const RunsRequest& request
 // Every calibration with every (sequence, run) that one of them has.
 std::vector<TrajectoryRun> expectedRuns(const std::vector<RunFile>& files,
                                         const std::vector<std::string>& known) {
-  std::set<std::string> calibrations(known.begin(), known.end());
   // Sets and maps, so that the order of the runs is that of their names and not that of a folder's
   // listing.
-  std::set<std::pair<std::string, std::string>> repetitions;
+  std::set<std::string> calibrations(known.begin(), known.end());
+  for (const RunFile& file : files) calibrations.insert(file.calibration);
   std::map<std::tuple<std::string, std::string, std::string>, std::string> paths;
   for (const RunFile& file : files) {
-    calibrations.insert(file.calibration);
-    repetitions.insert({file.sequence, file.run});
+    // Without a file the run stays in the list, to count as failed: leaving it out would make a
+    // calibration that loses track look better.
+    for (const std::string& c : calibrations) paths.try_emplace({file.sequence, c, file.run});
     paths[{file.sequence, file.calibration, file.run}] = file.path.string();
   }
-  std::map<std::tuple<std::string, std::string, std::string>, TrajectoryRun> runs;
-  for (const auto& [sequence, repetition] : repetitions) {
-    for (const std::string& calibration : calibrations) {
-      TrajectoryRun& run = runs[{sequence, calibration, repetition}];
-      run.sequence = sequence;
-      run.calibration = calibration;
-      run.run = repetition;
-      // Without a file the run stays in the list, to count as failed: leaving it out would make a
-      // calibration that loses track look better.
-      const auto path = paths.find({sequence, calibration, repetition});
-      if (path != paths.end()) run.estimate = path->second;
-    }
+  std::vector<TrajectoryRun> runs;
+  for (const auto& [key, path] : paths) {
+    TrajectoryRun& run = runs.emplace_back();
+    std::tie(run.sequence, run.calibration, run.run) = key;
+    run.estimate = path;
   }
-  std::vector<TrajectoryRun> list;
-  for (auto& [key, run] : runs) list.push_back(std::move(run));
-  return list;
+  return runs;
 }
 
 /// RMS distance of points from their mean. It is taken of the truth as kept for plots, every k-th
@@ -309,19 +298,12 @@ TrajectoryRun judged(const TrajectoryRun& expected, const Truths& truths,
   return judgedRun(expected, truth->path, truth->file, request);
 }
 
-std::vector<std::string> sequencesOf(const Truths& truths) {
-  std::vector<std::string> sequences;
-  for (const auto& [sequence, truth] : truths) {
-    if (!sequence.empty()) sequences.push_back(sequence);
-  }
-  return sequences;
-}
-
 }  // namespace
 
 TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::path& truth_path,
                         const TrajectoryFile& truth, const RunsRequest& request) {
-  TrajectoryRequest how = withTruth(request.how, truth_path);
+  TrajectoryRequest how = request.how;
+  how.truth = truth_path;
   how.estimate = expected.estimate;
   try {
     auto result = evaluateFiles(readEstimate(how), truth, how);
@@ -349,7 +331,11 @@ void RunsRequest::check() const {
 TrajectoryRecord evaluateRuns(const RunsRequest& request) {
   request.check();
   const Truths truths = readTruths(request);
-  const std::vector<RunFile> files = findRuns(request.runs, sequencesOf(truths));
+  std::vector<std::string> sequences;
+  for (const auto& [sequence, truth] : truths) {
+    if (!sequence.empty()) sequences.push_back(sequence);
+  }
+  const std::vector<RunFile> files = findRuns(request.runs, sequences);
   if (files.empty()) {
     throw InputError(request.runs, 0,
                      "matches no file; expected estimates, e.g. "

@@ -69,6 +69,10 @@ bool isLeftByGrid(double median_dt_s, const Trajectory& estimate, const Trajecto
   return 2 * interval <= intervalOf(estimate) && 2 * std::abs(median_dt_s) <= interval;
 }
 
+const char* whose(bool truth, bool estimate) {
+  return !truth ? "estimate" : estimate ? "truth or of the estimate" : "truth";
+}
+
 constexpr double kNoticeableOffset = 1e-3;  // [s]
 constexpr double kManyWithout = 0.05;       // of the estimate's poses
 constexpr double kOtherBodyDeg = 15;        // after alignment, more than an estimator errs
@@ -177,10 +181,7 @@ RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
   return {start + fmt::format("but by {:.1f} deg if the quaternions of the {} are inverted: they "
                               "probably map the world into the body, even if the header states "
                               "otherwise",
-                              std::min(truth_deg, estimate_deg),
-                              truth && estimate ? "truth or of the estimate"
-                              : truth           ? "truth"
-                                                : "estimate"),
+                              std::min(truth_deg, estimate_deg), whose(truth, estimate)),
           truth && estimate ? "--truth-inverted or --estimate-inverted"
           : truth           ? "--truth-inverted"
                             : "--estimate-inverted"};
@@ -189,11 +190,8 @@ RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
 std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs) {
   const auto fault = quaternionOrderFault(pairs);
   if (!fault) return std::nullopt;
-  const char* side = fault->estimate && fault->truth ? "truth or of the estimate"
-                     : fault->truth                  ? "truth"
-                                                     : "estimate";
   return Failure{FailureCode::kQuaternionsWFirst,
-                 {{"which", side},
+                 {{"which", whose(fault->truth, fault->estimate)},
                   {"as_read_deg", fault->as_read_deg},
                   {"reordered_deg", fault->reordered_deg}}};
 }

@@ -217,13 +217,9 @@ void EstimationOptions::declare(CLI::App& app) {
   addWithDefault(app, "--outliers", outliers, "none, sigma:K, or kalibr");
 }
 
-bool EstimationOptions::choosesModels() const {
-  return choose_models && (!models || *models == kAuto);
-}
-
 CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const {
   CameraStageOptions options;
-  if (choosesModels()) {
+  if (choose_models && (!models || *models == kAuto)) {
     options.model_mode = ModelMode::kAuto;
   } else if (models) {
     options.models = modelsFrom(*models);
@@ -283,12 +279,8 @@ void refuseBefore(const CLI::App& app, const CLI::App& sub) {
 
 CLI::Option* OutputOptions::declare(CLI::App& app, const std::string& help) {
   CLI::Option* option = app.add_option("--out", out, help);
-  declareForce(app);
-  return option;
-}
-
-void OutputOptions::declareForce(CLI::App& app) {
   app.add_flag("--force", force, "Replace an earlier result of this command (never other files)");
+  return option;
 }
 
 OutputRequest OutputOptions::request(const std::string& kind,

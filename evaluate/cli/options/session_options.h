@@ -72,10 +72,21 @@ struct EstimationOptions {
   std::string outliers = "none";
 
   void declare(CLI::App& app);
-  bool choosesModels() const;  ///< no model was named
   /// Both stages' options; InputError for values out of range.
   CameraStageOptions cameraStage(const LoadRequest& load) const;
   CameraImuOptions cameraImuStage(const CameraStageOptions& camera) const;
+  /// What a request to calibrate `session` has of them.
+  template <class Request>
+  void estimate(const SessionOptions& session, Request& request) const {
+    request.load = session.request();
+    request.load.read.read_imu = !no_imu;
+    // What sensor.yaml states is of no matter where models come from an option or a file: without
+    // either, one that cannot be calibrated is refused as it is read.
+    request.load.read.supported_models_only = !models && !cameras;
+    request.camera = cameraStage(request.load);
+    request.camera_imu = cameraImuStage(request.camera);
+    request.cameras_file = cameras;
+  }
 };
 
 /// Names and values of the options that were given, in their order, for the provenance; without
@@ -106,7 +117,6 @@ struct OutputOptions {
   bool force = false;
 
   CLI::Option* declare(CLI::App& app, const std::string& help = "Folder for the results");
-  void declareForce(CLI::App& app);
 
   /// A result of this kind in --out, made while `inputs` and what `session` reads are not touched.
   OutputRequest request(const std::string& kind, std::vector<std::string> inputs = {}) const;

@@ -46,6 +46,27 @@ struct SessionScores {
   std::optional<CameraImuStageResult> camera_imu;  ///< likewise
 };
 
+/// A session parted into what is calibrated on and what that is scored on.
+struct Fold {
+  Session training;
+  Session held_out;
+};
+
+/// Which part of a session is held out: 0 <= index < count, 2 <= count.
+struct FoldChoice {
+  int index = 0;
+  int count = 2;
+  double time_offset_s = 0;  ///< t_imu = t_cam + this, to cut the IMU's samples by
+};
+
+/// Fold `index` of `count`: the frames (see pairFrames()) in `count` runs of consecutive ones whose
+/// numbers differ by one at most; run `index` is held out, the others are for training. Neighbours
+/// in time resemble each other, so that scattered frames would not be held out in earnest. Views
+/// that no frame takes are in neither part. IMU samples between the first and the last frame that
+/// is held out are not for training: its chain of states breaks there. The held-out part keeps all
+/// samples, of which only those between its own frames enter.
+Fold foldOf(const Session& session, const FrameOptions& options, const FoldChoice& choice);
+
 /// Whether the program can estimate every camera's models; some it can only score.
 bool canBeCalibrated(const Calibration& calibration);
 
@@ -78,8 +99,7 @@ CalibrationScore scoreHeldOut(const ScoredCalibration& scored, const Session& se
 /// the thresholds of a calibration's own verdict: of the cameras alone, then with the IMU; nothing
 /// of a stage that is not there.
 std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
-                                 const std::optional<CameraImuStageResult>& camera_imu,
-                                 const VerdictThresholds& thresholds = {});
+                                 const std::optional<CameraImuStageResult>& camera_imu);
 
 /// That the board is taken as stated although this file of its shape lies beside the calibration. A
 /// board of another shape shows as errors of the calibration: it must be said. Whether the
@@ -93,8 +113,7 @@ Finding unusedShape(const std::string& file);
 /// the calibration, where the board was taken as stated all the same ("": none). `held_imu` is what
 /// judgeHeldImu() says, where both sides have an IMU.
 Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape = "",
-                     const std::vector<Finding>& held_imu = {},
-                     const VerdictThresholds& thresholds = {});
+                     const std::vector<Finding>& held_imu = {});
 
 /// T_SC0 and the time offset that were held against those that `estimated` found on the recording
 /// with the same cameras: by the bounds on their standard deviations, where they differ by more
@@ -104,7 +123,6 @@ Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_
 /// where those were estimated or tested.
 enum class HeldOffset { kStated, kAssumed };
 std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
-                                  const Result<CameraImuStageResult>& estimated,
-                                  const VerdictThresholds& thresholds = {});
+                                  const Result<CameraImuStageResult>& estimated);
 
 }  // namespace plumbline

@@ -6,17 +6,19 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
 namespace {
+
+constexpr VerdictThresholds kUsual;  // those of a calibration's own verdict
 
 void addUnscored(const std::vector<CalibrationScore>& scores, Findings& findings) {
   for (const CalibrationScore& s : scores) {
@@ -42,7 +44,7 @@ Finding notHeldOut(const CalibrationScore& s) {
 }
 
 /// RMSE of recordings and folds that the calibration has not seen; single folds are in their pool.
-Findings judgeHeldOut(const std::vector<CalibrationScore>& scores, const VerdictThresholds& t) {
+Findings judgeHeldOut(const std::vector<CalibrationScore>& scores) {
   Findings findings;
   for (const CalibrationScore& s : scores) {
     // "all" is a whole session, "all K folds" their pool; "fold k of K" are single ones.
@@ -53,7 +55,7 @@ Findings judgeHeldOut(const std::vector<CalibrationScore>& scores, const Verdict
     if (!given && !s.held_out) continue;
     const char* what = s.held_out ? "Held-out reprojection" : "Reprojection";
     findings.push_back(
-        above({fmt::format("{} error on {}, {}", what, s.session, s.part), "px", t.rmse_px,
+        above({fmt::format("{} error on {}, {}", what, s.session, s.part), "px", kUsual.rmse_px,
                "Compare with the error in sample: where that is small, the calibration does not "
                "hold for other views of the rig; record more of the image and calibrate again."},
               s.reprojection.rmse_px,
@@ -65,8 +67,8 @@ Findings judgeHeldOut(const std::vector<CalibrationScore>& scores, const Verdict
 
 /// judgeResiduals() of a calibration that is held: its own advice is to who calibrates.
 Findings judgeHeldResiduals(const StageErrors& errors, const std::string& stage,
-                            const std::string& advice, const VerdictThresholds& t) {
-  Findings findings = judgeResiduals(errors, stage, t);
+                            const std::string& advice) {
+  Findings findings = judgeResiduals(errors, stage, kUsual);
   for (Finding& f : findings) {
     if (!f.advice.empty()) f.advice = advice;
   }
@@ -97,7 +99,7 @@ std::string mistakeOf(const ImuCalibration& held, const ImuCalibration& seen) {
   } else if (std::abs(offset) > kLeastInMilliseconds && same_offset(1e-3 * offset)) {
     mistakes.emplace_back("in milliseconds the offset agrees: divide timeshift_cam_imu by 1000");
   }
-  return fmt::format("{}", fmt::join(mistakes, "; "));
+  return joined(mistakes, "; ");
 }
 
 /// A camera's time offset less camera 0's, as a recording has it.
@@ -126,9 +128,8 @@ std::vector<OffsetBetween> offsetsBetween(const CameraImuStageResult& estimated,
 /// The offsets between cameras that were held, which an estimate with one offset for synchronised
 /// cameras does not contradict by itself. `std_s` is of camera 0's offset.
 Findings judgeHeldBetween(const ImuCalibration& held, HeldOffset offset,
-                          const CameraImuStageResult& estimated, double std_s,
-                          const VerdictThresholds& t) {
-  Rule rule{"Time offsets between cameras against this recording", "ms", t.offset_std_ms, ""};
+                          const CameraImuStageResult& estimated, double std_s) {
+  Rule rule{"Time offsets between cameras against this recording", "ms", kUsual.offset_std_ms, ""};
   VerdictLevel worst = VerdictLevel::kGood;
   double value = 0;
   std::string list;
@@ -165,12 +166,8 @@ Findings judgeHeldBetween(const ImuCalibration& held, HeldOffset offset,
 /// What to do where `estimated` contradicts what was held.
 std::string contradictionAdvice(const ImuCalibration& held, const CameraImuStageResult& estimated) {
   if (std::string mistake = mistakeOf(held, estimated.imu); !mistake.empty()) return mistake;
-  const auto is_cameras = [](const FaultTest& cause) {
-    return cause.fault == UnmodelledFault::kGivenCameras;
-  };
-  const bool cameras = estimated.faults && std::any_of(estimated.faults->causes.begin(),
-                                                       estimated.faults->causes.end(), is_cameras);
-  if (cameras) {
+  if (estimated.faults &&
+      findBy(estimated.faults->causes, &FaultTest::fault, UnmodelledFault::kGivenCameras)) {
     return "The cameras do not suit the recording's corners either, which alone moves T_SC0: "
            "calibrate the cameras on it first";
   }
@@ -209,8 +206,7 @@ Finding unusedShape(const std::string& file) {
 }
 
 std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
-                                  const Result<CameraImuStageResult>& estimated,
-                                  const VerdictThresholds& t) {
+                                  const Result<CameraImuStageResult>& estimated) {
   Finding f;
   f.rule = "T_SC0 and time offset against this recording";
   f.subject = FindingSubject::kExtrinsics;
@@ -241,9 +237,9 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
     return off > 3 * deviation ? levelAbove(off, bound) : VerdictLevel::kGood;
   };
   const VerdictLevel of_transform =
-      std::max(level(lever_m, std.head<3>().norm(), t.lever_arm_std_m),
-               level(angle_deg, std.segment<3>(3).norm() / kDegree, t.rotation_std_deg));
-  const VerdictLevel of_offset = level(offset_ms, 1e3 * std(6), t.offset_std_ms);
+      std::max(level(lever_m, std.head<3>().norm(), kUsual.lever_arm_std_m),
+               level(angle_deg, std.segment<3>(3).norm() / kDegree, kUsual.rotation_std_deg));
+  const VerdictLevel of_offset = level(offset_ms, 1e3 * std(6), kUsual.offset_std_ms);
   // A file cannot contradict the recording in an offset that it does not state.
   f.level = std::max(of_transform, offset == HeldOffset::kStated
                                        ? of_offset
@@ -266,14 +262,13 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
   } else if (f.level != VerdictLevel::kGood) {
     f.advice = contradictionAdvice(held, *estimated);
   }
-  Findings findings = judgeHeldBetween(held, offset, *estimated, std(6), t);
+  Findings findings = judgeHeldBetween(held, offset, *estimated, std(6));
   findings.insert(findings.begin(), std::move(f));
   return findings;
 }
 
 std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
-                                 const std::optional<CameraImuStageResult>& camera_imu,
-                                 const VerdictThresholds& thresholds) {
+                                 const std::optional<CameraImuStageResult>& camera_imu) {
   Findings findings;
   if (camera) {
     append(findings,
@@ -281,8 +276,7 @@ std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
                               "Poses of their own do not explain the corners: the cameras are not "
                               "those of this recording, their lens model does not fit, or corners "
                               "and board are at fault (blur, a bent target). Calibrate a recording "
-                              "of this rig and see its verdict.",
-                              thresholds),
+                              "of this rig and see its verdict."),
            FindingSubject::kCameras);
   }
   if (camera_imu) {
@@ -290,18 +284,17 @@ std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
            judgeHeldResiduals({camera_imu->residuals, camera_imu->summary, camera_imu->cameras},
                               "camera-IMU",
                               "Compare with the error of the cameras alone: where that is small, "
-                              "T_SC0, the time offset or the IMU contradict the cameras.",
-                              thresholds),
+                              "T_SC0, the time offset or the IMU contradict the cameras."),
            FindingSubject::kExtrinsics);
   }
   return findings;
 }
 
 Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape,
-                     const std::vector<Finding>& held_imu, const VerdictThresholds& thresholds) {
-  Findings findings = judgeScored(record.camera, record.camera_imu, thresholds);
+                     const std::vector<Finding>& held_imu) {
+  Findings findings = judgeScored(record.camera, record.camera_imu);
   append(findings, held_imu, FindingSubject::kExtrinsics);
-  append(findings, judgeHeldOut(record.held->scores, thresholds));
+  append(findings, judgeHeldOut(record.held->scores));
   addUnscored(record.held->scores, findings);
   if (!unused_shape.empty()) findings.push_back(unusedShape(unused_shape));
   Verdict verdict = makeVerdict(std::move(findings));

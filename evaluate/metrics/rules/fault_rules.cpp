@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <iterator>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/results.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
@@ -107,8 +108,7 @@ const FaultWords kFaultWords[] = {
 };
 
 const FaultWords& wordsOf(UnmodelledFault fault) {
-  return *std::find_if(std::begin(kFaultWords), std::end(kFaultWords),
-                       [&](const FaultWords& words) { return words.fault == fault; });
+  return *findBy(kFaultWords, &FaultWords::fault, fault);
 }
 
 constexpr double kKnown = 3;  // standard deviations
@@ -205,22 +205,13 @@ double effectInSigma(const FaultTest& test, const FaultDiagnosis& diagnosis) {
 
 /// The recording has no single value of something that the calibration states one of.
 bool contradictsStatedValue(UnmodelledFault fault) {
-  switch (fault) {
-    case UnmodelledFault::kClockDrift:
-    case UnmodelledFault::kCameraDelay:
-    case UnmodelledFault::kImuMoved:
-    case UnmodelledFault::kClockStep:
-    case UnmodelledFault::kCameraMoved:
-    case UnmodelledFault::kTargetShape:
-    case UnmodelledFault::kTargetMoved:
-    case UnmodelledFault::kTargetSways:
-    case UnmodelledFault::kGyroBiasJump:
-    case UnmodelledFault::kAccelBiasJump:
-    case UnmodelledFault::kStampsWander:
-      return true;
-    default:
-      return false;
-  }
+  using Fault = UnmodelledFault;
+  constexpr std::array kOfNoSingleValue{
+      Fault::kClockDrift,  Fault::kCameraDelay, Fault::kImuMoved,     Fault::kClockStep,
+      Fault::kCameraMoved, Fault::kTargetShape, Fault::kTargetMoved,  Fault::kTargetSways,
+      Fault::kGyroBiasJump, Fault::kAccelBiasJump, Fault::kStampsWander};
+  return std::find(kOfNoSingleValue.begin(), kOfNoSingleValue.end(), fault) !=
+         kOfNoSingleValue.end();
 }
 
 /// An effect on the calibration, and where it is caution and bad.

@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
@@ -19,11 +20,7 @@ constexpr double kPessimisticFactor = 1.0 / 5;  // densities further from what t
 /// Errors of cameras look like noise of the IMU: what is said of those that were given.
 std::string adviceOnDensity(const CalibrationRecord& record) {
   const auto& faults = record.camera_imu->faults;
-  const bool given_do_not_suit =
-      faults && std::any_of(faults->causes.begin(), faults->causes.end(), [](const FaultTest& f) {
-        return f.fault == UnmodelledFault::kGivenCameras;
-      });
-  if (given_do_not_suit) {
+  if (faults && findBy(faults->causes, &FaultTest::fault, UnmodelledFault::kGivenCameras)) {
     return "Mend the given cameras first: they do not suit this recording, and such errors can "
            "look like noise of the IMU.";
   }
@@ -196,10 +193,8 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
   constexpr double kSigmas = 3;
   if (!stage.faults || !stage.faults->causes.empty()) return std::nullopt;
   const std::vector<FaultTest>& tests = stage.faults->tests;
-  const auto size = std::find_if(tests.begin(), tests.end(), [](const FaultTest& test) {
-    return test.fault == UnmodelledFault::kTargetSize;
-  });
-  if (size == tests.end()) return std::nullopt;
+  const FaultTest* size = findBy(tests, &FaultTest::fault, UnmodelledFault::kTargetSize);
+  if (!size) return std::nullopt;
   const double off = size->estimate(0);
   const double std = size->std(0);
   // What three deviations leave of the estimate at least, so that an uncertain one is good; NaN

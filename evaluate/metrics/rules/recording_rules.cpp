@@ -233,70 +233,62 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
   if (!stage.target_fit) return {};
   const TargetFit& fit = *stage.target_fit;
   const double rms_mm = 1e3 * fit.shape.rms();  // without the tags' edge
-  const Rule rule{
-      "Shape of the target", "mm", t.target_shape_mm,
-      "Use a target that is flatter and more evenly printed, e.g. on glass or aluminium."};
+  Rule rule{"Shape of the target", "mm", t.target_shape_mm,
+            "Use a target that is flatter and more evenly printed, e.g. on glass or aluminium."};
+  const auto good = [&](std::string evidence) -> Findings {
+    return {finding(rule, VerdictLevel::kGood, 0, std::move(evidence))};
+  };
+  const auto caution = [&](double value, std::string evidence) -> Findings {
+    return {finding(rule, VerdictLevel::kCaution, value, std::move(evidence))};
+  };
   switch (fit.finding) {
     case TargetFinding::kBent:
       return {bentBoard(stage, rule, rms_mm)};
     case TargetFinding::kKnown:
       if (!fit.isJudged()) {
-        return {finding(rule, VerdictLevel::kCaution, 0,
-                        "known from another session; this recording does not test it: fewer than "
-                        "four blocks of time, or half of them has no solution")};
+        return caution(0,
+                       "known from another session; this recording does not test it: fewer than "
+                       "four blocks of time, or half of them has no solution");
       }
-      return {finding(
-          rule, VerdictLevel::kGood, 0,
-          fmt::format(
-              "known from another session; RMS of held-out frames, after the loss: {:.4f} px with "
-              "it, no better with a shape estimated from this session ({:.4f} px)",
-              fit.flat_held_out_px, fit.held_out_px))};
-    case TargetFinding::kOther: {
-      Rule other = rule;
-      other.advice =
+      return good(fmt::format(
+          "known from another session; RMS of held-out frames, after the loss: {:.4f} px with it, "
+          "no better with a shape estimated from this session ({:.4f} px)",
+          fit.flat_held_out_px, fit.held_out_px));
+    case TargetFinding::kOther:
+      rule.advice =
           "The file is of another board, or the board has changed since: run again with "
           "--target-shape auto, or estimate the shape from a session of the same day.";
-      return {finding(
-          other, VerdictLevel::kCaution, rms_mm,
-          fmt::format(
-              "not that of the given file; RMS of held-out frames, after the loss: {:.4f} px with "
-              "a shape estimated from this session, {:.4f} px with the file's",
-              fit.held_out_px, fit.flat_held_out_px))};
-    }
+      return caution(rms_mm, fmt::format("not that of the given file; RMS of held-out frames, "
+                                         "after the loss: {:.4f} px with a shape estimated from "
+                                         "this session, {:.4f} px with the file's",
+                                         fit.held_out_px, fit.flat_held_out_px));
     case TargetFinding::kAsStated:
-      return {finding(rule, VerdictLevel::kGood, 0,
-                      fmt::format("no deviation from target.yaml that held-out frames confirm "
-                                  "(RMSE {:.4f} px with an estimated shape, {:.4f} px without)",
-                                  fit.held_out_px, fit.flat_held_out_px))};
-    case TargetFinding::kLensMisfits: {
-      Rule lens = rule;
-      lens.advice = "Run again with the other lens model, or with --models auto.";
-      return {finding(
-          lens, VerdictLevel::kCaution, rms_mm,
-          "the other lens model predicts held-out frames better, so the board's shape cannot be "
-          "separated from the error of this lens model; assumed as target.yaml states it")};
-    }
+      return good(fmt::format("no deviation from target.yaml that held-out frames confirm "
+                              "(RMSE {:.4f} px with an estimated shape, {:.4f} px without)",
+                              fit.held_out_px, fit.flat_held_out_px));
+    case TargetFinding::kLensMisfits:
+      rule.advice = "Run again with the other lens model, or with --models auto.";
+      return caution(rms_mm,
+                     "the other lens model predicts held-out frames better, so the board's shape "
+                     "cannot be separated from the error of this lens model; assumed as "
+                     "target.yaml states it");
     case TargetFinding::kUndetermined:
-      return {finding(rule, VerdictLevel::kGood, 0,
-                      fmt::format("assumed as target.yaml states it: this recording determines the "
-                                  "board's shape to {:.2f} mm only",
-                                  1e3 * fit.std.maxCoeff()))};
-    case TargetFinding::kNotTested: {
+      return good(fmt::format("assumed as target.yaml states it: this recording determines the "
+                              "board's shape to {:.2f} mm only",
+                              1e3 * fit.std.maxCoeff()));
+    case TargetFinding::kNotTested:
       // The shape has a covariance where the solution with its terms has converged.
       if (fit.shape.covariance) {
-        return {
-            finding(rule, VerdictLevel::kGood, 0,
-                    "assumed as target.yaml states it: the recording is too short to estimate it, "
-                    "or half of it has no solution")};
+        return good(
+            "assumed as target.yaml states it: the recording is too short to estimate it, or half "
+            "of it has no solution");
       }
-      Rule unsolved = rule;
-      unsolved.advice =
+      rule.advice =
           "Record more views of the whole board, at different tilts: whether it is flat is not "
           "known.";
-      return {finding(unsolved, VerdictLevel::kCaution, 0,
-                      "assumed as target.yaml states it: the solution with the board's shape did "
-                      "not converge, or is not determined")};
-    }
+      return caution(0,
+                     "assumed as target.yaml states it: the solution with the board's shape did "
+                     "not converge, or is not determined");
   }
   return {};
 }

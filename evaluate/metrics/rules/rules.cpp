@@ -56,14 +56,14 @@ LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
     if (std::find(suffixes.begin(), suffixes.end(), suffix) == suffixes.end()) continue;
     // Of one parameter the largest of its three; then the largest of all parameters.
     double std = estimate.std;
-    StdKind kind = StdKind::kFormal;
-    const auto consider = [&](const std::optional<double>& other, StdKind of) {
+    const char* kind = LargestStd().kind;
+    const auto consider = [&](const std::optional<double>& other, const char* of) {
       if (!other || !isLarger(*other, std)) return;
       std = *other;
       kind = of;
     };
-    consider(estimate.robust_std, StdKind::kRobust);
-    consider(estimate.resample_std, StdKind::kBootstrap);
+    consider(estimate.robust_std, "cluster-robust standard deviation");
+    consider(estimate.resample_std, "bootstrap std");
     const double value = relative ? std / std::abs(estimate.value) : std;
     // The first is taken whatever it is, also 0; NaN is larger than every number.
     if (worst.name.empty() || isLarger(value, worst.value)) worst = {value, estimate.name, kind};
@@ -82,18 +82,6 @@ LargestStd largestOffsetStd(const std::vector<ParameterEstimate>& estimates,
     worst.name = "the time offset of " + cameras[i].name;
   }
   return worst;
-}
-
-std::string kindOf(const LargestStd& largest) {
-  switch (largest.kind) {
-    case StdKind::kFormal:
-      return "formal standard deviation";
-    case StdKind::kRobust:
-      return "cluster-robust standard deviation";
-    case StdKind::kBootstrap:
-      break;
-  }
-  return "bootstrap std";
 }
 
 double share(double part, double whole) { return whole > 0 ? part / whole : 0; }

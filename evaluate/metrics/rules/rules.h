@@ -32,13 +32,11 @@ Finding finding(const Rule& rule, VerdictLevel level, double value, std::string 
 Finding above(const Rule& rule, double value, std::string evidence);
 Finding below(const Rule& rule, double value, std::string evidence);
 
-enum class StdKind { kFormal, kRobust, kBootstrap };
-
 /// The largest of a parameter's standard deviations: formal, cluster-robust, bootstrap.
 struct LargestStd {
   double value = 0;
   std::string name;  ///< of the parameter; empty where there was none
-  StdKind kind = StdKind::kFormal;
+  const char* kind = "formal standard deviation";  ///< which of the three it is, in words
 };
 
 /// The largest among the parameters whose name starts with `prefix` and, after the dot, is one of
@@ -50,9 +48,6 @@ LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,
 /// "time_offset", or "the time offset of cam2".
 LargestStd largestOffsetStd(const std::vector<ParameterEstimate>& estimates,
                             const std::vector<CameraCalibration>& cameras);
-/// Which of the three it is, in words.
-std::string kindOf(const LargestStd& largest);
-
 /// part / whole; 0 of nothing.
 double share(double part, double whole);
 
@@ -88,7 +83,7 @@ Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
                         const VerdictThresholds& t);
 /// Of every camera: the part of its error that neighbouring corners share (batch/halves.h).
 Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t);
-/// The block of parameters in which the recording's halves differ most (halves_rules.cpp).
+/// The block of parameters in which the recording's halves differ most (observability_rules.cpp).
 Findings judgeHalves(const StageSummary& summary, const std::string& stage,
                      const VerdictThresholds& t);
 /// Corners rejected as outliers, of those in the frames used.
@@ -150,7 +145,7 @@ Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresho
 /// together.
 Findings judgeLongResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t);
 
-// ---- what was left out (screening_rules.cpp)
+// ---- what was left out (sample_rules.cpp)
 /// A sample of the IMU as a person finds it: file and line, or its stamp.
 std::string sampleName(TimeNs t, int line);
 /// Spikes, views delivered twice, tags with another's id, false corners: found and left out.

@@ -9,7 +9,6 @@
 
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/trajectory/association.h"
-#include "evaluate/metrics/trajectory/quaternion_use.h"
 
 namespace plumbline {
 

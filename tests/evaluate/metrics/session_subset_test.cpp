@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/metrics/session_subset.h"
+#include "evaluate/metrics/calibration/score.h"
 
 #include <algorithm>
 #include <set>

@@ -48,16 +48,16 @@ ParameterEstimate estimateOf(const std::string& name, double value, double forma
 TEST(Rules, OfAParametersThreeDeviationsTheLargestIsJudgedAndNamed) {
   ParameterEstimate f = estimateOf("cam0.fu", 500, 1);
   const auto largest = [&f] { return largestStd({f}, {"fu"}, "cam0.", false); };
-  EXPECT_EQ(kindOf(largest()), "formal standard deviation");
+  EXPECT_STREQ(largest().kind, "formal standard deviation");
   f.robust_std = 2;
   EXPECT_EQ(largest().value, 2);
-  EXPECT_EQ(kindOf(largest()), "cluster-robust standard deviation");
+  EXPECT_STREQ(largest().kind, "cluster-robust standard deviation");
   f.resample_std = 3;
   EXPECT_EQ(largest().value, 3);
-  EXPECT_EQ(kindOf(largest()), "bootstrap std");
+  EXPECT_STREQ(largest().kind, "bootstrap std");
   f.std = 4;
   EXPECT_EQ(largest().value, 4);
-  EXPECT_EQ(kindOf(largest()), "formal standard deviation");
+  EXPECT_STREQ(largest().kind, "formal standard deviation");
 }
 
 // A relative deviation is one of a size: a parameter below zero is as uncertain as one above.

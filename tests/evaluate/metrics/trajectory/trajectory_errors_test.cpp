@@ -8,7 +8,6 @@
 
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/trajectory/errors.h"
-#include "evaluate/metrics/trajectory/quaternion_use.h"
 
 namespace plumbline {
 namespace {
