@@ -172,6 +172,20 @@ std::string residualsTable(const CalibrationRecord& record) {
   return fmt::to_string(text);
 }
 
+constexpr int kWidest = 800;  // [px]
+constexpr int kQuality = 60;
+
+/// Empty where the file cannot be read: its corners may come from the cache.
+std::optional<ViewImage> imageOf(const std::string& path, int camera, TimeNs t) {
+  try {
+    const GrayImage image = readGrayImage(path);
+    const int factor = (image.width() + kWidest - 1) / kWidest;
+    return ViewImage{camera, t, factor, encodeJpeg(shrunk(image, factor), kQuality)};
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 std::vector<ResultFile> calibrationFiles(const CalibrationRecord& record, bool residuals) {
@@ -210,24 +224,6 @@ std::string calibrationSummary(const CalibrationRecord& record) {
   add(text, "{}", verdictText(record.verdict));
   return fmt::to_string(text);
 }
-
-namespace {
-
-constexpr int kWidest = 800;  // [px]
-constexpr int kQuality = 60;
-
-/// Empty where the file cannot be read: its corners may come from the cache.
-std::optional<ViewImage> imageOf(const std::string& path, int camera, TimeNs t) {
-  try {
-    const GrayImage image = readGrayImage(path);
-    const int factor = (image.width() + kWidest - 1) / kWidest;
-    return ViewImage{camera, t, factor, encodeJpeg(shrunk(image, factor), kQuality)};
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
-}
-
-}  // namespace
 
 void addViewImages(const LoadedSession& loaded, CalibrationRecord& record) {
   record.view_images.clear();

@@ -18,7 +18,6 @@
 #include "evaluate/session/load_session.h"
 
 namespace plumbline {
-
 namespace {
 
 /// Another session, read as the first one is; segments of time belong to the first alone.
@@ -73,6 +72,28 @@ std::vector<Finding> heldImuFindings(const EvaluateCalibrationRequest& asked,
       statesTimeOffset(asked.calibration) ? HeldOffset::kStated : HeldOffset::kAssumed;
   return judgeHeldImu(*calibration.imu, offset,
                       calibrateCameraImu(session, calibration.cameras, free));
+}
+
+std::string rmse(const ErrorStatistics* e) {
+  const bool known = e != nullptr && e->count > 0;
+  return known ? fmt::format("{:>11.4f}", e->rmse_px) : fmt::format("{:>11}", "-");
+}
+
+std::string nameOf(const CalibrationScore& s) {
+  if (s.part == "all") return s.session + (s.held_out ? ", held out" : "");
+  return s.part + (s.held_out ? ", held out" : ", calibrated on");
+}
+
+std::string line(const CalibrationScore& s, const std::vector<std::string>& cameras,
+                 std::size_t width) {
+  if (s.reprojection.count == 0) return fmt::format("{:<{}}  {}\n", nameOf(s), width, s.problem);
+  std::string text = fmt::format("{:<{}}", nameOf(s), width) + rmse(&s.reprojection);
+  for (const std::string& camera : cameras) text += rmse(errorsOf(s, camera));
+  text += rmse(s.camera_imu ? &*s.camera_imu : nullptr);
+  text += fmt::format("{:>10}{:>8}\n", s.reprojection.count, s.views_used);
+  // Corners were scored, and a part was not: the IMU, or a fold.
+  if (!s.problem.empty()) text += "  " + s.problem + "\n";
+  return text;
 }
 
 }  // namespace
@@ -130,32 +151,6 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
                    heldImuFindings(asked, scored.calibration, loaded.session, progress));
   return record;
 }
-
-namespace {
-
-std::string rmse(const ErrorStatistics* e) {
-  const bool known = e != nullptr && e->count > 0;
-  return known ? fmt::format("{:>11.4f}", e->rmse_px) : fmt::format("{:>11}", "-");
-}
-
-std::string nameOf(const CalibrationScore& s) {
-  if (s.part == "all") return s.session + (s.held_out ? ", held out" : "");
-  return s.part + (s.held_out ? ", held out" : ", calibrated on");
-}
-
-std::string line(const CalibrationScore& s, const std::vector<std::string>& cameras,
-                 std::size_t width) {
-  if (s.reprojection.count == 0) return fmt::format("{:<{}}  {}\n", nameOf(s), width, s.problem);
-  std::string text = fmt::format("{:<{}}", nameOf(s), width) + rmse(&s.reprojection);
-  for (const std::string& camera : cameras) text += rmse(errorsOf(s, camera));
-  text += rmse(s.camera_imu ? &*s.camera_imu : nullptr);
-  text += fmt::format("{:>10}{:>8}\n", s.reprojection.count, s.views_used);
-  // Corners were scored, and a part was not: the IMU, or a fold.
-  if (!s.problem.empty()) text += "  " + s.problem + "\n";
-  return text;
-}
-
-}  // namespace
 
 std::string evaluationSummary(const CalibrationRecord& record) {
   const HeldCalibration& evaluation = *record.held;

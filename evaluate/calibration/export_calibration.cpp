@@ -32,24 +32,6 @@ Calibration requestedCalibration(const ExportRequest& request) {
   return calibration;
 }
 
-}  // namespace
-
-CalibrationExport exportCalibrationFile(const ExportRequest& request) {
-  const ExportOptions options{request.calibration, kVersion,
-                              request.imu.has_value() || statesImuNoise(request.calibration),
-                              request.camera_rate_hz, statesTimeOffset(request.calibration)};
-  Calibration calibration = requestedCalibration(request);
-  CalibrationExport out;
-  if (request.model) {
-    out.conversions = convertModels(calibration, *request.model, request.calibration);
-  }
-  // The files alone; what the conversion lost stands in `out` already.
-  static_cast<ExportedFiles&>(out) = exportCalibration(calibration, request.tool, options);
-  return out;
-}
-
-namespace {
-
 constexpr int kStep = 8;           // [px] at most between the pixels that are compared
 constexpr double kMostRms_px = 2;  // EuRoC's lenses leave 1.3 in the models with one to three
                                    // coefficients, at their corners; useless ones ten and more
@@ -118,6 +100,20 @@ bool compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out)
 }
 
 }  // namespace
+
+CalibrationExport exportCalibrationFile(const ExportRequest& request) {
+  const ExportOptions options{request.calibration, kVersion,
+                              request.imu.has_value() || statesImuNoise(request.calibration),
+                              request.camera_rate_hz, statesTimeOffset(request.calibration)};
+  Calibration calibration = requestedCalibration(request);
+  CalibrationExport out;
+  if (request.model) {
+    out.conversions = convertModels(calibration, *request.model, request.calibration);
+  }
+  // The files alone; what the conversion lost stands in `out` already.
+  static_cast<ExportedFiles&>(out) = exportCalibration(calibration, request.tool, options);
+  return out;
+}
 
 std::vector<ModelConversion> convertModels(Calibration& calibration, const CameraModelPair& model,
                                            const std::string& path) {

@@ -11,8 +11,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
-#include "evaluate/cli/options/result_options.h"
-#include "evaluate/cli/options/session_options.h"
+#include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/compare/compare_calibrations.h"
@@ -94,11 +93,9 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
 std::vector<double> rangesFrom(const std::vector<std::string>& words) {
   std::vector<double> ranges;
   for (const std::string& word : words) {
-    if (word == "inf" || word == "infinity") {
-      ranges.push_back(std::numeric_limits<double>::infinity());
-      continue;
-    }
-    const auto range = finiteNumber(word);
+    const bool infinite = word == "inf" || word == "infinity";
+    const auto range =
+        infinite ? std::optional(std::numeric_limits<double>::infinity()) : finiteNumber(word);
     if (!range || *range <= 0) {
       throw InputError(fmt::format("--range {}: expected metres, or inf", word));
     }

@@ -3,6 +3,7 @@
 // Both walk the same tree of commands and options that parses, so that they cannot fall behind it.
 #include <algorithm>
 #include <cctype>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -18,6 +19,11 @@
 namespace plumbline {
 namespace {
 
+/// Those for people, which have a group.
+std::vector<const CLI::App*> shownCommands(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty(); });
+}
+
 /// A command of the tree: " evaluate trajectory", what comes below it, and its options.
 struct Node {
   std::string path;
@@ -26,8 +32,7 @@ struct Node {
 
 void collect(const CLI::App& app, const std::string& path, std::vector<Node>& nodes) {
   nodes.push_back({path, &app});
-  for (const CLI::App* sub : app.get_subcommands(nullptr)) {
-    if (sub->get_group().empty()) continue;  // not for people
+  for (const CLI::App* sub : shownCommands(app)) {
     collect(*sub, path + " " + sub->get_name(), nodes);
   }
 }
@@ -98,8 +103,7 @@ std::string zshCompletion(const CLI::App& app) {
   std::string cases, paths;
   for (const Node& node : nodesOf(app)) {
     std::string commands, specs;
-    for (const CLI::App* sub : node.app->get_subcommands(nullptr)) {
-      if (sub->get_group().empty()) continue;
+    for (const CLI::App* sub : shownCommands(*node.app)) {
       commands += fmt::format(" '{}:{}'", sub->get_name(), zshQuoted(sub->get_description()));
     }
     for (const CLI::Option* option : shownOptions(*node.app, false)) {
@@ -146,8 +150,7 @@ std::string fishCompletion(const CLI::App& app) {
     if (!node.path.empty()) paths += fmt::format(" '{}'", node.path);
     const std::string condition = fmt::format("__plumbline_is_at \"{}\"", node.path);
     // -f: no files beside the subcommands; -r, below: the next word is the option's value.
-    for (const CLI::App* sub : node.app->get_subcommands(nullptr)) {
-      if (sub->get_group().empty()) continue;
+    for (const CLI::App* sub : shownCommands(*node.app)) {
       rules += fmt::format("complete -c plumbline -n '{}' -f -a {} -d {}\n", condition,
                            sub->get_name(), fishQuoted(sub->get_description()));
     }
@@ -254,6 +257,65 @@ Command manCommand() {
               return kDone;
             });
           }};
+}
+
+const CLI::App& chosenCommand(const CLI::App& app) {
+  const CLI::App* chosen = &app;
+  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
+  return *chosen;
+}
+
+std::vector<std::string> wordsOf(const CLI::App& app) {
+  std::vector<std::string> words;
+  for (const CLI::App* sub : shownCommands(app)) words.push_back(sub->get_name());
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_group().empty()) continue;
+    for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+  }
+  return words;
+}
+
+int editDistance(std::string_view a, std::string_view b) {
+  // Three rows of the table: of a's prefixes with two, one and no letters less.
+  std::vector<int> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] =
+          std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1] ? 1 : 0)});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, last);
+    std::swap(last, row);
+  }
+  // The exchange after a row has put it here.
+  return last[b.size()];
+}
+
+std::string nearestWord(const std::string& word, const std::vector<std::string>& candidates) {
+  std::string nearest;
+  // One more than what is near enough, for it has to be less.
+  int least = std::max(1, static_cast<int>(word.size()) / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const int distance = editDistance(word, candidate);
+    if (distance < least) {
+      least = distance;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+std::string didYouMean(const CLI::App& app) {
+  for (const std::string& argument : app.remaining(true)) {
+    // "--ouT=x" is looked up without its value.
+    const std::string word = argument.substr(0, argument.find('='));
+    const std::string nearest = nearestWord(word, wordsOf(chosenCommand(app)));
+    if (!nearest.empty()) return "; did you mean " + nearest + "?";
+  }
+  return "";
 }
 
 }  // namespace plumbline

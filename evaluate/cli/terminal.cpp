@@ -16,10 +16,32 @@
 #include "calibrator/base/option_check.h"
 
 namespace plumbline {
-
 namespace {
 
 int output_error = 0;  // errno of the first write that failed
+
+bool isColoured() {
+  // By the output's own end, not standard error's: a summary in a file has no colours. An empty
+  // NO_COLOR counts as unset (https://no-color.org).
+  const char* none = std::getenv("NO_COLOR");
+  return isatty(STDOUT_FILENO) != 0 && (none == nullptr || *none == '\0');
+}
+
+// The colour of a line that states a level: "Verdict: CAUTION", "  bad - Coverage of cam0: ...".
+const char* colourOf(std::string_view line) {
+  constexpr std::pair<std::string_view, const char*> kColours[] = {
+      {"Verdict: GOOD", "\033[32m"},    {"Verdict: COMPLETE", "\033[32m"},
+      {"Verdict: CAUTION", "\033[33m"}, {"Verdict: BAD", "\033[31m"},
+      {"  caution - ", "\033[33m"},     {"  bad - ", "\033[31m"}};
+  for (const auto& [start, colour] : kColours) {
+    if (line.starts_with(start)) return colour;
+  }
+  return nullptr;
+}
+
+constexpr int kBarWidth = 30;  // characters
+constexpr double kTimeLeftAfter_s = 3;
+constexpr std::chrono::seconds kPipeInterval{10};
 
 }  // namespace
 
@@ -43,29 +65,6 @@ void writeDocument(std::string_view document) {
   if (isatty(STDOUT_FILENO) == 0) return writeOut(document);
   writeOut(shownText(document));
 }
-
-namespace {
-
-bool isColoured() {
-  // By the output's own end, not standard error's: a summary in a file has no colours. An empty
-  // NO_COLOR counts as unset (https://no-color.org).
-  const char* none = std::getenv("NO_COLOR");
-  return isatty(STDOUT_FILENO) != 0 && (none == nullptr || *none == '\0');
-}
-
-// The colour of a line that states a level: "Verdict: CAUTION", "  bad - Coverage of cam0: ...".
-const char* colourOf(std::string_view line) {
-  constexpr std::pair<std::string_view, const char*> kColours[] = {
-      {"Verdict: GOOD", "\033[32m"},    {"Verdict: COMPLETE", "\033[32m"},
-      {"Verdict: CAUTION", "\033[33m"}, {"Verdict: BAD", "\033[31m"},
-      {"  caution - ", "\033[33m"},     {"  bad - ", "\033[31m"}};
-  for (const auto& [start, colour] : kColours) {
-    if (line.starts_with(start)) return colour;
-  }
-  return nullptr;
-}
-
-}  // namespace
 
 void saySummary(std::string_view summary) {
   // Figures that are rounded to zero keep their sign, which says nothing to a person.
@@ -98,14 +97,6 @@ bool closeOutput() {
       output_error != 0 ? std::strerror(output_error) : "write error"));
   return false;
 }
-
-namespace {
-
-constexpr int kBarWidth = 30;  // characters
-constexpr double kTimeLeftAfter_s = 3;
-constexpr std::chrono::seconds kPipeInterval{10};
-
-}  // namespace
 
 ProgressBar::ProgressBar(bool tells_time_left)
     : terminal_(isatty(STDERR_FILENO) != 0), tells_time_left_(tells_time_left) {}

@@ -16,12 +16,10 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr/run.h"
 #include "evaluate/compare/lint.h"
-#include "evaluate/compare/parameters.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/session/load_session.h"
 
 namespace plumbline {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -77,20 +75,21 @@ void addOwnFigures(const KalibrResults& results, ComparedFile& file) {
 /// Its place and offset hold for samples that are corrected by the model.
 void addImuModel(const KalibrImuFile& imu, ComparedFile& file) {
   if (!imu.imus.front().isDistorted()) return;
-  Finding f{"Kalibr's IMU model", VerdictLevel::kCaution,
-            imu.path + " states scale and misalignment of the IMU (" + imu.imus.front().model +
-                "), which are not compared and not applied to samples",
-            "compare with a calibration of the model `calibrated`"};
-  f.subject = FindingSubject::kExtrinsics;
-  file.remarks.push_back(std::move(f));
+  const std::string evidence = imu.path + " states scale and misalignment of the IMU (" +
+                               imu.imus.front().model +
+                               "), which are not compared and not applied to samples";
+  append(file.remarks,
+         {{"Kalibr's IMU model", VerdictLevel::kCaution, evidence,
+           "compare with a calibration of the model `calibrated`"}},
+         FindingSubject::kExtrinsics);
 }
 
 void addUnknownOffset(ComparedFile& file) {
-  Finding f{"Time offset", VerdictLevel::kGood,
-            "the file states none (no timeshift_cam_imu): it is not compared, and scores with the "
-            "IMU assume 0"};
-  f.subject = FindingSubject::kExtrinsics;
-  file.remarks.push_back(std::move(f));
+  append(file.remarks,
+         {{"Time offset", VerdictLevel::kGood,
+           "the file states none (no timeshift_cam_imu): it is not compared, and "
+           "scores with the IMU assume 0"}},
+         FindingSubject::kExtrinsics);
 }
 
 void addRemarks(const std::vector<std::string>& remarks, const std::string& rule,
@@ -111,37 +110,6 @@ void readKalibr(ComparedFile& file) {
   if (run.imu) addImuModel(*run.imu, file);
   addRemarks(run.remarks, "Files beside it", file);
 }
-
-}  // namespace
-
-std::vector<std::string> comparedLabels(const std::vector<std::string>& paths,
-                                        const std::vector<std::string>& labels) {
-  return labels.empty() ? uniqueNames(paths) : labels;
-}
-
-std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
-                                       const std::vector<std::string>& labels) {
-  const std::vector<std::string> names = comparedLabels(paths, labels);
-  std::vector<ComparedFile> files;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    ComparedFile file;
-    file.path = paths[i];
-    file.compared.calibration = readCalibration(paths[i]);
-    file.extras = readCalibrationExtras(paths[i]);
-    file.states_noise = statesImuNoise(paths[i]);
-    file.states_offset = statesTimeOffset(paths[i]);
-    addRemarks(file.extras.remarks, "IMU noise", file);
-    if (file.extras.tool == "kalibr") readKalibr(file);
-    if (file.compared.calibration.imu && !file.states_offset) addUnknownOffset(file);
-    file.compared.label = names[i];
-    file.compared.file = fs::path(paths[i]).filename().string();
-    file.compared.tool = file.extras.tool;
-    files.push_back(std::move(file));
-  }
-  return files;
-}
-
-namespace {
 
 /// One calibration on the recording.
 struct OnSession {
@@ -189,13 +157,6 @@ OnSession scoreOn(const LoadedSession& loaded, const ComparedFile& file,
   out.stage = std::move(scored_on.camera);
   if (out.stage) addUncertainty(loaded.session, request, out);
   return out;
-}
-
-ComparisonRecord emptyRecord(const CompareRequest& request) {
-  ComparisonRecord record;
-  record.provenance = request.provenance;
-  record.assumptions = assumptionsOf(request.score.camera, request.score.camera_imu);
-  return record;
 }
 
 std::vector<LintedCalibration> lintedOf(const std::vector<ComparedFile>& files) {
@@ -303,6 +264,33 @@ void addMaps(const std::vector<ComparedFile>& files, const std::vector<OnSession
 
 }  // namespace
 
+std::vector<std::string> comparedLabels(const std::vector<std::string>& paths,
+                                        const std::vector<std::string>& labels) {
+  return labels.empty() ? uniqueNames(paths) : labels;
+}
+
+std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
+                                       const std::vector<std::string>& labels) {
+  const std::vector<std::string> names = comparedLabels(paths, labels);
+  std::vector<ComparedFile> files;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    ComparedFile file;
+    file.path = paths[i];
+    file.compared.calibration = readCalibration(paths[i]);
+    file.extras = readCalibrationExtras(paths[i]);
+    file.states_noise = statesImuNoise(paths[i]);
+    file.states_offset = statesTimeOffset(paths[i]);
+    addRemarks(file.extras.remarks, "IMU noise", file);
+    if (file.extras.tool == "kalibr") readKalibr(file);
+    if (file.compared.calibration.imu && !file.states_offset) addUnknownOffset(file);
+    file.compared.label = names[i];
+    file.compared.file = fs::path(paths[i]).filename().string();
+    file.compared.tool = file.extras.tool;
+    files.push_back(std::move(file));
+  }
+  return files;
+}
+
 void CompareRequest::check() const {
   if (calibrations.size() < 2) throw InputError("compare: expected two or more calibrations");
   if (!labels.empty() && labels.size() != calibrations.size()) {
@@ -320,7 +308,9 @@ void CompareRequest::check() const {
 ComparisonRecord compareCalibrations(const CompareRequest& request, const ProgressSink& progress) {
   request.check();
   std::vector<ComparedFile> files = readCompared(request.calibrations, request.labels);
-  ComparisonRecord record = emptyRecord(request);
+  ComparisonRecord record;
+  record.provenance = request.provenance;
+  record.assumptions = assumptionsOf(request.score.camera, request.score.camera_imu);
   std::optional<LoadedSession> loaded;
   if (request.load) loaded = loadSession(*request.load, progress);
   // Which camera is which comes before all that is said of them.

@@ -216,27 +216,23 @@ void addProjection(const ComparisonRecord& record, std::size_t i, std::vector<Fi
 
 /// Good in any case: which one predicts better is an answer and no fault.
 Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction& p) {
-  const double sigmas = p.sigmas();
   const std::string& first = record.calibrations[0].label;
-  const std::string rule =
-      fmt::format("Corners of {} predicted, {} against {}", p.camera, p.label, first);
+  Finding f{fmt::format("Corners of {} predicted, {} against {}", p.camera, p.label, first)};
   if (!(p.half_px2 > 0)) {
-    return {rule, VerdictLevel::kGood,
-            fmt::format("mean squared error {:+.3g} px^2 over {} views scored under both: too few, "
-                        "or too much alike, for an interval",
-                        p.difference_px2, p.views)};
+    f.evidence = fmt::format(
+        "mean squared error {:+.3g} px^2 over {} views scored under both: too few, or too much "
+        "alike, for an interval",
+        p.difference_px2, p.views);
+    return f;
   }
-  return {
-      rule,
-      VerdictLevel::kGood,
-      fmt::format("{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
-                  p.isClear() ? (sigmas < 0 ? p.label : first) + " is better"
-                              : std::string("no clear difference"),
-                  p.difference_px2, p.std_px2, p.views),
-      "",
-      std::abs(sigmas),
-      p.half_px2 / p.std_px2,
-      "sigma"};
+  f.evidence = fmt::format(
+      "{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
+      p.isClear() ? (p.sigmas() < 0 ? p.label : first) + " is better" : "no clear difference",
+      p.difference_px2, p.std_px2, p.views);
+  f.value = std::abs(p.sigmas());
+  f.threshold = p.half_px2 / p.std_px2;
+  f.unit = "sigma";
+  return f;
 }
 
 void addUnscored(const ComparisonRecord& record, std::vector<Finding>& findings) {

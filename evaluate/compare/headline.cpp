@@ -12,7 +12,6 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/compare/findings.h"
-#include "evaluate/compare/parameters.h"
 #include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/rules/rules.h"
 
@@ -123,37 +122,6 @@ void addLone(const ComparisonRecord& record, const std::vector<LoneParameter>& l
                   "others, which agree within {:.2g}: {}",
                   label, others, names)));
 }
-
-}  // namespace
-
-std::vector<LoneParameter> loneParameters(const ComparisonRecord& record) {
-  return loneAmong(record.parameters);
-}
-
-std::vector<LoneParameter> loneAgainstSession(const ComparisonRecord& record) {
-  if (!record.session_estimate) return {};
-  std::vector<LoneParameter> all;
-  for (LoneParameter& p : loneAmong(record.session_estimate->parameters)) {
-    // In that list the session's own estimate is the first and no calibration of the comparison;
-    // the others come one place later than here.
-    if (p.calibration == 0 || !othersHeldOut(record, --p.calibration)) continue;
-    all.push_back(std::move(p));
-  }
-  return all;
-}
-
-std::vector<Finding> loneFindings(const ComparisonRecord& record) {
-  const std::vector<LoneParameter> lone = loneParameters(record);
-  const std::vector<LoneParameter> session = loneAgainstSession(record);
-  std::vector<Finding> findings;
-  for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
-    addLone(record, lone, i, "all others", findings);
-    addLone(record, session, i, "all others and the session itself", findings);
-  }
-  return findings;
-}
-
-namespace {
 
 const CalibrationScore* scoreOf(const ComparisonRecord& record, const std::string& label) {
   const auto found = std::find_if(
@@ -267,6 +235,33 @@ std::string transformWords(const ComparisonRecord& record, std::size_t i) {
 }
 
 }  // namespace
+
+std::vector<LoneParameter> loneParameters(const ComparisonRecord& record) {
+  return loneAmong(record.parameters);
+}
+
+std::vector<LoneParameter> loneAgainstSession(const ComparisonRecord& record) {
+  if (!record.session_estimate) return {};
+  std::vector<LoneParameter> all;
+  for (LoneParameter& p : loneAmong(record.session_estimate->parameters)) {
+    // In that list the session's own estimate is the first and no calibration of the comparison;
+    // the others come one place later than here.
+    if (p.calibration == 0 || !othersHeldOut(record, --p.calibration)) continue;
+    all.push_back(std::move(p));
+  }
+  return all;
+}
+
+std::vector<Finding> loneFindings(const ComparisonRecord& record) {
+  const std::vector<LoneParameter> lone = loneParameters(record);
+  const std::vector<LoneParameter> session = loneAgainstSession(record);
+  std::vector<Finding> findings;
+  for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
+    addLone(record, lone, i, "all others", findings);
+    addLone(record, session, i, "all others and the session itself", findings);
+  }
+  return findings;
+}
 
 std::string comparisonHeadline(const ComparisonRecord& record) {
   std::string text;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/compare/parameters.h"
+#include "evaluate/metrics/calibration/parameters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
-#include "evaluate/metrics/calibration/parameters.h"
+#include "evaluate/compare/findings.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/lists.h"

@@ -120,45 +120,6 @@ Transform impliedTransform(const std::vector<RayPair>& pairs, const DifferenceOp
   return T;
 }
 
-}  // namespace
-
-int pointsInFocus(const Resolution& image, const DifferenceOptions& options) {
-  int points = 0;
-  for (int i = 0; i < options.grid.size(); ++i) {
-    if (isInFocus(image, options, options.grid.pixel(image, i))) ++points;
-  }
-  return points;
-}
-
-std::optional<ProjectionDifference> projectionDifference(const Intrinsics& A, const Intrinsics& B,
-                                                         const DifferenceOptions& options) {
-  assert(options.grid.columns >= 2 && options.grid.rows >= 2 && options.range_m > 0);
-  assert(options.weights.empty() ||
-         static_cast<int>(options.weights.size()) == options.grid.size());
-  if (!(A.resolution == B.resolution)) {
-    throw InputError(fmt::format(
-        "images of {}x{} and {}x{} pixels have no difference; compare calibrations of one camera",
-        A.resolution.width, A.resolution.height, B.resolution.width, B.resolution.height));
-  }
-  const std::vector<RayPair> pairs = raysOfFocus(A, B, options);
-  if (pairs.size() < kFewestFitRays) return std::nullopt;
-  ProjectionDifference out;
-  out.fitted = static_cast<int>(pairs.size());
-  const Transform T = impliedTransform(pairs, options);
-  out.T_BA = T;
-  if (std::isfinite(options.range_m)) out.T_BA.t *= options.range_m;
-  for (int i = 0; i < options.grid.size(); ++i) {
-    const Eigen::Vector2d q = options.grid.pixel(A.resolution, i);
-    const auto ray = unproject(A, q);
-    const auto seen = ray ? project(B, T * *ray) : std::nullopt;
-    out.vectors.push_back(seen ? Eigen::Vector2d(*seen - q)
-                               : Eigen::Vector2d::Constant(std::nan("")));
-  }
-  return out;
-}
-
-namespace {
-
 // A border on either side and a centre between.
 constexpr int kFewestGridPoints = 3;
 constexpr int kMostGridPoints = 500;
@@ -198,6 +159,41 @@ ImageMap differenceMap(const CameraCalibration& a, const CameraCalibration& b,
 }
 
 }  // namespace
+
+int pointsInFocus(const Resolution& image, const DifferenceOptions& options) {
+  int points = 0;
+  for (int i = 0; i < options.grid.size(); ++i) {
+    if (isInFocus(image, options, options.grid.pixel(image, i))) ++points;
+  }
+  return points;
+}
+
+std::optional<ProjectionDifference> projectionDifference(const Intrinsics& A, const Intrinsics& B,
+                                                         const DifferenceOptions& options) {
+  assert(options.grid.columns >= 2 && options.grid.rows >= 2 && options.range_m > 0);
+  assert(options.weights.empty() ||
+         static_cast<int>(options.weights.size()) == options.grid.size());
+  if (!(A.resolution == B.resolution)) {
+    throw InputError(fmt::format(
+        "images of {}x{} and {}x{} pixels have no difference; compare calibrations of one camera",
+        A.resolution.width, A.resolution.height, B.resolution.width, B.resolution.height));
+  }
+  const std::vector<RayPair> pairs = raysOfFocus(A, B, options);
+  if (pairs.size() < kFewestFitRays) return std::nullopt;
+  ProjectionDifference out;
+  out.fitted = static_cast<int>(pairs.size());
+  const Transform T = impliedTransform(pairs, options);
+  out.T_BA = T;
+  if (std::isfinite(options.range_m)) out.T_BA.t *= options.range_m;
+  for (int i = 0; i < options.grid.size(); ++i) {
+    const Eigen::Vector2d q = options.grid.pixel(A.resolution, i);
+    const auto ray = unproject(A, q);
+    const auto seen = ray ? project(B, T * *ray) : std::nullopt;
+    out.vectors.push_back(seen ? Eigen::Vector2d(*seen - q)
+                               : Eigen::Vector2d::Constant(std::nan("")));
+  }
+  return out;
+}
 
 void MapOptions::check() const {
   if (!(focus_radius_px >= 0) || std::isinf(focus_radius_px)) {

@@ -108,10 +108,9 @@ void addScores(Text& text, const ComparisonRecord& record) {
   add(text, "  Entropy of {} parameters ({} ... {}), corner noise {:g} px\n",
       scored->entropy_parameters.size(), scored->entropy_parameters.front(),
       scored->entropy_parameters.back(), record.assumptions.pixel_sigma_px);
-  const auto imu = std::find_if(record.scores.begin(), record.scores.end(), [](const auto& s) {
-    return s.camera_imu_entropy_nats.has_value();
-  });
-  if (imu == record.scores.end()) return;
+  const bool imu = std::any_of(record.scores.begin(), record.scores.end(),
+                               [](const auto& s) { return s.camera_imu_entropy_nats.has_value(); });
+  if (!imu) return;
   add(text,
       "  Entropy of camera-IMU: T_SC0 and time_offset, the session's IMU noise, cameras fixed\n");
 }

@@ -60,6 +60,27 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
   return findings;
 }
 
+// A sentence of a text that is none yet: a capital first, a full stop last.
+std::string sentence(std::string text) {
+  if (text.empty()) return text;
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text + (text.ends_with('.') ? "" : ".");
+}
+
+/// What a good headline says of the camera-IMU stage; "" where there was none.
+std::string imuWords(const CalibrationRecord& record) {
+  const std::vector<ParameterEstimate> estimates = parameterEstimates(record, Stage::kCameraImu);
+  if (estimates.empty()) return "";
+  const auto largest = [&](const std::vector<std::string>& parts, const std::string& of) {
+    // Of formal, cluster-robust and bootstrap deviations the largest that is known.
+    return largestStd(estimates, parts, of, false).value;
+  };
+  return fmt::format(
+      "; T_SC0 to {:.2g} mm and {:.2g} deg (1 sigma, worst axis), time offset to {:.2g} ms",
+      1e3 * largest({"tx", "ty", "tz"}, "T_SC0"), kDegrees * largest({"rx", "ry", "rz"}, "T_SC0"),
+      1e3 * largestOffsetStd(estimates, record.camera_imu->cameras).value);
+}
+
 }  // namespace
 
 void append(std::vector<Finding>& to, std::vector<Finding> more,
@@ -86,31 +107,6 @@ Verdict judge(const CalibrationRecord& record, const VerdictThresholds& t, const
   }
   return makeVerdict(std::move(findings));
 }
-
-namespace {
-
-// A sentence of a text that is none yet: a capital first, a full stop last.
-std::string sentence(std::string text) {
-  if (text.empty()) return text;
-  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  return text + (text.ends_with('.') ? "" : ".");
-}
-
-/// What a good headline says of the camera-IMU stage; "" where there was none.
-std::string imuWords(const CalibrationRecord& record) {
-  const std::vector<ParameterEstimate> estimates = parameterEstimates(record, Stage::kCameraImu);
-  if (estimates.empty()) return "";
-  const auto largest = [&](const std::vector<std::string>& parts, const std::string& of) {
-    // Of formal, cluster-robust and bootstrap deviations the largest that is known.
-    return largestStd(estimates, parts, of, false).value;
-  };
-  return fmt::format(
-      "; T_SC0 to {:.2g} mm and {:.2g} deg (1 sigma, worst axis), time offset to {:.2g} ms",
-      1e3 * largest({"tx", "ty", "tz"}, "T_SC0"), kDegrees * largest({"rx", "ry", "rz"}, "T_SC0"),
-      1e3 * largestOffsetStd(estimates, record.camera_imu->cameras).value);
-}
-
-}  // namespace
 
 std::string worstFinding(const Verdict& verdict) {
   const Finding* worst = gravest(verdict);

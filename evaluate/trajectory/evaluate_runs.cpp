@@ -20,7 +20,6 @@
 #include "evaluate/results/progress.h"
 
 namespace plumbline {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -113,46 +112,6 @@ Reach reachOf(const std::string& pattern) {
       std::count(pattern.begin() + static_cast<std::ptrdiff_t>(rest), pattern.end(), '/');
   return {slash == std::string::npos ? "." : pattern.substr(0, rest), static_cast<int>(below)};
 }
-
-}  // namespace
-
-bool hasField(const std::string& pattern, const std::string& field) {
-  return pattern.find("{" + field + "}") != std::string::npos;
-}
-
-std::vector<RunFile> findRuns(const std::string& pattern,
-                              const std::vector<std::string>& sequences) {
-  if (pattern.find('{') == std::string::npos) return {{pattern, "", "", ""}};
-  const Matcher known = matcherOf(pattern, sequences), any = matcherOf(pattern, {});
-  const Reach reach = reachOf(pattern);
-  if (!fs::is_directory(reach.folder)) {
-    throw InputError(
-        reach.folder, 0,
-        fmt::format("is not a folder; it stands before the first field of {}", pattern));
-  }
-  std::vector<RunFile> files;
-  for (auto it = fs::recursive_directory_iterator(reach.folder);
-       it != fs::recursive_directory_iterator(); ++it) {
-    // Files stand as deep as the pattern says; below lie whatever other results there are.
-    if (it.depth() >= reach.depth) it.disable_recursion_pending();
-    if (it.depth() != reach.depth || !it->is_regular_file()) continue;
-    std::string path = it->path().generic_string();
-    // A pattern without a folder looks into ".", whose entries have "./" in front.
-    if (pattern.find('/') == std::string::npos) path = it->path().filename().string();
-    // By the known sequences first: greedy fields alone would split names at the last underscore.
-    auto file = matched(path, known);
-    if (!file) file = matched(path, any);
-    if (file && !isUtf8(path)) {
-      throw InputError(path, 0, "has a name that is not UTF-8; rename it");
-    }
-    if (file) files.push_back(*file);
-  }
-  std::sort(files.begin(), files.end(),
-            [](const RunFile& a, const RunFile& b) { return a.path < b.path; });
-  return files;
-}
-
-namespace {
 
 struct Truth {
   std::filesystem::path path;
@@ -299,6 +258,42 @@ TrajectoryRun judged(const TrajectoryRun& expected, const Truths& truths,
 }
 
 }  // namespace
+
+bool hasField(const std::string& pattern, const std::string& field) {
+  return pattern.find("{" + field + "}") != std::string::npos;
+}
+
+std::vector<RunFile> findRuns(const std::string& pattern,
+                              const std::vector<std::string>& sequences) {
+  if (pattern.find('{') == std::string::npos) return {{pattern, "", "", ""}};
+  const Matcher known = matcherOf(pattern, sequences), any = matcherOf(pattern, {});
+  const Reach reach = reachOf(pattern);
+  if (!fs::is_directory(reach.folder)) {
+    throw InputError(
+        reach.folder, 0,
+        fmt::format("is not a folder; it stands before the first field of {}", pattern));
+  }
+  std::vector<RunFile> files;
+  for (auto it = fs::recursive_directory_iterator(reach.folder);
+       it != fs::recursive_directory_iterator(); ++it) {
+    // Files stand as deep as the pattern says; below lie whatever other results there are.
+    if (it.depth() >= reach.depth) it.disable_recursion_pending();
+    if (it.depth() != reach.depth || !it->is_regular_file()) continue;
+    std::string path = it->path().generic_string();
+    // A pattern without a folder looks into ".", whose entries have "./" in front.
+    if (pattern.find('/') == std::string::npos) path = it->path().filename().string();
+    // By the known sequences first: greedy fields alone would split names at the last underscore.
+    auto file = matched(path, known);
+    if (!file) file = matched(path, any);
+    if (file && !isUtf8(path)) {
+      throw InputError(path, 0, "has a name that is not UTF-8; rename it");
+    }
+    if (file) files.push_back(*file);
+  }
+  std::sort(files.begin(), files.end(),
+            [](const RunFile& a, const RunFile& b) { return a.path < b.path; });
+  return files;
+}
 
 TrajectoryRun judgedRun(const TrajectoryRun& expected, const std::filesystem::path& truth_path,
                         const TrajectoryFile& truth, const RunsRequest& request) {

@@ -16,7 +16,6 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/camera/camera.h"
-#include "evaluate/metrics/lists.h"
 
 namespace plumbline {
 namespace {

@@ -14,6 +14,7 @@
 #include "calibrator/base/time.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/view_terms.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/verdict.h"
 
@@ -29,12 +30,11 @@ std::optional<double> finiteNumber(const std::string& word);
 template <class Value>
 Value wordFrom(const char* option, const std::string& word,
                const std::vector<std::pair<std::string, Value>>& known) {
-  std::string words;
   for (const auto& [name, value] : known) {
     if (name == word) return value;
-    words += (words.empty() ? "" : " or ") + name;
   }
-  throw InputError(fmt::format("{} {}: expected {}", option, word, words));
+  const auto name_of = [](const auto& each) { return each.first; };
+  throw InputError(fmt::format("{} {}: expected {}", option, word, joined(known, name_of, " or ")));
 }
 
 /// The value of an enumeration's word, of the option named.

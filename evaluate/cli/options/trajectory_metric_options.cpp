@@ -8,7 +8,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/options/option_values.h"
-#include "evaluate/cli/options/session_options.h"
+#include "evaluate/cli/options/shared_options.h"
 
 namespace plumbline {
 namespace {

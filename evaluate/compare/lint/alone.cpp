@@ -32,21 +32,18 @@ bool isOneDevice(const Calibration& calibration) {
 
 // ---- translations
 
-Finding millimetres(const LintedCalibration& linted, const std::string& field, double length) {
-  return bad("Millimetres for metres",
-             fmt::format("{}: the translation of {} is {:.4g} m long; in millimetres it would be "
-                         "{:.4g} m",
-                         linted.name, field, length, 1e-3 * length),
-             fmt::format("divide the translation of {} in {} by 1000", field, linted.name),
-             {length, kMaxBaseline_m, "m"});
-}
-
 std::vector<Finding> translationUnits(const LintedCalibration& linted) {
   std::vector<Finding> found;
   const auto check = [&](const std::string& field, const Transform& T) {
-    if (T.t.norm() > kMaxBaseline_m) {
-      found.push_back(millimetres(linted, field, T.t.norm()));
-    }
+    const double length = T.t.norm();
+    if (!(length > kMaxBaseline_m)) return;
+    found.push_back(
+        bad("Millimetres for metres",
+            fmt::format("{}: the translation of {} is {:.4g} m long; in millimetres it would be "
+                        "{:.4g} m",
+                        linted.name, field, length, 1e-3 * length),
+            fmt::format("divide the translation of {} in {} by 1000", field, linted.name),
+            {length, kMaxBaseline_m, "m"}));
   };
   for (const CameraCalibration& camera : linted.calibration.cameras) {
     check("T_C0Ci (T_cn_cnm1) of " + camera.name, camera.T_C0Ci);

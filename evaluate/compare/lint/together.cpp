@@ -55,6 +55,17 @@ std::string namesOf(const Rig& rig, const Group& group) {
   return rig.all[group[0]].name + " or " + rig.all[group[1]].name;
 }
 
+/// A finding of every group under a rule, by its first file and the names of all.
+std::vector<Finding> findingsOf(
+    const Rig& rig, const PairRule& contradicts,
+    const std::function<Finding(const LintedCalibration&, const std::string&)>& describe) {
+  std::vector<Finding> found;
+  for (const Group& group : accused(rig, contradicts)) {
+    found.push_back(describe(rig.all[group[0]], namesOf(rig, group)));
+  }
+  return found;
+}
+
 // ---- transforms and offsets
 
 bool bothHaveImus(const LintedCalibration& a, const LintedCalibration& b) {
@@ -62,27 +73,24 @@ bool bothHaveImus(const LintedCalibration& a, const LintedCalibration& b) {
 }
 
 std::vector<Finding> invertedImu(const Rig& rig) {
-  std::vector<Finding> found;
-  const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
+  const auto contradicts = [](const LintedCalibration& a, const LintedCalibration& b) {
     return bothHaveImus(a, b) && isInverse(a.calibration.imu->T_SC0, b.calibration.imu->T_SC0);
   };
-  for (const auto& group : accused(rig, rule)) {
-    const double angle = rotationAngle(rig.all[group[0]].calibration.imu->T_SC0.R);
-    found.push_back(bad(
+  return findingsOf(rig, contradicts, [](const LintedCalibration& c, const std::string& names) {
+    const double angle = rotationAngle(c.calibration.imu->T_SC0.R);
+    return bad(
         "Inverted transform",
         fmt::format("T_SC0 of {} is the inverse of the others' (a rotation by {:.1f} degrees)",
-                    namesOf(rig, group), angle / kDegree),
+                    names, angle / kDegree),
         fmt::format("invert T_cam_imu (T_SC0) in {}: Kalibr's maps IMU to camera, ours camera to "
                     "IMU",
-                    namesOf(rig, group)),
-        {angle, kSameRotation_rad, "rad"}));
-  }
-  return found;
+                    names),
+        {angle, kSameRotation_rad, "rad"});
+  });
 }
 
 std::vector<Finding> flippedOffset(const Rig& rig) {
-  std::vector<Finding> found;
-  const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
+  const auto contradicts = [](const LintedCalibration& a, const LintedCalibration& b) {
     if (!bothHaveImus(a, b)) return false;
     const double x = meanTimeOffset(*a.calibration.imu);
     const double y = meanTimeOffset(*b.calibration.imu);
@@ -90,17 +98,15 @@ std::vector<Finding> flippedOffset(const Rig& rig) {
     // Opposite signs, and sizes that agree within a quarter of the larger.
     return size > kFlipOffset_s && std::abs(x + y) < 0.25 * size;
   };
-  for (const auto& group : accused(rig, rule)) {
-    const double offset = meanTimeOffset(*rig.all[group[0]].calibration.imu);
-    found.push_back(
-        bad("Flipped time offset",
-            fmt::format("the time offset of {} is minus the others' ({:.3f} ms in {})",
-                        namesOf(rig, group), 1e3 * offset, rig.all[group[0]].name),
-            fmt::format("negate timeshift_cam_imu (time_offset_s) in {}: t_imu = t_cam + t_d",
-                        namesOf(rig, group)),
-            {offset, kFlipOffset_s, "s"}));
-  }
-  return found;
+  return findingsOf(rig, contradicts, [](const LintedCalibration& c, const std::string& names) {
+    const double offset = meanTimeOffset(*c.calibration.imu);
+    return bad(
+        "Flipped time offset",
+        fmt::format("the time offset of {} is minus the others' ({:.3f} ms in {})", names,
+                    1e3 * offset, c.name),
+        fmt::format("negate timeshift_cam_imu (time_offset_s) in {}: t_imu = t_cam + t_d", names),
+        {offset, kFlipOffset_s, "s"});
+  });
 }
 
 // ---- cameras

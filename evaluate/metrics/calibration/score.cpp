@@ -76,17 +76,15 @@ void addHeldImu(const Session& session, const Calibration& calibration, const Sc
   // 0: no loss (ScoreOptions::entropy_under_loss).
   fixed.score_information_px = options.entropy_under_loss ? fixed.cauchy_px : 0;
   auto imu = scoreCameraImu(session, calibration.cameras, *calibration.imu, fixed);
-  if (!imu) {
-    addProblem("camera-IMU: " + problemOf(imu.failure()), out.score);
-    return;
-  }
-  // Its figures would be those of where it stopped.
-  if (!imu->summary.converged) {
-    addProblem(fmt::format("camera-IMU: with T_SC0 and the time offset as given, poses and biases "
-                           "did not converge in {} iterations",
-                           imu->summary.iterations),
-               out.score);
-    return;
+  // Figures of one that has not converged would be those of where it stopped.
+  if (!imu || !imu->summary.converged) {
+    const std::string problem =
+        imu ? fmt::format(
+                  "with T_SC0 and the time offset as given, poses and biases did not "
+                  "converge in {} iterations",
+                  imu->summary.iterations)
+            : problemOf(imu.failure());
+    return addProblem("camera-IMU: " + problem, out.score);
   }
   addImuStage(*imu, out);
   if (!imu->summary.covariance.names.empty()) {
@@ -154,19 +152,15 @@ FoldScores failedFold(FoldScores scores, const std::string& problem) {
   return scores;
 }
 
-/// Whether the frames that a fold leaves out may be what is missing.
-bool isForLackOfFrames(const Failure& failure) {
-  return failure.input() == FaultyInput::kSession &&
-         failure.reason() != FailureReason::kNotConverged &&
-         failure.reason() != FailureReason::kImplausible;
-}
-
 /// Why a fold could not be calibrated, and what to do. To record more, as a calibration of the
 /// recording itself would be told to (textOf().cure), does not mend a fold of it, and options of
 /// `calibrate` are not at hand.
 std::string problemOfFold(const Failure& failure) {
   const FailureText text = textOf(failure);
-  if (isForLackOfFrames(failure)) {
+  // Then the frames that the fold leaves out may be what is missing.
+  if (failure.input() == FaultyInput::kSession &&
+      failure.reason() != FailureReason::kNotConverged &&
+      failure.reason() != FailureReason::kImplausible) {
     return text.message + "; with more --folds each leaves out less of the recording";
   }
   return text.cure.find("--") == std::string::npos ? problemOf(failure) : text.message;
@@ -188,14 +182,13 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
   Calibration recalibrated{cameras->cameras, {}};
   if (options.use_imu && calibration.imu && fold.training.imu) {
     const auto imu = calibrateCameraImu(fold.training, recalibrated.cameras, options.camera_imu);
-    if (!imu) {
-      out = failedFold(std::move(out), "camera-IMU: " + problemOfFold(imu.failure()));
-      // Held-out frames would else be scored by where it stopped.
-    } else if (!imu->summary.converged) {
-      out = failedFold(std::move(out), "camera-IMU: " + problemOfFold(notConverged(*imu)));
-    } else {
+    if (imu && imu->summary.converged) {
       addImuStage(*imu, out.in_sample);
       recalibrated.imu = imu->imu;
+    } else {
+      // Held-out frames would else be scored by where it stopped.
+      const Failure failure = imu ? notConverged(*imu) : imu.failure();
+      out = failedFold(std::move(out), "camera-IMU: " + problemOfFold(failure));
     }
   }
   // Also where the camera-IMU stage failed: then of the cameras alone, and the problem is kept.
@@ -270,6 +263,15 @@ std::string whyNoFolds(const Calibration& calibration, const Session& session,
   return fmt::format("{} frames with corners are too few for {} folds", frames, options.folds);
 }
 
+/// Removes the IMU samples strictly between two instants of the cameras' clock.
+void cutBetween(TimeNs from, TimeNs to, double time_offset_s, Session& session) {
+  if (!session.imu) return;
+  const TimeNs offset = toNanoseconds(time_offset_s);
+  std::erase_if(session.imu->samples, [&](const ImuSample& sample) {
+    return sample.t > from + offset && sample.t < to + offset;
+  });
+}
+
 }  // namespace
 
 bool canBeCalibrated(const Calibration& calibration) {
@@ -326,19 +328,6 @@ CalibrationScore scoreHeldOut(const ScoredCalibration& scored, const Session& se
   score.held_out = true;
   return score;
 }
-
-namespace {
-
-/// Removes the IMU samples strictly between two instants of the cameras' clock.
-void cutBetween(TimeNs from, TimeNs to, double time_offset_s, Session& session) {
-  if (!session.imu) return;
-  const TimeNs offset = toNanoseconds(time_offset_s);
-  std::erase_if(session.imu->samples, [&](const ImuSample& sample) {
-    return sample.t > from + offset && sample.t < to + offset;
-  });
-}
-
-}  // namespace
 
 Fold foldOf(const Session& session, const FrameOptions& options, const FoldChoice& choice) {
   const int index = choice.index, count = choice.count;

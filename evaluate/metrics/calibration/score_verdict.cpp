@@ -65,16 +65,6 @@ Findings judgeHeldOut(const std::vector<CalibrationScore>& scores) {
   return findings;
 }
 
-/// judgeResiduals() of a calibration that is held: its own advice is to who calibrates.
-Findings judgeHeldResiduals(const StageErrors& errors, const std::string& stage,
-                            const std::string& advice) {
-  Findings findings = judgeResiduals(errors, stage, kUsual);
-  for (Finding& f : findings) {
-    if (!f.advice.empty()) f.advice = advice;
-  }
-  return findings;
-}
-
 /// The mistake of convention under which the held values are the recording's, as what to do; ""
 /// where none explains them.
 std::string mistakeOf(const ImuCalibration& held, const ImuCalibration& seen) {
@@ -270,23 +260,22 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
 std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
                                  const std::optional<CameraImuStageResult>& camera_imu) {
   Findings findings;
-  if (camera) {
-    append(findings,
-           judgeHeldResiduals({camera->residuals, camera->summary, camera->cameras}, "cameras",
-                              "Poses of their own do not explain the corners: the cameras are not "
-                              "those of this recording, their lens model does not fit, or corners "
-                              "and board are at fault (blur, a bent target). Calibrate a recording "
-                              "of this rig and see its verdict."),
-           FindingSubject::kCameras);
-  }
-  if (camera_imu) {
-    append(findings,
-           judgeHeldResiduals({camera_imu->residuals, camera_imu->summary, camera_imu->cameras},
-                              "camera-IMU",
-                              "Compare with the error of the cameras alone: where that is small, "
-                              "T_SC0, the time offset or the IMU contradict the cameras."),
-           FindingSubject::kExtrinsics);
-  }
+  const auto add = [&](const auto& stage, const char* name, FindingSubject subject,
+                       const char* advice) {
+    if (!stage) return;
+    Findings errors =
+        judgeResiduals({stage->residuals, stage->summary, stage->cameras}, name, kUsual);
+    // The rules' own advice is to who calibrates.
+    for (Finding& f : errors) f.advice = f.advice.empty() ? "" : advice;
+    append(findings, std::move(errors), subject);
+  };
+  add(camera, "cameras", FindingSubject::kCameras,
+      "Poses of their own do not explain the corners: the cameras are not those of this recording, "
+      "their lens model does not fit, or corners and board are at fault (blur, a bent target). "
+      "Calibrate a recording of this rig and see its verdict.");
+  add(camera_imu, "camera-IMU", FindingSubject::kExtrinsics,
+      "Compare with the error of the cameras alone: where that is small, T_SC0, the time offset or "
+      "the IMU contradict the cameras.");
   return findings;
 }
 

@@ -207,8 +207,8 @@ double effectInSigma(const FaultTest& test, const FaultDiagnosis& diagnosis) {
 bool contradictsStatedValue(UnmodelledFault fault) {
   using Fault = UnmodelledFault;
   constexpr std::array kOfNoSingleValue{
-      Fault::kClockDrift,  Fault::kCameraDelay, Fault::kImuMoved,     Fault::kClockStep,
-      Fault::kCameraMoved, Fault::kTargetShape, Fault::kTargetMoved,  Fault::kTargetSways,
+      Fault::kClockDrift,   Fault::kCameraDelay,   Fault::kImuMoved,    Fault::kClockStep,
+      Fault::kCameraMoved,  Fault::kTargetShape,   Fault::kTargetMoved, Fault::kTargetSways,
       Fault::kGyroBiasJump, Fault::kAccelBiasJump, Fault::kStampsWander};
   return std::find(kOfNoSingleValue.begin(), kOfNoSingleValue.end(), fault) !=
          kOfNoSingleValue.end();

@@ -34,30 +34,6 @@ std::string adviceOnDensity(const CalibrationRecord& record) {
       untested ? ", given cameras that do not suit the recording (not tested)" : "");
 }
 
-}  // namespace
-
-Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
-                      const CalibrationRecord& record, const VerdictThresholds& t) {
-  // The factor's relative deviation is 1 / sqrt(2 redundancy): a tenth at the bound.
-  if (check.redundancy < kLeastRedundancy) return {};
-  Rule rule{"Noise density of the " + sensor, "x", t.imu_noise_factor, adviceOnDensity(record)};
-  VerdictLevel level = levelAbove(check.factor, rule.bound);
-  // Too large a density biases nothing, it wastes information: never bad.
-  if (check.factor < kPessimisticFactor) {
-    rule.bound.caution = kPessimisticFactor;
-    rule.advice =
-        "The density in imu.yaml is larger than this recording needs: its inertial data are "
-        "under-weighted.";
-    level = VerdictLevel::kCaution;
-  }
-  return {finding(
-      rule, level, check.factor,
-      fmt::format("the residuals suggest {:.2f} times the assumed density (redundancy {:.0f})",
-                  check.factor, check.redundancy))};
-}
-
-namespace {
-
 // "; the longest, 0.20 s, after imu0/data.csv:2401".
 std::string pausesIn(const Screening& screening) {
   const auto longest = std::max_element(
@@ -75,66 +51,19 @@ std::optional<Finding> judgeSynchrony(const CameraImuStageResult& stage,
   if (!haveOwnOffsets(imu.time_offsets)) return std::nullopt;
   // Of any two cameras: neither need be the first.
   double earliest_ms = 1e3 * imu.timeOffset(), latest_ms = earliest_ms;
-  std::string list;
+  std::vector<std::string> list;
   for (std::size_t i = 0; i < imu.time_offsets.size(); ++i) {
     const double offset_ms = 1e3 * imu.timeOffset(i);
     earliest_ms = std::min(earliest_ms, offset_ms);
     latest_ms = std::max(latest_ms, offset_ms);
-    list += fmt::format("{}{} {:+.4f}", i == 0 ? "" : ", ", stage.cameras[i].name, offset_ms);
+    list.push_back(fmt::format("{} {:+.4f}", stage.cameras[i].name, offset_ms));
   }
   return above(
       {"Cameras exposed together", "ms", t.camera_shift_ms,
        "Trigger the cameras together: the camera stage treats paired views as simultaneous, and a "
        "filter with one offset for all cameras cannot use these offsets."},
-      latest_ms - earliest_ms, fmt::format("time offsets [ms]: {}", list));
+      latest_ms - earliest_ms, "time offsets [ms]: " + joined(list));
 }
-
-}  // namespace
-
-/// What a ruler and a look at the drivers can contradict: the length of the lever arm, the size of
-/// the offset, and whether the cameras expose together.
-Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t) {
-  Findings findings;
-  const double arm = stage.imu.T_SC0.t.norm();
-  findings.push_back(above({"Length of the lever arm", "m", t.lever_arm_m,
-                            "Measure the distance between camera and IMU with a ruler: an "
-                            "impossible lever arm means weak excitation or wrong axes."},
-                           arm, fmt::format("camera 0 is {:.1f} mm from the IMU", 1e3 * arm)));
-  const double offset = 1e3 * std::abs(stage.imu.timeOffset());
-  findings.push_back(above({"Size of the time offset", "ms", t.offset_ms,
-                            "Check how both sensors are stamped: offsets of this size come from "
-                            "buffering or from stamps taken at arrival."},
-                           offset,
-                           fmt::format("t_imu = t_cam {:+.4f} ms", 1e3 * stage.imu.timeOffset())));
-  if (auto finding = judgeSynchrony(stage, t)) findings.push_back(std::move(*finding));
-  return findings;
-}
-
-Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThresholds& t) {
-  const int without_imu = stage.frames_without_imu;
-  const int without_pose = stage.frames_without_pose;
-  // Of the frames with a pose; those without one are counted below.
-  const auto posed = static_cast<double>(stage.frames.size()) + without_imu;
-  return {above({"Frames covered by the IMU", "share", t.frames_without_imu,
-                 "Start the IMU before the cameras and stop it after them, and look for pauses in "
-                 "its driver: frames without IMU samples around them are not used."},
-                share(without_imu, posed),
-                fmt::format("{} of {:.0f} frames were not used because IMU samples are missing",
-                            without_imu, posed)),
-          above({"Gaps in the IMU's samples", "1", t.imu_gaps,
-                 "Frames are not linked across a gap, which costs information only; find out why "
-                 "samples were lost (driver, bus load, disk)."},
-                stage.imu_gaps,
-                fmt::format("number of gaps: {}{}", stage.imu_gaps, pausesIn(stage.screening))),
-          above({"Frames without a pose (camera-IMU)", "share", t.rejected,
-                 "That many frames without a plausible pose indicate false detections or "
-                 "intrinsics that do not belong to these cameras."},
-                share(without_pose, posed + without_pose),
-                fmt::format("{} of {:.0f} frames gave no plausible pose", without_pose,
-                            posed + without_pose))};
-}
-
-namespace {
 
 // One figure of the linear fit ahead of the batch. It names no cause and is never bad: noise of the
 // poses' attitudes, times gravity, stands among its regressors and makes targets seem larger where
@@ -221,6 +150,69 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
 }
 
 }  // namespace
+
+Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
+                      const CalibrationRecord& record, const VerdictThresholds& t) {
+  // The factor's relative deviation is 1 / sqrt(2 redundancy): a tenth at the bound.
+  if (check.redundancy < kLeastRedundancy) return {};
+  Rule rule{"Noise density of the " + sensor, "x", t.imu_noise_factor, adviceOnDensity(record)};
+  VerdictLevel level = levelAbove(check.factor, rule.bound);
+  // Too large a density biases nothing, it wastes information: never bad.
+  if (check.factor < kPessimisticFactor) {
+    rule.bound.caution = kPessimisticFactor;
+    rule.advice =
+        "The density in imu.yaml is larger than this recording needs: its inertial data are "
+        "under-weighted.";
+    level = VerdictLevel::kCaution;
+  }
+  return {finding(
+      rule, level, check.factor,
+      fmt::format("the residuals suggest {:.2f} times the assumed density (redundancy {:.0f})",
+                  check.factor, check.redundancy))};
+}
+
+/// What a ruler and a look at the drivers can contradict: the length of the lever arm, the size of
+/// the offset, and whether the cameras expose together.
+Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t) {
+  Findings findings;
+  const double arm = stage.imu.T_SC0.t.norm();
+  findings.push_back(above({"Length of the lever arm", "m", t.lever_arm_m,
+                            "Measure the distance between camera and IMU with a ruler: an "
+                            "impossible lever arm means weak excitation or wrong axes."},
+                           arm, fmt::format("camera 0 is {:.1f} mm from the IMU", 1e3 * arm)));
+  const double offset = 1e3 * std::abs(stage.imu.timeOffset());
+  findings.push_back(above({"Size of the time offset", "ms", t.offset_ms,
+                            "Check how both sensors are stamped: offsets of this size come from "
+                            "buffering or from stamps taken at arrival."},
+                           offset,
+                           fmt::format("t_imu = t_cam {:+.4f} ms", 1e3 * stage.imu.timeOffset())));
+  if (auto finding = judgeSynchrony(stage, t)) findings.push_back(std::move(*finding));
+  return findings;
+}
+
+Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThresholds& t) {
+  const int without_imu = stage.frames_without_imu;
+  const int without_pose = stage.frames_without_pose;
+  // Of the frames with a pose; those without one are counted below.
+  const auto posed = static_cast<double>(stage.frames.size()) + without_imu;
+  return {above({"Frames covered by the IMU", "share", t.frames_without_imu,
+                 "Start the IMU before the cameras and stop it after them, and look for pauses in "
+                 "its driver: frames without IMU samples around them are not used."},
+                share(without_imu, posed),
+                fmt::format("{} of {:.0f} frames were not used because IMU samples are missing",
+                            without_imu, posed)),
+          above({"Gaps in the IMU's samples", "1", t.imu_gaps,
+                 "Frames are not linked across a gap, which costs information only; find out why "
+                 "samples were lost (driver, bus load, disk)."},
+                stage.imu_gaps,
+                fmt::format("number of gaps: {}{}", stage.imu_gaps, pausesIn(stage.screening))),
+          above({"Frames without a pose (camera-IMU)", "share", t.rejected,
+                 "That many frames without a plausible pose indicate false detections or "
+                 "intrinsics that do not belong to these cameras."},
+                share(without_pose, posed + without_pose),
+                fmt::format("{} of {:.0f} frames gave no plausible pose", without_pose,
+                            posed + without_pose))};
+}
 
 Findings judgeStatements(const CalibrationRecord& record, const VerdictThresholds& t) {
   Findings findings;

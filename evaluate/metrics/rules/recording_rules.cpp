@@ -263,9 +263,10 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
                                          "this session, {:.4f} px with the file's",
                                          fit.held_out_px, fit.flat_held_out_px));
     case TargetFinding::kAsStated:
-      return good(fmt::format("no deviation from target.yaml that held-out frames confirm "
-                              "(RMSE {:.4f} px with an estimated shape, {:.4f} px without)",
-                              fit.held_out_px, fit.flat_held_out_px));
+      return good(
+          fmt::format("no deviation from target.yaml that held-out frames confirm "
+                      "(RMSE {:.4f} px with an estimated shape, {:.4f} px without)",
+                      fit.held_out_px, fit.flat_held_out_px));
     case TargetFinding::kLensMisfits:
       rule.advice = "Run again with the other lens model, or with --models auto.";
       return caution(rms_mm,
@@ -273,9 +274,10 @@ Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThreshold
                      "cannot be separated from the error of this lens model; assumed as "
                      "target.yaml states it");
     case TargetFinding::kUndetermined:
-      return good(fmt::format("assumed as target.yaml states it: this recording determines the "
-                              "board's shape to {:.2f} mm only",
-                              1e3 * fit.std.maxCoeff()));
+      return good(
+          fmt::format("assumed as target.yaml states it: this recording determines the "
+                      "board's shape to {:.2f} mm only",
+                      1e3 * fit.std.maxCoeff()));
     case TargetFinding::kNotTested:
       // The shape has a covariance where the solution with its terms has converged.
       if (fit.shape.covariance) {

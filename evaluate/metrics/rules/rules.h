@@ -83,7 +83,7 @@ Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
                         const VerdictThresholds& t);
 /// Of every camera: the part of its error that neighbouring corners share (batch/halves.h).
 Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t);
-/// The block of parameters in which the recording's halves differ most (observability_rules.cpp).
+/// The block of parameters in which the recording's halves differ most.
 Findings judgeHalves(const StageSummary& summary, const std::string& stage,
                      const VerdictThresholds& t);
 /// Corners rejected as outliers, of those in the frames used.
@@ -111,7 +111,7 @@ Findings judgeTarget(const CalibrationRecord& record, const VerdictThresholds& t
 /// on it. A bent board that was taken as flat is caution, whatever its size.
 Findings judgeTargetShape(const CameraStageResult& stage, const VerdictThresholds& t);
 
-// ---- how well the data determine the parameters (observability_rules.cpp)
+// ---- how well the data determine the parameters (reprojection_rules.cpp)
 Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds& t);
 Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t);
 

@@ -89,6 +89,40 @@ std::optional<Jitter> jitterOfFrames(const CameraImuStageResult& stage) {
                             e.along / e.across, e.neighbours)};
 }
 
+// Measurements that were left out because they contradict their neighbours or the target.
+constexpr std::size_t kMostListed = 4;
+constexpr std::array<const char*, 6> kChannels{"gyroscope x",     "gyroscope y",
+                                               "gyroscope z",     "accelerometer x",
+                                               "accelerometer y", "accelerometer z"};
+
+/// "a, b, c, d and 7 more".
+template <class List, class Words>
+std::string listed(const List& list, const Words& words) {
+  std::string out;
+  for (std::size_t k = 0; k < list.size() && k < kMostListed; ++k) {
+    out += (k == 0 ? "" : ", ") + words(list[k]);
+  }
+  if (list.size() > kMostListed) out += fmt::format(" and {} more", list.size() - kMostListed);
+  return out;
+}
+
+std::string spikeWords(const ImuSpike& s) {
+  const bool gyro = s.channel < 3;
+  return fmt::format("{} at {} ({:+.3g} {})", kChannels.at(static_cast<std::size_t>(s.channel)),
+                     sampleName(s.t, s.line), s.size, gyro ? "rad/s" : "m/s^2");
+}
+
+std::string tagWords(const MisplacedTag& m, const std::vector<CameraCalibration>& cameras) {
+  const std::string& camera = cameras[static_cast<std::size_t>(m.camera)].name;
+  return fmt::format("tag {} of {}, frame {}, is at the position of tag {}", m.tag, camera, m.t,
+                     m.place);
+}
+
+/// "no spikes", or "3 spikes: " with the list.
+std::string counted(std::size_t count, const char* what, const std::string& list) {
+  return count == 0 ? fmt::format("no {}", what) : fmt::format("{} {}: {}", count, what, list);
+}
+
 }  // namespace
 
 Findings judgeSamples(const std::vector<ImuSample>& samples, const VerdictThresholds& t) {
@@ -186,44 +220,6 @@ Findings judgeLongResiduals(const CameraImuStageResult& stage, const VerdictThre
   add("accelerometer", summary.accel_normalised_rms, summary.noise.accel);
   return findings;
 }
-
-// Measurements that were left out because they contradict their neighbours or the target.
-namespace {
-
-constexpr std::size_t kMostListed = 4;
-constexpr std::array<const char*, 6> kChannels{"gyroscope x",     "gyroscope y",
-                                               "gyroscope z",     "accelerometer x",
-                                               "accelerometer y", "accelerometer z"};
-
-/// "a, b, c, d and 7 more".
-template <class List, class Words>
-std::string listed(const List& list, const Words& words) {
-  std::string out;
-  for (std::size_t k = 0; k < list.size() && k < kMostListed; ++k) {
-    out += (k == 0 ? "" : ", ") + words(list[k]);
-  }
-  if (list.size() > kMostListed) out += fmt::format(" and {} more", list.size() - kMostListed);
-  return out;
-}
-
-std::string spikeWords(const ImuSpike& s) {
-  const bool gyro = s.channel < 3;
-  return fmt::format("{} at {} ({:+.3g} {})", kChannels.at(static_cast<std::size_t>(s.channel)),
-                     sampleName(s.t, s.line), s.size, gyro ? "rad/s" : "m/s^2");
-}
-
-std::string tagWords(const MisplacedTag& m, const std::vector<CameraCalibration>& cameras) {
-  const std::string& camera = cameras[static_cast<std::size_t>(m.camera)].name;
-  return fmt::format("tag {} of {}, frame {}, is at the position of tag {}", m.tag, camera, m.t,
-                     m.place);
-}
-
-/// "no spikes", or "3 spikes: " with the list.
-std::string counted(std::size_t count, const char* what, const std::string& list) {
-  return count == 0 ? fmt::format("no {}", what) : fmt::format("{} {}: {}", count, what, list);
-}
-
-}  // namespace
 
 // Lines are known of samples that were read from a table, which a session has in this place only.
 std::string sampleName(TimeNs t, int line) {

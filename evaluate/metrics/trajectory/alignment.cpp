@@ -128,13 +128,6 @@ Result<AlignmentRecord> fitRotation(const PointMoments& m, bool with_scale) {
   return through(m.mean_x, m.mean_y, best.R, with_scale ? best.scale : 1);
 }
 
-/// The scale of the full similarity, applied without its rotation (evo's correct_only_scale).
-AlignmentRecord scaleAlone(const PointMoments& m) {
-  AlignmentRecord record;
-  record.scale = bestSimilarity(m).scale;
-  return record;
-}
-
 Result<AlignmentRecord> fit(const std::vector<PosePair>& pairs, const AlignmentOptions& o) {
   const std::size_t count =
       o.first_n > 0 ? std::min(pairs.size(), static_cast<std::size_t>(o.first_n)) : pairs.size();
@@ -148,7 +141,12 @@ Result<AlignmentRecord> fit(const std::vector<PosePair>& pairs, const AlignmentO
     return Failure{FailureCode::kPositionsStandStill};
   }
   if (o.kind == AlignmentKind::kYaw) return fitYaw(m);
-  if (o.kind == AlignmentKind::kScale) return scaleAlone(m);
+  if (o.kind == AlignmentKind::kScale) {
+    // Of the full similarity, applied without its rotation (evo's correct_only_scale).
+    AlignmentRecord record;
+    record.scale = bestSimilarity(m).scale;
+    return record;
+  }
   return fitRotation(m, o.kind == AlignmentKind::kSim3);
 }
 
@@ -167,19 +165,17 @@ Result<AlignmentRecord> alignFirst(const PosePair& first, const AlignmentOptions
   return through(first.estimate.p, first.truth.p, aboutZ(best.yaw), 1);
 }
 
-Result<AlignmentRecord> alignUnnamed(const std::vector<PosePair>& pairs,
-                                     const AlignmentOptions& o) {
-  if (o.kind == AlignmentKind::kNone) return AlignmentRecord{};
-  if (isFit(o.kind)) return fit(pairs, o);
-  if (pairs.empty()) return Failure{FailureCode::kNoPairs};
-  return alignFirst(pairs.front(), o);
-}
-
 }  // namespace
 
 Result<AlignmentRecord> align(const std::vector<PosePair>& pairs, const AlignmentOptions& options) {
   assert(options.first_n >= 0);
-  Result<AlignmentRecord> result = alignUnnamed(pairs, options);
+  Result<AlignmentRecord> result = AlignmentRecord{};
+  if (isFit(options.kind)) {
+    result = fit(pairs, options);
+  } else if (options.kind != AlignmentKind::kNone) {
+    if (pairs.empty()) return Failure{FailureCode::kNoPairs};
+    result = alignFirst(pairs.front(), options);
+  }
   if (!result) return result;
   result.value().kind = toString(options.kind);
   result.value().first_n = isFit(options.kind) ? options.first_n : 0;

@@ -92,24 +92,16 @@ std::vector<StampedPose> shifted(std::vector<StampedPose> poses, double offset_s
   return poses;
 }
 
-struct InterpolatedPairs {
-  std::vector<PosePair> pairs;
-  std::vector<std::size_t> estimate_index;
-  std::size_t in_gaps = 0;
-};
-
-InterpolatedPairs interpolatedPairs(const std::vector<StampedPose>& estimate,
-                                    const std::vector<StampedPose>& truth, double max_gap_s) {
-  InterpolatedPairs found;
+void addInterpolated(const std::vector<StampedPose>& estimate,
+                     const std::vector<StampedPose>& truth, double max_gap_s, Association& result) {
   const TimeNs max_gap = toNanoseconds(max_gap_s);
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     const Interpolated at = poseAt(truth, estimate[i].t, max_gap);
-    if (at.in_gap) ++found.in_gaps;
+    if (at.in_gap) ++result.record.stamps_in_gaps;
     if (!at.pose) continue;
-    found.pairs.push_back({estimate[i], *at.pose});
-    found.estimate_index.push_back(i);
+    result.pairs.push_back({estimate[i], *at.pose});
+    result.estimate_index.push_back(i);
   }
-  return found;
 }
 
 AssociationRecord describe(const Trajectory& estimate, const Trajectory& truth,
@@ -126,48 +118,6 @@ AssociationRecord describe(const Trajectory& estimate, const Trajectory& truth,
   record.largest_truth_gap_s = largestGapOf(truth.poses);
   return record;
 }
-
-}  // namespace
-
-Interpolated poseAt(const std::vector<StampedPose>& poses, TimeNs t, TimeNs max_gap) {
-  const auto after =
-      std::lower_bound(poses.begin(), poses.end(), t,
-                       [](const StampedPose& pose, TimeNs at) { return pose.t < at; });
-  if (after == poses.end()) return {};
-  if (after->t == t) return {*after, false};
-  if (after == poses.begin()) return {};
-  const StampedPose& a = *(after - 1);
-  const StampedPose& b = *after;
-  // Across a wide gap the truth's motion is unknown, and a straight line would be charged to the
-  // estimate.
-  if (b.t - a.t > max_gap) return {std::nullopt, true};
-  const double u = static_cast<double>(t - a.t) / static_cast<double>(b.t - a.t);
-  const Eigen::Vector3d p = (1 - u) * a.p + u * b.p;
-  return {StampedPose{t, p, a.q.normalized().slerp(u, b.q.normalized())}, false};
-}
-
-Association associate(const Trajectory& estimate, const Trajectory& truth,
-                      const AssociationOptions& options) {
-  assert(options.max_dt_s >= 0 && options.max_gap_s >= 0);
-  Association result{{}, describe(estimate, truth, options), {}};
-  const std::vector<StampedPose> poses = shifted(estimate.poses, options.time_offset_s);
-  if (options.rule == AssociationRule::kInterpolate) {
-    InterpolatedPairs found = interpolatedPairs(poses, truth.poses, options.max_gap_s);
-    result.pairs = std::move(found.pairs);
-    result.estimate_index = std::move(found.estimate_index);
-    result.record.stamps_in_gaps = found.in_gaps;
-  } else {
-    for (const StampMatch& match : matchesOf(poses, truth.poses, options)) {
-      result.pairs.push_back({poses[match.estimate], truth.poses[match.truth]});
-      result.estimate_index.push_back(match.estimate);
-    }
-  }
-  result.record.matches = result.pairs.size();
-  result.record.median_dt_s = medianDt(result.pairs);
-  return result;
-}
-
-namespace {
 
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
@@ -288,6 +238,41 @@ class ClosestFirst {
 };
 
 }  // namespace
+
+Interpolated poseAt(const std::vector<StampedPose>& poses, TimeNs t, TimeNs max_gap) {
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), t,
+                       [](const StampedPose& pose, TimeNs at) { return pose.t < at; });
+  if (after == poses.end()) return {};
+  if (after->t == t) return {*after, false};
+  if (after == poses.begin()) return {};
+  const StampedPose& a = *(after - 1);
+  const StampedPose& b = *after;
+  // Across a wide gap the truth's motion is unknown, and a straight line would be charged to the
+  // estimate.
+  if (b.t - a.t > max_gap) return {std::nullopt, true};
+  const double u = static_cast<double>(t - a.t) / static_cast<double>(b.t - a.t);
+  const Eigen::Vector3d p = (1 - u) * a.p + u * b.p;
+  return {StampedPose{t, p, a.q.normalized().slerp(u, b.q.normalized())}, false};
+}
+
+Association associate(const Trajectory& estimate, const Trajectory& truth,
+                      const AssociationOptions& options) {
+  assert(options.max_dt_s >= 0 && options.max_gap_s >= 0);
+  Association result{{}, describe(estimate, truth, options), {}};
+  const std::vector<StampedPose> poses = shifted(estimate.poses, options.time_offset_s);
+  if (options.rule == AssociationRule::kInterpolate) {
+    addInterpolated(poses, truth.poses, options.max_gap_s, result);
+  } else {
+    for (const StampMatch& match : matchesOf(poses, truth.poses, options)) {
+      result.pairs.push_back({poses[match.estimate], truth.poses[match.truth]});
+      result.estimate_index.push_back(match.estimate);
+    }
+  }
+  result.record.matches = result.pairs.size();
+  result.record.median_dt_s = medianDt(result.pairs);
+  return result;
+}
 
 std::vector<StampMatch> closestFirst(const Ticks& estimate, const Ticks& truth, double max_dt) {
   return ClosestFirst(estimate, truth, max_dt).run();

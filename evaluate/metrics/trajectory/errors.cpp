@@ -11,7 +11,6 @@
 #include "evaluate/metrics/trajectory/association.h"
 
 namespace plumbline {
-
 namespace {
 
 /// E = R_estimate R_truth^T is the estimate's error in the truth's frame, on the left.
@@ -97,6 +96,31 @@ std::vector<double> secondsFromStart(const std::vector<TimeNs>& t) {
   seconds.reserve(t.size());
   for (const TimeNs stamp : t) seconds.push_back(secondsBetween(t.front(), stamp));
   return seconds;
+}
+
+constexpr double kConfidence = 0.95;
+
+/// `sum` of n poses' e^T P^-1 e: with consistent poses a chi-square deviate with n dof degrees of
+/// freedom, so the bounds of the mean are its quantiles over n.
+NeesRecord recordOf(const char* part, int dof, double sum, std::size_t count) {
+  const auto n = static_cast<double>(count);
+  const double tail = (1 - kConfidence) / 2;
+  const boost::math::chi_squared sum_of_squares(n * dof);
+  NeesRecord record;
+  record.part = part;
+  record.dof = dof;
+  record.mean = sum / n;
+  record.lower = boost::math::quantile(sum_of_squares, tail) / n;
+  record.upper = boost::math::quantile(boost::math::complement(sum_of_squares, tail)) / n;
+  record.confidence = kConfidence;
+  if (record.mean > record.upper) record.reading = NeesReading::kOverconfident;
+  if (record.mean < record.lower) record.reading = NeesReading::kCautious;
+  return record;
+}
+
+template <int N>
+double normalised(const Eigen::Matrix<double, N, 1>& e, const Eigen::Matrix<double, N, N>& P) {
+  return e.dot(P.llt().solve(e));
 }
 
 }  // namespace
@@ -240,35 +264,6 @@ RelativeErrorRecord relativeErrorOver(const RelativeDelta& delta, const AlignedP
       sampleStatistics(relativeErrors(poses, pairs, RelativeMeasure::kRotationDeg));
   return record;
 }
-
-namespace {
-
-constexpr double kConfidence = 0.95;
-
-/// `sum` of n poses' e^T P^-1 e: with consistent poses a chi-square deviate with n dof degrees of
-/// freedom, so the bounds of the mean are its quantiles over n.
-NeesRecord recordOf(const char* part, int dof, double sum, std::size_t count) {
-  const auto n = static_cast<double>(count);
-  const double tail = (1 - kConfidence) / 2;
-  const boost::math::chi_squared sum_of_squares(n * dof);
-  NeesRecord record;
-  record.part = part;
-  record.dof = dof;
-  record.mean = sum / n;
-  record.lower = boost::math::quantile(sum_of_squares, tail) / n;
-  record.upper = boost::math::quantile(boost::math::complement(sum_of_squares, tail)) / n;
-  record.confidence = kConfidence;
-  if (record.mean > record.upper) record.reading = NeesReading::kOverconfident;
-  if (record.mean < record.lower) record.reading = NeesReading::kCautious;
-  return record;
-}
-
-template <int N>
-double normalised(const Eigen::Matrix<double, N, 1>& e, const Eigen::Matrix<double, N, N>& P) {
-  return e.dot(P.llt().solve(e));
-}
-
-}  // namespace
 
 Matrix6d alignedCovariance(const Matrix6d& P, const AlignmentRecord& alignment) {
   Matrix6d B = Matrix6d::Zero();

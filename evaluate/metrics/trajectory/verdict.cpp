@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/lists.h"
 
 namespace plumbline {
 namespace {
@@ -65,9 +65,7 @@ void addConventions(const TrajectoryStudy& study, Findings& findings) {
     Finding f{"Conventions" + ofCalibration(run.calibration), VerdictLevel::kCaution, run.left_out,
               "run again with " + run.cure};
     // Runs of one calibration mostly come from one program, and so in one convention.
-    const bool known = std::any_of(findings.begin(), findings.end(),
-                                   [&](const Finding& g) { return g.rule == f.rule; });
-    if (!known) findings.push_back(std::move(f));
+    if (!findBy(findings, &Finding::rule, f.rule)) findings.push_back(std::move(f));
   }
 }
 
@@ -144,37 +142,24 @@ std::string manyRuns(const TrajectoryStudy& study) {
   return text.empty() ? "no run has an error" : text;
 }
 
-}  // namespace
-
-Verdict trajectoryVerdict(const TrajectoryStudy& study) {
-  Findings findings;
-  for (const RunsSummary& s : overAll(study)) findings.push_back(completion(study, s));
-  addConventions(study, findings);
-  addCovariances(study, findings);
-  Verdict verdict = makeVerdict(std::move(findings));
-  std::string what = study.runs.size() == 1 ? oneRun(study.runs.front()) : manyRuns(study);
-  what[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(what[0])));
-  verdict.headline = what + ".";
-  if (const std::string worst = worstFinding(verdict); !worst.empty()) {
-    verdict.headline += " " + worst;
-  }
-  return verdict;
-}
-
-namespace {
-
 constexpr std::size_t kLeastSequences = 5;  // for an interval
 
 using Place = std::pair<std::string, std::string>;  // sequence, run
 
-/// RMSE of every place of one calibration; NaN where the run is not complete.
-std::map<Place, double> errorsOf(const std::vector<TrajectoryRun>& runs, const std::string& which) {
-  std::map<Place, double> errors;
+struct Errors {
+  double a = std::nan(""), b = std::nan("");
+};
+
+/// RMSE of both calibrations at every place that either has; NaN where a run is not complete.
+std::map<Place, Errors> errorsOf(const std::vector<TrajectoryRun>& runs, const std::string& a,
+                                 const std::string& b) {
+  std::map<Place, Errors> errors;
   for (const TrajectoryRun& run : runs) {
-    if (run.calibration != which) continue;
+    if (run.calibration != a && run.calibration != b) continue;
+    Errors& both = errors[{run.sequence, run.run}];
     // A run without truth is complete and has no error.
     const bool complete = run.status == RunStatus::kComplete && run.ate_translation_m.n > 0;
-    errors[{run.sequence, run.run}] = complete ? run.ate_translation_m.rmse : std::nan("");
+    (run.calibration == a ? both.a : both.b) = complete ? run.ate_translation_m.rmse : std::nan("");
   }
   return errors;
 }
@@ -205,7 +190,7 @@ void summarise(const std::map<std::string, std::vector<double>>& by_sequence,
                PairedDifference& result) {
   std::vector<double> d, means;
   for (const auto& [sequence, values] : by_sequence) {
-    d.insert(d.end(), values.begin(), values.end());
+    append(d, values);
     means.push_back(sampleStatistics(values).mean);
   }
   result.pairs = d.size();
@@ -238,19 +223,11 @@ PairedDifference compare(const std::vector<TrajectoryRun>& runs, const std::stri
   PairedDifference result;
   result.a = a;
   result.b = b;
-  const auto first = errorsOf(runs, a), second = errorsOf(runs, b);
-  // Of either: what one of the two lacks is left out, and counted as left out.
-  std::set<Place> places;
-  for (const auto* errors : {&first, &second}) {
-    for (const auto& [place, error] : *errors) places.insert(place);
-  }
   std::map<std::string, std::vector<double>> d;
-  for (const Place& place : places) {
-    const auto at_a = first.find(place), at_b = second.find(place);
-    const bool both = at_a != first.end() && at_b != second.end() && std::isfinite(at_a->second) &&
-                      std::isfinite(at_b->second);
-    if (both) {
-      d[place.first].push_back(at_b->second - at_a->second);
+  for (const auto& [place, error] : errorsOf(runs, a, b)) {
+    // What one of the two lacks is left out, and counted as left out.
+    if (std::isfinite(error.a) && std::isfinite(error.b)) {
+      d[place.first].push_back(error.b - error.a);
     } else {
       ++result.left_out;
     }
@@ -310,6 +287,21 @@ RunsSummary summaryOf(const std::vector<TrajectoryRun>& runs, const std::string*
 }
 
 }  // namespace
+
+Verdict trajectoryVerdict(const TrajectoryStudy& study) {
+  Findings findings;
+  for (const RunsSummary& s : overAll(study)) findings.push_back(completion(study, s));
+  addConventions(study, findings);
+  addCovariances(study, findings);
+  Verdict verdict = makeVerdict(std::move(findings));
+  std::string what = study.runs.size() == 1 ? oneRun(study.runs.front()) : manyRuns(study);
+  what[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(what[0])));
+  verdict.headline = what + ".";
+  if (const std::string worst = worstFinding(verdict); !worst.empty()) {
+    verdict.headline += " " + worst;
+  }
+  return verdict;
+}
 
 double signTest(std::size_t successes, std::size_t n) {
   if (n == 0) return 1;

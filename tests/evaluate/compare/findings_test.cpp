@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "evaluate/compare/compare_calibrations.h"
-#include "evaluate/compare/parameters.h"
 #include "tests/evaluate/compare/compared_rigs.h"
 
 namespace plumbline {

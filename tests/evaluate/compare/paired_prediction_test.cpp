@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "evaluate/compare/parameters.h"
+#include "evaluate/compare/findings.h"
 #include "tests/evaluate/compare/compared_rigs.h"
 
 namespace plumbline {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/compare/parameters.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
+#include "evaluate/compare/findings.h"
 #include "tests/evaluate/compare/compared_rigs.h"
 
 namespace plumbline {
