@@ -35,7 +35,7 @@ Finding below(const Rule& rule, double value, std::string evidence);
 /// The largest of a parameter's standard deviations: formal, cluster-robust, bootstrap.
 struct LargestStd {
   double value = 0;
-  std::string name;  ///< of the parameter; empty where there was none
+  std::string name;                                ///< of the parameter; empty where there was none
   const char* kind = "formal standard deviation";  ///< which of the three it is, in words
 };
 

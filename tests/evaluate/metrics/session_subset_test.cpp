@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/metrics/calibration/score.h"
-
 #include <algorithm>
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/simulate_session.h"
+#include "evaluate/metrics/calibration/score.h"
 
 namespace plumbline {
 namespace {
