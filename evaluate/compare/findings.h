@@ -24,6 +24,9 @@ inline constexpr struct ComparisonThresholds {
   Bound lever_mm{5, 20};      ///< of a translation
   Bound angle_deg{0.2, 1.0};  ///< of a rotation
   Bound offset_ms{0.5, 5.0};  ///< of the time offset
+
+  /// Of a parameter's difference in standard deviations.
+  VerdictLevel levelOf(double sigmas) const;
 } kThresholds;
 
 /// Every parameter under all calibrations, in the order of the first (docs/comparison.md):

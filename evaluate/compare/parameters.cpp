@@ -38,9 +38,7 @@ void addSignificance(ComparedParameter& row) {
       if (std > 0) sigmas = std::abs(*row.difference[i]) / std;
     }
     row.significance.push_back(sigmas);
-    row.levels.push_back(sigmas >= kThresholds.significance ? VerdictLevel::kBad
-                         : sigmas >= kThresholds.notable    ? VerdictLevel::kCaution
-                                                            : VerdictLevel::kGood);
+    row.levels.push_back(kThresholds.levelOf(sigmas.value_or(0)));
   }
 }
 
@@ -205,6 +203,11 @@ std::vector<double> blockMeans(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+VerdictLevel ComparisonThresholds::levelOf(double sigmas) const {
+  if (sigmas >= significance) return VerdictLevel::kBad;
+  return sigmas >= notable ? VerdictLevel::kCaution : VerdictLevel::kGood;
+}
 
 std::vector<ComparedParameter> comparedParameters(const Calibrations& calibrations) {
   if (calibrations.empty()) return {};

@@ -18,9 +18,8 @@ TEST(OwnEstimateOfTheSession, AStageThatDidNotConvergeIsNoWitness) {
   const SimulatedSession simulated = simulateSession(simulatedRig("euroc"), simulation);
   ScoreOptions options;
   options.camera_imu.max_iterations = 1;
-  const SessionEstimate own =
-      sessionEstimate(simulated.session, std::vector<Calibration>{simulated.truth}, options,
-                      TargetMode::kGiven, {});
+  const SessionEstimate own = sessionEstimate(
+      simulated.session, std::vector<Calibration>{simulated.truth}, options, TargetMode::kGiven);
   EXPECT_NE(own.problem.find("did not converge"), std::string::npos) << own.problem;
   EXPECT_EQ(own.calibration.cameras.size(), 2U);
   EXPECT_FALSE(own.calibration.imu);

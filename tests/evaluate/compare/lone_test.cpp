@@ -66,7 +66,7 @@ TEST(LoneParameters, CalibrationsWithoutADeviationHaveNoSay) {
 
 TEST(LoneParameters, AreFoundAndSaid) {
   const ComparisonRecord record = comparison({0.010, 0.011, 0.018}, 0.001);
-  const auto findings = loneFindings(record, {});
+  const auto findings = loneFindings(record);
   ASSERT_THAT(findings, SizeIs(1));
   EXPECT_EQ(findings[0].level, VerdictLevel::kCaution);
   EXPECT_THAT(findings[0].evidence, HasSubstr("c is the outlier"));
@@ -96,7 +96,7 @@ TEST(LoneAgainstSession, OfTwoTheSessionTellsWhichIsOff) {
   EXPECT_EQ(lone[0].calibration, 1U);
   EXPECT_NEAR(lone[0].sigmas, 7.9 / std::sqrt(2), 1e-9);
   EXPECT_THAT(comparisonHeadline(record), HasSubstr("b is the outlier"));
-  const auto findings = loneFindings(record, {});
+  const auto findings = loneFindings(record);
   ASSERT_THAT(findings, SizeIs(1));
   EXPECT_THAT(findings[0].rule, HasSubstr("the session itself"));
 }

@@ -69,7 +69,7 @@ TEST(TrajectoryFrames, ClockAndHandEyeLeaveTheNoise) {
   EXPECT_NEAR(with->ate_translation_m.rmse, 2e-3 * std::sqrt(3), 4e-4);
   EXPECT_LT(with->ate_rotation_deg.rmse, 0.15);
   EXPECT_THAT(with->remarks, Contains(HasSubstr("hand-eye")));
-  EXPECT_THAT(documentOf(SingleTrajectory{with->run, {}, {}}), HasSubstr("\"hand_eye\""));
+  EXPECT_THAT(documentOf(SingleTrajectory{*with, {}, {}}), HasSubstr("\"hand_eye\""));
 }
 
 TEST(TrajectoryFrames, ASearchIsAboutTheOffsetThatIsGiven) {
