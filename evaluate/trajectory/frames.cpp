@@ -41,9 +41,7 @@ std::vector<HandEyePair> handEyePairs(const std::vector<PosePair>& pairs) {
   std::vector<HandEyePair> result;
   result.reserve(pairs.size());
   for (const PosePair& pair : pairs) {
-    HandEyePair& out = result.emplace_back();
-    out.T_WS = pair.estimate.transform();
-    out.T_VM = pair.truth.transform();
+    result.push_back({pair.estimate.transform(), pair.truth.transform()});
   }
   return result;
 }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -243,14 +242,13 @@ Fault faultFrom(const std::string& spec) {
 
 std::string faultList() {
   std::string text;
-  auto out = std::back_inserter(text);
   for (const FaultDescription& d : faultDescriptions()) {
-    fmt::format_to(out, "{:<46} e.g. {}\n    {}{}.\n", formOf(d), d.example, d.sentence,
-                   d.images == InImages::kNo ? " (not with --images)" : "");
+    text += fmt::format("{:<46} e.g. {}\n    {}{}.\n", formOf(d), d.example, d.sentence,
+                        d.images == InImages::kNo ? " (not with --images)" : "");
   }
   text += "\nUnits:\n";
   for (const QuantityWords& words : quantityWords()) {
-    fmt::format_to(out, "    {:<13} {}\n", words.symbol, unitsOf(words.quantity));
+    text += fmt::format("    {:<13} {}\n", words.symbol, unitsOf(words.quantity));
   }
   return text;
 }
