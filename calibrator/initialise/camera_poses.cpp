@@ -4,9 +4,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
-#include "calibrator/base/option_check.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/linear/levenberg_marquardt.h"
@@ -253,14 +253,9 @@ Transform mirroredPose(const Transform& T_CF, const Eigen::Vector2d& centre) {
   return other;
 }
 
-void PoseRefinementOptions::check() const {
-  requireAtLeast(0, "max_iterations", max_iterations);
-  requirePositive("tolerance", tolerance);
-}
-
 PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& T_C0F,
                           const PoseRefinementOptions& options) {
-  options.check();
+  assert(options.max_iterations >= 0 && options.tolerance > 0);
   PoseSteps steps(views, options.gram, T_C0F);
   MinimiserOptions minimiser;
   minimiser.max_iterations = options.max_iterations;

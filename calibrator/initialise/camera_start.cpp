@@ -82,6 +82,63 @@ std::vector<double> bestOf(const std::vector<Rung>& rungs, double likely, int co
   return candidates;
 }
 
+/// T_AB of two cameras from every frame in which both have a pose.
+std::vector<Transform> relativePoses(const CameraPoses& a, const CameraPoses& b) {
+  std::vector<Transform> all;
+  for (std::size_t f = 0; f < a.size(); ++f) {
+    if (a[f] && b[f]) all.push_back(*a[f] * b[f]->inverse());
+  }
+  return all;
+}
+
+struct Edge {
+  std::size_t from = 0, to = 0, shared = 0;
+};
+
+/// The edge with most shared frames from a camera that is reached to one that is not (a step of
+/// Prim's algorithm). Empty (shared == 0) where no frame joins the two sides.
+Edge widestEdge(const std::vector<CameraPoses>& poses, const std::vector<bool>& reached) {
+  Edge best;
+  for (std::size_t from = 0; from < poses.size(); ++from) {
+    for (std::size_t to = 0; to < poses.size(); ++to) {
+      if (!reached[from] || reached[to]) continue;
+      const std::size_t shared = relativePoses(poses[from], poses[to]).size();
+      if (shared > best.shared) best = {from, to, shared};
+    }
+  }
+  return best;
+}
+
+Failure noOverlap(const std::vector<std::string>& names, const std::vector<bool>& reached) {
+  std::vector<std::string> together;
+  std::vector<std::string> apart;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    (reached[c] ? together : apart).push_back(names[c]);
+  }
+  return {FailureCode::kCamerasShareNoFrame, {{"apart", apart}, {"together", together}}};
+}
+
+/// Of some of them, the one with the least sum of distances to all.
+Transform mostCentral(const std::vector<Transform>& transforms) {
+  constexpr std::size_t kTried = 16;
+  const std::size_t n = transforms.size();
+  Transform best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min(kTried, n); ++i) {
+    // Steps of the golden ratio, so that gross errors at regular distances are not all that is
+    // tried; one and the same may be tried twice.
+    const double share = std::fmod(std::numbers::phi * static_cast<double>(i), 1.0);
+    const Transform& candidate =
+        transforms[static_cast<std::size_t>(share * static_cast<double>(n))];
+    double sum = 0;
+    for (const Transform& T : transforms) sum += boxminus(T, candidate).norm();
+    if (!(sum < least)) continue;
+    least = sum;
+    best = candidate;
+  }
+  return best;
+}
+
 }  // namespace
 
 Intrinsics plainCamera(ProjectionModel projection, DistortionModel distortion,
@@ -131,73 +188,6 @@ std::vector<double> focalCandidates(ProjectionModel projection, DistortionModel 
   }
   return bestOf(rungs, likely, count);
 }
-
-namespace {
-
-/// T_AB of two cameras from every frame in which both have a pose.
-std::vector<Transform> relativePoses(const CameraPoses& a, const CameraPoses& b) {
-  std::vector<Transform> all;
-  for (std::size_t f = 0; f < a.size(); ++f) {
-    if (a[f] && b[f]) all.push_back(*a[f] * b[f]->inverse());
-  }
-  return all;
-}
-
-std::size_t sharedFrames(const CameraPoses& a, const CameraPoses& b) {
-  std::size_t shared = 0;
-  for (std::size_t f = 0; f < a.size(); ++f) shared += a[f] && b[f] ? 1 : 0;
-  return shared;
-}
-
-struct Edge {
-  std::size_t from = 0, to = 0, shared = 0;
-};
-
-/// The edge with most shared frames from a camera that is reached to one that is not (a step of
-/// Prim's algorithm). Empty (shared == 0) where no frame joins the two sides.
-Edge widestEdge(const std::vector<CameraPoses>& poses, const std::vector<bool>& reached) {
-  Edge best;
-  for (std::size_t from = 0; from < poses.size(); ++from) {
-    for (std::size_t to = 0; to < poses.size(); ++to) {
-      if (!reached[from] || reached[to]) continue;
-      const std::size_t shared = sharedFrames(poses[from], poses[to]);
-      if (shared > best.shared) best = {from, to, shared};
-    }
-  }
-  return best;
-}
-
-Failure noOverlap(const std::vector<std::string>& names, const std::vector<bool>& reached) {
-  std::vector<std::string> together;
-  std::vector<std::string> apart;
-  for (std::size_t c = 0; c < names.size(); ++c) {
-    (reached[c] ? together : apart).push_back(names[c]);
-  }
-  return {FailureCode::kCamerasShareNoFrame, {{"apart", apart}, {"together", together}}};
-}
-
-/// Of some of them, the one with the least sum of distances to all.
-Transform mostCentral(const std::vector<Transform>& transforms) {
-  constexpr std::size_t kTried = 16;
-  const std::size_t n = transforms.size();
-  Transform best;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < std::min(kTried, n); ++i) {
-    // Steps of the golden ratio, so that gross errors at regular distances are not all that is
-    // tried; one and the same may be tried twice.
-    const double share = std::fmod(std::numbers::phi * static_cast<double>(i), 1.0);
-    const Transform& candidate =
-        transforms[static_cast<std::size_t>(share * static_cast<double>(n))];
-    double sum = 0;
-    for (const Transform& T : transforms) sum += boxminus(T, candidate).norm();
-    if (!(sum < least)) continue;
-    least = sum;
-    best = candidate;
-  }
-  return best;
-}
-
-}  // namespace
 
 Transform medianTransform(const std::vector<Transform>& transforms) {
   assert(!transforms.empty());

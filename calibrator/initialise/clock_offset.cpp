@@ -92,11 +92,8 @@ std::vector<RateTriple> triplesAt(const std::vector<CameraRate>& estimate,
                                   const GyroIntegral& truth, double offset_s) {
   std::vector<RateTriple> triples;
   for (const CameraRate& e : estimate) {
-    const auto at = truth.meanRate(e.from, e.to, offset_s);
-    const auto before = truth.meanRate(e.from, e.to, offset_s - kSlope);
-    const auto after = truth.meanRate(e.from, e.to, offset_s + kSlope);
-    if (!at || !before || !after) continue;
-    triples.push_back({*at, (*after - *before) / (2 * kSlope), e.rate_C});
+    const auto at = truth.meanRateSlope(e.from, e.to, offset_s, kSlope);
+    if (at) triples.push_back({at->rate, at->slope, e.rate_C});
   }
   return triples;
 }

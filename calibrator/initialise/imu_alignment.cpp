@@ -156,6 +156,25 @@ Failure notCovered(std::span<const CameraRate> camera, const GyroIntegral& gyro,
   return failure;
 }
 
+/// Standard deviation of an offset that moves the gyroscope's rates along their slopes, by what the
+/// alignment leaves of them: s / sqrt(sum |slope|^2), s^2 the mean square left, rotation and bias
+/// taken as known. 1 s where nothing moves.
+double offsetStd(std::span<const CameraRate> camera, const GyroIntegral& gyro,
+                 const TimeOffsetEstimate& estimate) {
+  constexpr double kApart = 0.01;  // [s] of the rates that give a slope
+  constexpr double kUnknowns = 7;  // rotation, bias and the offset
+  double squares = 0, slopes = 0, count = -kUnknowns;
+  const RateAlignment& a = estimate.alignment;
+  for (const CameraRate& c : camera) {
+    const auto at = gyro.meanRateSlope(c.from, c.to, estimate.offset_s, kApart);
+    if (!at) continue;
+    squares += (at->rate - a.R_SC0 * c.rate_C - a.gyro_bias).squaredNorm();
+    slopes += at->slope.squaredNorm();
+    count += 3;
+  }
+  return slopes > 0 && count > 0 ? std::sqrt(squares / count / slopes) : 1;
+}
+
 }  // namespace
 
 RateAlignment alignRates(std::span<const RatePair> pairs) {
@@ -215,31 +234,6 @@ Result<TimeOffsetEstimate> estimateTimeOffset(std::span<const CameraRate> camera
   out.alignment = alignRates(pairRates(camera, gyro, best.offset_s));
   return out;
 }
-
-namespace {
-
-/// Standard deviation of an offset that moves the gyroscope's rates along their slopes, by what the
-/// alignment leaves of them: s / sqrt(sum |slope|^2), s^2 the mean square left, rotation and bias
-/// taken as known. 1 s where nothing moves.
-double offsetStd(std::span<const CameraRate> camera, const GyroIntegral& gyro,
-                 const TimeOffsetEstimate& estimate) {
-  constexpr double kApart = 0.01;  // [s] of the rates that give a slope
-  constexpr double kUnknowns = 7;  // rotation, bias and the offset
-  double squares = 0, slopes = 0, count = -kUnknowns;
-  const RateAlignment& a = estimate.alignment;
-  for (const CameraRate& c : camera) {
-    const auto at = gyro.meanRate(c.from, c.to, estimate.offset_s);
-    const auto before = gyro.meanRate(c.from, c.to, estimate.offset_s - kApart);
-    const auto after = gyro.meanRate(c.from, c.to, estimate.offset_s + kApart);
-    if (!at || !before || !after) continue;
-    squares += (*at - a.R_SC0 * c.rate_C - a.gyro_bias).squaredNorm();
-    slopes += ((*after - *before) / (2 * kApart)).squaredNorm();
-    count += 3;
-  }
-  return slopes > 0 && count > 0 ? std::sqrt(squares / count / slopes) : 1;
-}
-
-}  // namespace
 
 std::optional<PartOffsets> offsetsOfParts(std::span<const CameraRate> camera,
                                           const GyroIntegral& gyro, double offset_s) {

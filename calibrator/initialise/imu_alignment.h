@@ -47,6 +47,13 @@ class GyroIntegral {
   /// where a gap between samples lies within.
   std::optional<Eigen::Vector3d> meanRate(TimeNs from, TimeNs to, double offset_s) const;
 
+  /// The same with its slope over the offset, from offsets `apart_s` to either side [rad/s^2].
+  struct RateSlope {
+    Eigen::Vector3d rate, slope;
+  };
+  std::optional<RateSlope> meanRateSlope(TimeNs from, TimeNs to, double offset_s,
+                                         double apart_s) const;
+
   std::span<const ImuSample> samples() const { return samples_; }
 
  private:
@@ -89,28 +96,17 @@ struct InertialAlignment {
   int equations = 0;  ///< vector equations used
 };
 
-struct InertialAlignmentOptions {
-  double span_s = 0.2;            ///< time between the frames of a triple [s]
-  int max_triples = 300;          ///< spread evenly over the recording
-  ImuNoise noise;                 ///< for noise_rms
-  double t_SC0_prior_m = 1.0;     ///< standard deviations of zero-mean priors, so that motion that
-  double accel_bias_prior = 0.3;  ///< says nothing of them leaves them at zero
-
-  /// Throws InputError naming the field that is out of its range.
-  void check() const;
-};
-
 /// Solves for scale s, t_SC0, gravity and accelerometer bias from triples of frames a, b, c: the
 /// second difference of the IMU's position, p_S = s p_C0 - R_FS t_SC0, equals gravity plus the
 /// pre-integrated force (velocities eliminated). Needs the rotation, gyro bias and time offset of
 /// the rates' alignment. Triples that leave more than 6 robust standard deviations are left out (a
-/// pose that is wrong spoils a few). Empty for fewer than 10 usable triples.
+/// pose that is wrong spoils a few). `noise` is that of noise_rms. Empty for fewer than 10 usable
+/// triples.
 std::optional<InertialAlignment> alignInertially(std::span<const CameraPose> poses,
                                                  std::span<const ImuSample> samples,
                                                  const Eigen::Matrix3d& R_SC0,
                                                  const Eigen::Vector3d& gyro_bias,
-                                                 double time_offset_s,
-                                                 const InertialAlignmentOptions& options = {});
+                                                 double time_offset_s, const ImuNoise& noise = {});
 
 /// Rotation between gyro and camera from their rates: minimises
 /// sum |gyro_S - (R_SC0 camera_C + gyro_bias)|^2 (Wahba's problem on centred rates, by SVD).

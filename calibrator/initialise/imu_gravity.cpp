@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/residuals/imu_residual.h"
@@ -21,21 +20,27 @@ using Rows = Eigen::Matrix<double, 3, kUnknowns>;
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 
+constexpr double kSpan_s = 0.2;            // between the frames of a triple
+constexpr std::size_t kMostTriples = 300;  // spread evenly over the recording
+// Standard deviations of zero-mean priors, so that motion that says nothing of T_SC0's translation
+// [m] and of the accelerometer's bias [m/s^2] leaves them at zero.
+constexpr double kTranslationPrior = 1;
+constexpr double kAccelBiasPrior = 0.3;
+
 struct Triple {
   std::size_t a = 0, b = 0, c = 0;
 };
 
-/// Triples of frames about span_s apart, evenly spread.
-std::vector<Triple> chooseTriples(std::span<const CameraPose> poses,
-                                  const InertialAlignmentOptions& options) {
+/// Triples of frames about kSpan_s apart, evenly spread.
+std::vector<Triple> chooseTriples(std::span<const CameraPose> poses) {
   std::vector<Triple> all;
   const auto reach = [&](std::size_t from) {
     std::size_t to = from + 1;
-    while (to < poses.size() && secondsBetween(poses[from].t, poses[to].t) < options.span_s) ++to;
+    while (to < poses.size() && secondsBetween(poses[from].t, poses[to].t) < kSpan_s) ++to;
     return to;
   };
   const auto near = [&](std::size_t from, std::size_t to) {
-    return to < poses.size() && secondsBetween(poses[from].t, poses[to].t) < 2 * options.span_s;
+    return to < poses.size() && secondsBetween(poses[from].t, poses[to].t) < 2 * kSpan_s;
   };
   for (std::size_t a = 0; a < poses.size(); ++a) {
     const std::size_t b = reach(a);
@@ -43,10 +48,11 @@ std::vector<Triple> chooseTriples(std::span<const CameraPose> poses,
     const std::size_t c = reach(b);
     if (near(b, c)) all.push_back({a, b, c});
   }
-  const auto limit = static_cast<std::size_t>(options.max_triples);
-  if (all.size() <= limit) return all;
+  if (all.size() <= kMostTriples) return all;
   std::vector<Triple> chosen;
-  for (std::size_t k = 0; k < limit; ++k) chosen.push_back(all[k * all.size() / limit]);
+  for (std::size_t k = 0; k < kMostTriples; ++k) {
+    chosen.push_back(all[k * all.size() / kMostTriples]);
+  }
   return chosen;
 }
 
@@ -156,8 +162,7 @@ struct Fit {
 };
 
 /// Least squares; with `scale` held at 1 where asked (a weight far above what any data give).
-Fit fitted(const std::vector<Equation>& equations, const InertialAlignmentOptions& options,
-           double weight_of_unit_scale) {
+Fit fitted(const std::vector<Equation>& equations, double weight_of_unit_scale) {
   Normal H = Normal::Zero();
   Unknowns b = Unknowns::Zero();
   for (const Equation& e : equations) {
@@ -166,8 +171,8 @@ Fit fitted(const std::vector<Equation>& equations, const InertialAlignmentOption
   }
   // Priors are weighted for residuals of about 0.1 m/s^2, what PnP noise makes of 0.2 s.
   const double weight = 0.1 * 0.1;
-  H.diagonal().segment<3>(1).array() += weight / std::pow(options.t_SC0_prior_m, 2);
-  H.diagonal().tail<3>().array() += weight / std::pow(options.accel_bias_prior, 2);
+  H.diagonal().segment<3>(1).array() += weight / std::pow(kTranslationPrior, 2);
+  H.diagonal().tail<3>().array() += weight / std::pow(kAccelBiasPrior, 2);
   H(0, 0) += weight_of_unit_scale;
   b(0) += weight_of_unit_scale;
   Fit fit;
@@ -184,12 +189,11 @@ double rmsOf(const std::vector<Equation>& equations, const Unknowns& x) {
 
 /// Without the equations that contradict the fit of the rest. Every round judges all of them, so
 /// that one that an early, bad fit left out may come back.
-std::vector<Equation> agreeing(const std::vector<Equation>& all,
-                               const InertialAlignmentOptions& options) {
+std::vector<Equation> agreeing(const std::vector<Equation>& all) {
   constexpr double kChiMedian = 1.538;  // median of |x| for three unit Gaussians
   std::vector<Equation> used = all;
   for (int round = 0; round < kTripleRounds; ++round) {
-    const Unknowns x = fitted(used, options, 0).x;
+    const Unknowns x = fitted(used, 0).x;
     std::vector<double> sizes;
     for (const Equation& e : all) sizes.push_back((e.A * x - e.rhs).norm());
     const double limit = kTripleSigmas * median(sizes) / kChiMedian;
@@ -204,15 +208,15 @@ std::vector<Equation> agreeing(const std::vector<Equation>& all,
   return used;
 }
 
-InertialAlignment solve(const std::vector<Equation>& all, const InertialAlignmentOptions& options) {
+InertialAlignment solve(const std::vector<Equation>& all) {
   constexpr double kHeld = 1e9;
-  const std::vector<Equation> equations = agreeing(all, options);
-  const Fit fit = fitted(equations, options, 0);
+  const std::vector<Equation> equations = agreeing(all);
+  const Fit fit = fitted(equations, 0);
   const Unknowns& x = fit.x;
   InertialAlignment out;
   out.equations = static_cast<int>(equations.size());
   out.residual_rms = rmsOf(equations, x);
-  out.fixed_rms = rmsOf(equations, fitted(equations, options, kHeld).x);
+  out.fixed_rms = rmsOf(equations, fitted(equations, kHeld).x);
   double variance = 0;
   bool known = true;
   for (const Equation& e : equations) {
@@ -237,32 +241,22 @@ InertialAlignment solve(const std::vector<Equation>& all, const InertialAlignmen
 
 }  // namespace
 
-void InertialAlignmentOptions::check() const {
-  requireOption(span_s > 0, "span_s", span_s, "a positive time");
-  requireOption(max_triples >= 10, "max_triples", max_triples, "10 or more");
-  requireOption(t_SC0_prior_m > 0, "t_SC0_prior_m", t_SC0_prior_m, "a positive length");
-  requireOption(accel_bias_prior > 0, "accel_bias_prior", accel_bias_prior,
-                "a positive acceleration");
-}
-
 std::optional<InertialAlignment> alignInertially(std::span<const CameraPose> poses,
                                                  std::span<const ImuSample> samples,
                                                  const Eigen::Matrix3d& R_SC0,
                                                  const Eigen::Vector3d& gyro_bias,
-                                                 double time_offset_s,
-                                                 const InertialAlignmentOptions& options) {
-  options.check();
+                                                 double time_offset_s, const ImuNoise& noise) {
   const ImuBias bias{gyro_bias, Eigen::Vector3d::Zero()};
   std::vector<Equation> equations;
   const double longest_s = kGapIntervals * medianSampleInterval(samples);
-  for (const Triple& triple : chooseTriples(poses, options)) {
+  for (const Triple& triple : chooseTriples(poses)) {
     const TimeNs from = poses[triple.a].t;
     if (pausesBetween(from, poses[triple.c].t, time_offset_s, samples, longest_s)) continue;
-    const auto e = equationOf(triple, poses, samples, R_SC0, bias, time_offset_s, options.noise);
+    const auto e = equationOf(triple, poses, samples, R_SC0, bias, time_offset_s, noise);
     if (e) equations.push_back(*e);
   }
   if (equations.size() < 10) return std::nullopt;
-  return solve(equations, options);
+  return solve(equations);
 }
 
 }  // namespace plumbline

@@ -94,6 +94,16 @@ std::optional<Eigen::Vector3d> GyroIntegral::meanRate(TimeNs from, TimeNs to,
   return (at(last, to, offset_s) - at(first, from, offset_s)) / secondsBetween(from, to);
 }
 
+std::optional<GyroIntegral::RateSlope> GyroIntegral::meanRateSlope(TimeNs from, TimeNs to,
+                                                                   double offset_s,
+                                                                   double apart_s) const {
+  const auto at = meanRate(from, to, offset_s);
+  const auto before = meanRate(from, to, offset_s - apart_s);
+  const auto after = meanRate(from, to, offset_s + apart_s);
+  if (!at || !before || !after) return std::nullopt;
+  return RateSlope{*at, (*after - *before) / (2 * apart_s)};
+}
+
 std::vector<RatePair> pairRates(std::span<const CameraRate> camera, const GyroIntegral& gyro,
                                 double offset_s) {
   std::vector<RatePair> pairs;

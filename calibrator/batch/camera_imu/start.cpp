@@ -341,11 +341,9 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   start.bias.gyro = alignment.gyro_bias;
   // It stands where too few triples are left for the alignment below.
   start.gravity_direction = downFromMeanForce(poses, samples, start);
-  InertialAlignmentOptions inertial_options;
-  inertial_options.noise = options.noise.value_or(ImuNoise());
   // Its failure is none of the start: the batch finds the lever arm from zero.
   const auto inertial = alignInertially(poses, samples, alignment.R_SC0, alignment.gyro_bias,
-                                        offset->offset_s, inertial_options);
+                                        offset->offset_s, options.noise.value_or(ImuNoise()));
   if (!inertial) return start;
   if (const auto failure = checkInertial(*inertial, target, sanity)) return *failure;
   start.check = {inertial->scale, inertial->scale_std, inertial->gravity_F.norm(),
