@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "calibrator/batch/camera/batch.h"
-#include "calibrator/guidance/frame_gate.h"
-#include "calibrator/guidance/open_suggestion.h"
-#include "calibrator/initialise/camera_poses.h"
+#include "calibrator/guidance/guide_stage.h"
+#include "calibrator/initialise/camera_start.h"
 
 namespace plumbline {
 namespace {
@@ -16,21 +17,10 @@ constexpr double kRoughLoss = 0.01;
 constexpr double kGoodPose = 0.005;
 constexpr double kWorstPose = 0.015;
 
-Session sessionOf(const GuideRig& rig, const std::vector<KeptFrame>& frames) {
-  Session session;
-  session.target = rig.target;
-  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-    CameraStream stream;
-    stream.name = rig.cameras[c].name;
-    stream.resolution = rig.cameras[c].resolution;
-    for (const KeptFrame& frame : frames) {
-      // Views of a frame keep its stamp, by which the batch pairs them again.
-      if (!frame.corners[c].empty()) stream.views.push_back({frame.t, frame.corners[c]});
-    }
-    session.cameras.push_back(std::move(stream));
-  }
-  return session;
-}
+// Of StartCheck.
+constexpr std::size_t kFirstCheck = 10;
+// Noise, and a model that misfits (EuRoC, radtan without loss), make it up to 1.01.
+constexpr double kWorseStart = 1.25;
 
 CameraStageOptions stageOptions(const GuideRig& rig, const GuideOptions& options) {
   CameraStageOptions stage;
@@ -65,17 +55,26 @@ bool hasMoved(const FrameCorners& before, const FrameCorners& now, double least_
   return false;
 }
 
-std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& cameras,
-                                const FrameCorners& corners, double cauchy_px) {
-  std::vector<PackedCorners> packed;
-  packed.reserve(corners.size());
+PackedFrame::PackedFrame(const AprilGrid& target, const FrameCorners& seen) {
+  for (const std::vector<Corner>& camera : seen) {
+    corners.emplace_back(target, std::vector<ImageView>{{0, camera}});
+  }
+}
+
+std::vector<FrameView> PackedFrame::views(const CameraEstimate& cameras) const {
   std::vector<FrameView> views;
   for (std::size_t c = 0; c < corners.size(); ++c) {
-    // Also of a camera without corners, so that packed[c] is camera c's.
-    packed.emplace_back(target, std::vector<ImageView>{{0, corners[c]}});
-    if (corners[c].empty()) continue;
-    views.push_back({&cameras.intrinsics[c], packed[c].view(0), cameras.T_C0Ci[c].inverse()});
+    const PackedView view = corners[c].view(0);
+    if (view.count == 0) continue;
+    views.push_back({&cameras.intrinsics[c], view, cameras.T_C0Ci[c].inverse()});
   }
+  return views;
+}
+
+std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& cameras,
+                                const FrameCorners& corners, double cauchy_px) {
+  const PackedFrame packed(target, corners);
+  const std::vector<FrameView> views = packed.views(cameras);
   const double width = rmsWidth(views);
   PoseRefinementOptions rough;
   rough.gram.cauchy_px = kRoughLoss * width;
@@ -99,6 +98,35 @@ Result<CameraStageResult> scoreFrames(const GuideRig& rig, const std::vector<Kep
                                       const GuideOptions& options,
                                       const std::vector<CameraCalibration>& cameras) {
   return scoreCameras(sessionOf(rig, frames), cameras, stageOptions(rig, options));
+}
+
+bool StartCheck::isDue(const GuideFrame& frame, const FrameCorners& corners) {
+  if (frames_.size() >= 4 * kFirstCheck) return false;
+  const double move_px = options_.views.start_move_px;
+  if (!frames_.empty() && !hasMoved(frames_.back().corners, corners, move_px)) return false;
+  frames_.push_back({frame.index, frame.t, corners});
+  const std::size_t n = frames_.size();
+  // Each after twice as many, so that all checks together cost less than two of the last.
+  return n == kFirstCheck || n == 2 * kFirstCheck || n == 4 * kFirstCheck;
+}
+
+std::optional<std::string> StartCheck::against(
+    const std::vector<CameraCalibration>& cameras) const {
+  const auto restart = calibrateFrames(rig_, frames_, options_);
+  const auto given = scoreFrames(rig_, frames_, options_, cameras);
+  if (!restart || !given) return std::nullopt;
+  // Scored as the given ones are, for a calibration leaves out corners that a score does not.
+  const auto scored = scoreFrames(rig_, frames_, options_, restart->cameras);
+  if (!scored) return std::nullopt;
+  const double restart_px = scored->summary.reprojection.rmse_px;
+  const double given_px = given->summary.reprojection.rmse_px;
+  // Cameras made from these very frames fit them better than any others: only a clear excess blames
+  // the start.
+  if (!(given_px > kWorseStart * std::max(restart_px, kNoiseFloorPx))) return std::nullopt;
+  return fmt::format(
+      "the estimate has {:.2f} px RMSE on {} frames after its start, an estimate from those frames "
+      "alone {:.2f} px",
+      given_px, frames_.size(), restart_px);
 }
 
 }  // namespace plumbline

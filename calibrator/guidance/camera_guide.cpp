@@ -6,9 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/guidance/frame_gate.h"
 #include "calibrator/guidance/guide.h"
-#include "calibrator/guidance/open_suggestion.h"
+#include "calibrator/guidance/guide_stage.h"
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/guidance/views/view_judge.h"
 #include "calibrator/information/covariance.h"
@@ -16,58 +15,42 @@
 
 namespace plumbline {
 
-struct CameraGuide::State {
-  State(const GuideRig& of, const GuideOptions& asked)
-      : rig(of),
-        options(asked),
-        gate(asked),
+struct CameraGuide::State : StageState {
+  State(const GuideRig& of, const GuideOptions& asked, int first_suggestion)
+      : StageState{of, asked, FrameGate(asked), first_suggestion},
         start_check(of, asked),
         judge(of.target, asked.views, asked.threads) {}
 
-  GuideRig rig;
-  GuideOptions options;
-  FrameGate gate;
   StartCheck start_check;
   std::vector<KeptFrame> kept;
   std::optional<CameraWindow> window;  // once the start stands
   ViewJudge judge;
   std::optional<double> entropy, rmse;
-  std::optional<OpenSuggestion> open;
-  std::size_t next_start = 0;  // frames kept at which the start is tried again
-  int next_suggestion = 0;
-  int frames_without_view = 0;
-  int until_round = 0;  // frames without a view until candidates are scored
-  int posed = 0;        // frames with a plausible pose since the start
-  int unposed = 0;      // in a row without
-  bool finished = false;
+  // Frames kept at which the start is tried again.
+  std::size_t next_start = static_cast<std::size_t>(options.views.start_frames);
+  int until_round = options.views.patience;  // frames without a view until candidates are scored
+  int posed = 0;                             // frames with a plausible pose since the start
+  int unposed = 0;                           // in a row without
 
   void withdrawFirst(Decision& d);
   void look(const GuideFrame& frame, Decision& d);
-  void followSuggestion(const GuideFrame& frame, Decision& d);
   void initialise(const FrameCorners& corners, Decision& d);
   void tryStart(Decision& d);
   void beginWindow(const CameraStageResult& start, Decision& d);
   void startWasWrong(Decision& d, const std::string& why);
   void consider(const GuideFrame& frame, const FrameCorners& corners, Decision& d);
-  void finish(Decision& d);
+  void finish(Decision& d) { StageState::finish(options.latency.camera_batch_s, d); }
   bool accept(const FrameCorners& corners, Decision& d);
   void windowChanged();
   void findNextView(Decision& d);
   std::size_t askedFor(CandidateRound& round, Decision& d);
   void openSuggestion(const CandidateRound& round, std::size_t asked, int camera, Decision& d);
-  void fill(Decision& d) const;
 };
 
 CameraGuide::CameraGuide(const GuideRig& rig, const GuideOptions& options, int first_suggestion)
-    : state_((options.check(), std::make_unique<State>(rig, options))) {
-  state_->next_start = static_cast<std::size_t>(options.views.start_frames);
-  state_->next_suggestion = first_suggestion;
-  state_->until_round = options.views.patience;
-}
+    : state_((options.check(), std::make_unique<State>(rig, options, first_suggestion))) {}
 
 CameraGuide::~CameraGuide() = default;
-CameraGuide::CameraGuide(CameraGuide&&) noexcept = default;
-CameraGuide& CameraGuide::operator=(CameraGuide&&) noexcept = default;
 
 bool CameraGuide::finished() const { return state_->finished; }
 TimeNs CameraGuide::busyUntil() const { return state_->gate.busyUntil(); }
@@ -85,19 +68,19 @@ Result<CameraStageResult> CameraGuide::batch() const {
 
 Decision CameraGuide::step(const GuideFrame& frame) {
   State& s = *state_;
-  Decision d;
-  d.t = frame.t;
-  d.frame = frame.index;
-  d.stage = GuideStage::kCamera;
-  d.threshold_nats = s.options.views.threshold_nats;
-  for (const auto& view : frame.corners) d.corners += static_cast<int>(view.size());
+  Decision d = decisionOn(frame, GuideStage::kCamera, s.options.views.threshold_nats);
   if (s.finished) {
     d.reason = GuideReason::kFinished;
   } else if (s.gate.arrives(frame, s.open, d)) {
     if (s.gate.replacesFirst()) s.withdrawFirst(d);
     s.look(frame, d);
   }
-  s.fill(d);
+  s.tell(s.window.has_value(), s.kept.size(), d);
+  d.entropy_nats = s.entropy;
+  d.rmse_px = s.rmse;
+  s.judge.tell(d);
+  // One that stays open is named with every frame.
+  if (s.open && !d.suggestion) d.suggestion = s.open->suggestion().id;
   return d;
 }
 
@@ -109,7 +92,7 @@ void CameraGuide::State::withdrawFirst(Decision& d) {
 
 void CameraGuide::State::look(const GuideFrame& frame, Decision& d) {
   gate.work(frame.t, options.latency.camera_frame_s);
-  followSuggestion(frame, d);
+  follow(frame, d);
   const FrameCorners corners = usableViews(frame, rig.cameras.size(), options.views.min_corners);
   if (!gate.hasTarget(!seesNothing(corners), d)) return;
   if (window) {
@@ -117,18 +100,6 @@ void CameraGuide::State::look(const GuideFrame& frame, Decision& d) {
   } else {
     initialise(corners, d);
   }
-}
-
-/// Progress towards the suggestion that is open, with every frame, target or not.
-void CameraGuide::State::followSuggestion(const GuideFrame& frame, Decision& d) {
-  if (!open) return;
-  const auto camera = static_cast<std::size_t>(open->suggestion().camera);
-  const OpenSuggestion::Progress progress = open->update(frame.t, frame.corners[camera]);
-  d.event = progress.event;
-  d.suggestion = open->suggestion().id;
-  d.distance_px = progress.distance_px;
-  d.held_s = progress.held_s;
-  if (progress.event != SuggestionEvent::kNone) open.reset();
 }
 
 void CameraGuide::State::initialise(const FrameCorners& corners, Decision& d) {
@@ -191,11 +162,7 @@ void CameraGuide::State::startWasWrong(Decision& d, const std::string& why) {
   note(d, why + ": the stage restarts");
   d.reason = GuideReason::kInitialiseFailed;
   for (const KeptFrame& frame : kept) d.withdrawn.push_back(frame.index);
-  if (open) {
-    d.event = SuggestionEvent::kWithdrawn;
-    d.suggestion = open->suggestion().id;
-    open.reset();
-  }
+  withdrawOpen(d);
   kept.clear();
   // What was seen, it was seen by these cameras.
   judge.forget();
@@ -245,15 +212,6 @@ void CameraGuide::State::consider(const GuideFrame& frame, const FrameCorners& c
   ++frames_without_view;
   --until_round;
   if (!open && d.event == SuggestionEvent::kNone && until_round <= 0) findNextView(d);
-}
-
-void CameraGuide::State::finish(Decision& d) {
-  finished = true;
-  gate.workOn(options.latency.camera_batch_s);
-  if (!open) return;
-  d.event = SuggestionEvent::kWithdrawn;
-  d.suggestion = open->suggestion().id;
-  open.reset();
 }
 
 /// Takes the frame into the window; false where the window does not solve with it.
@@ -338,8 +296,6 @@ std::size_t CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
 void CameraGuide::State::openSuggestion(const CandidateRound& round, std::size_t asked, int camera,
                                         Decision& d) {
   Suggestion s;
-  s.id = next_suggestion++;
-  s.stage = GuideStage::kCamera;
   // Its time runs from when the operator could see it.
   s.t = round.answered;
   s.candidate = round.names[asked];
@@ -349,26 +305,8 @@ void CameraGuide::State::openSuggestion(const CandidateRound& round, std::size_t
   if (!round.error_px.empty()) s.error_px = round.error_px[asked];
   if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
   const ViewGuideOptions& v = options.views;
-  open.emplace(s, judge.predictedCorners(camera, s.T_FC0),
-               ReachRule{v.reached_px, v.reached_s, v.expires_s});
-  d.event = SuggestionEvent::kOpened;
-  d.suggestion = s.id;
-  d.opened = std::move(s);
-}
-
-/// What holds after the frame.
-void CameraGuide::State::fill(Decision& d) const {
-  d.mode = finished  ? GuideMode::kFinished
-           : !window ? GuideMode::kInitialising
-           : open    ? GuideMode::kSuggesting
-                     : GuideMode::kCollecting;
-  d.entropy_nats = entropy;
-  d.rmse_px = rmse;
-  judge.tell(d);
-  d.views_kept = static_cast<int>(kept.size());
-  d.frames_without_view = frames_without_view;
-  // One that stays open is named with every frame.
-  if (open && !d.suggestion) d.suggestion = open->suggestion().id;
+  show(std::move(s), judge.predictedCorners(camera, round.T_FC0[asked]),
+       {v.reached_px, v.reached_s, v.expires_s}, d);
 }
 
 }  // namespace plumbline

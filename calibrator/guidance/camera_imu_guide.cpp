@@ -8,10 +8,9 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "calibrator/guidance/frame_gate.h"
 #include "calibrator/guidance/guide.h"
+#include "calibrator/guidance/guide_stage.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
-#include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/guidance/trajectory_gain.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/simulate/simulate_session.h"
@@ -26,32 +25,22 @@ constexpr int kPathPoints = 60;  // of a trajectory, for drawing
 
 }  // namespace
 
-struct CameraImuGuide::State {
-  State(const GuideRig& rig_, std::vector<CameraCalibration> cameras_, const GuideOptions& options_,
+struct CameraImuGuide::State : StageState {
+  State(const GuideRig& of, std::vector<CameraCalibration> at, const GuideOptions& asked,
         const Begin& begin)
-      : rig(rig_),
-        cameras(std::move(cameras_)),
-        options(options_),
-        recording(rig_, options_),
+      : StageState{of, asked, FrameGate(asked, begin.busy_until, begin.last_frame),
+                   begin.first_suggestion},
+        cameras(std::move(at)),
+        recording(of, asked),
         first_suggestion(begin.first_suggestion),
-        next_suggestion(begin.first_suggestion),
-        next_attempt(options_.trajectories.start_frames),
-        watch(cameras, options_.latency.imu_batch_s, options_.threads),
-        gate(options_, begin.busy_until, begin.last_frame),
-        first_trajectory(lissajousFirst(), rig_.target, Transform(),
-                         lissajousOptions(options_.trajectories)) {}
+        watch(cameras, asked.latency.imu_batch_s, asked.threads),
+        first_trajectory(lissajousFirst(), of.target, Transform(), asked.trajectories) {}
 
   const TrajectoryGuideOptions& stage() const { return options.trajectories; }
 
-  FramePoseOptions poseOptions() const {
-    return {stage().min_corners, recording.batchOptions().max_start_rms_px};
-  }
-
-  Decision decisionOn(const GuideFrame& frame) const;
   void takeSamples(const GuideFrame& frame);
   void withdrawFirst(Decision& d);
   void look(const GuideFrame& frame, Decision& d);
-  bool showsTarget(const GuideFrame& frame) const;
   TimeNs samplesReach() const;
   bool isUsable(const GuideFrame& frame, Decision& d);
   void useFrame(PosedFrame frame, Decision& d);
@@ -61,55 +50,31 @@ struct CameraImuGuide::State {
   void track(PosedFrame frame, Decision& d);
   void report(Decision& d);
   void predictError(const WindowKnowledge& known, Decision& d);
-  void evaluate(Decision& d);
   bool byError() const { return stage().criterion == ViewCriterion::kPredictedError; }
   bool stopsByError() const { return stage().stop_reprojection_px > 0; }
   double worth(const CandidateRound& round, std::size_t i) const;
   void judge(CandidateRound round, Decision& d);
-  void finish(Decision& d);
+  void finish(Decision& d) { StageState::finish(options.latency.imu_batch_s, d); }
   std::size_t askedFor(CandidateRound& round, const Decision& d);
-  void open(const CandidateRound& round, std::size_t asked, Decision& d);
+  void openAsked(const CandidateRound& round, std::size_t asked, Decision& d);
   void openFirst(Decision& d);
   void show(Suggestion s, const LissajousTrajectory& trajectory, Decision& d);
   void follow(const GuideFrame& frame, Decision& d);
 
-  GuideRig rig;
   std::vector<CameraCalibration> cameras;
-  GuideOptions options;
   ImuStageRecording recording;
   std::optional<ImuStageTracker> tracker;  // once the start stands
   std::optional<TrajectoryEvaluator> evaluator;
-  std::optional<OpenSuggestion> suggestion;
   int first_suggestion = 0;
-  int next_suggestion = 0;
-  int next_attempt = 0;  // number of frames
-  int without_view = 0;
-  bool finished = false;
+  int next_attempt = options.trajectories.start_frames;  // number of frames
   std::optional<double> entropy_nats;
   std::optional<double> asked_error_px;   // predicted when trajectories were scored last
   std::optional<TimeNs> executing_until;  // the trajectory whose start was reached
   TimeNs samples_came = 0;                // stamp of the frame that brought samples last
   std::vector<double> squared_px;  // mean squared residual of a corner [px^2], frame by frame
   NoiseWatch watch;
-  FrameGate gate;
   LissajousTrajectory first_trajectory;  // asked for before any could be scored
 };
-
-Decision CameraImuGuide::State::decisionOn(const GuideFrame& frame) const {
-  Decision d;
-  d.t = frame.t;
-  d.frame = frame.index;
-  d.stage = GuideStage::kCameraImu;
-  d.threshold_nats = stage().threshold_nats;
-  for (const auto& view : frame.corners) d.corners += static_cast<int>(view.size());
-  return d;
-}
-
-bool CameraImuGuide::State::showsTarget(const GuideFrame& frame) const {
-  return std::any_of(frame.corners.begin(), frame.corners.end(), [&](const auto& c) {
-    return static_cast<int>(c.size()) >= stage().min_corners;
-  });
-}
 
 /// Until when the IMU is known to have run, in the camera's clock: by the samples' stamps or, as
 /// long as nothing is known of the clocks' offset, by the frame that brought them.
@@ -124,7 +89,8 @@ TimeNs CameraImuGuide::State::samplesReach() const {
 
 /// Whether the frame's corners and samples allow its use; says why not.
 bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
-  if (!gate.hasTarget(showsTarget(frame), d)) return false;
+  const FrameCorners seen = usableViews(frame, cameras.size(), stage().min_corners);
+  if (!gate.hasTarget(!seesNothing(seen), d)) return false;
   // A frame later than the samples by more than a pause of theirs: the IMU has stopped, and only
   // the biases' walk would join the frame to the others.
   const bool none = recording.samples().empty();
@@ -180,8 +146,7 @@ void CameraImuGuide::State::tryStart(Decision& d) {
       continue;
     }
     // It was said to be accepted when it came.
-    recording.drop(frame.index);
-    withdraw(frame.index, "not used by the start", d);
+    recording.drop(frame.index, "not used by the start", d);
   }
   beginEvaluator();
   tracker->drain(recording, d);
@@ -198,11 +163,10 @@ void CameraImuGuide::State::beginEvaluator() {
   simulated.pixel_sigma = stage().pixel_sigma;
   simulated.min_corners = stage().min_corners;
   simulated.score_offset = stage().score_offset;
-  TrajectoryScorer scorer(
-      simulated,
-      lissajousTrajectories(lissajousShapes(), rig.target, tracker->window().estimate().T_SC0,
-                            lissajousOptions(stage())),
-      cameras);
+  TrajectoryScorer scorer(simulated,
+                          lissajousTrajectories(lissajousShapes(), rig.target,
+                                                tracker->window().estimate().T_SC0, stage()),
+                          cameras);
   evaluator.emplace(std::move(scorer),
                     EvaluatorTiming{stage().evaluate_every_s, options.latency.trajectories_s,
                                     options.threads, stage().criterion});
@@ -272,32 +236,18 @@ double CameraImuGuide::State::worth(const CandidateRound& round, std::size_t i) 
   return stopsByError() || lowering >= least ? lowering : none;
 }
 
-void CameraImuGuide::State::evaluate(Decision& d) {
-  auto round = evaluator->answerAt(d.t);
-  if (round) judge(std::move(*round), d);
-}
-
 void CameraImuGuide::State::judge(CandidateRound round, Decision& d) {
   if (round.best < 0) {
     note(d, "no trajectory could be scored");
   } else if (std::isnan(worth(round, static_cast<std::size_t>(round.best)))) {
     // Also while a suggestion is open, which finish() takes back.
     finish(d);
-  } else if (!suggestion && d.event == SuggestionEvent::kNone &&
+  } else if (!open && d.event == SuggestionEvent::kNone &&
              (!executing_until || d.t >= *executing_until)) {
     const std::size_t asked = askedFor(round, d);
-    open(round, asked, d);
+    openAsked(round, asked, d);
   }
   d.round = std::move(round);
-}
-
-void CameraImuGuide::State::finish(Decision& d) {
-  finished = true;
-  gate.workOn(options.latency.imu_batch_s);
-  if (!suggestion) return;
-  d.event = SuggestionEvent::kWithdrawn;
-  d.suggestion = suggestion->suggestion().id;
-  suggestion.reset();
 }
 
 /// The best trajectory; where the operator's pace is known, the one that gains most per second of
@@ -313,7 +263,7 @@ std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, const Decisio
   return byGainPerSecond(gains, seconds).front();
 }
 
-void CameraImuGuide::State::open(const CandidateRound& round, std::size_t asked, Decision& d) {
+void CameraImuGuide::State::openAsked(const CandidateRound& round, std::size_t asked, Decision& d) {
   Suggestion s;
   s.mi_nats = round.mi_nats[asked];
   // What could not be predicted stays empty, not NaN.
@@ -334,8 +284,6 @@ void CameraImuGuide::State::openFirst(Decision& d) {
 }
 
 void CameraImuGuide::State::show(Suggestion s, const LissajousTrajectory& trajectory, Decision& d) {
-  s.id = next_suggestion++;
-  s.stage = GuideStage::kCameraImu;
   s.t = d.t;
   s.candidate = trajectory.name();
   s.path = trajectory.path(kPathPoints);
@@ -344,28 +292,19 @@ void CameraImuGuide::State::show(Suggestion s, const LissajousTrajectory& trajec
   // Its start is matched by corners, as a view is; what follows is left to the clock (follow()).
   SimulationOptions seen;
   seen.target = rig.target;
-  suggestion.emplace(s, visibleCorners(cameras.front().intrinsics, s.T_FC0, seen),
-                     ReachRule{stage().reached_px, stage().reached_s, stage().expires_s});
-  d.event = SuggestionEvent::kOpened;
-  d.suggestion = s.id;
-  d.opened = std::move(s);
+  std::vector<Corner> start = visibleCorners(cameras.front().intrinsics, s.T_FC0, seen);
+  StageState::show(std::move(s), std::move(start),
+                   {stage().reached_px, stage().reached_s, stage().expires_s}, d);
 }
 
 void CameraImuGuide::State::follow(const GuideFrame& frame, Decision& d) {
-  if (!suggestion) return;
-  const auto progress = suggestion->update(frame.t, frame.corners.front());
-  d.suggestion = suggestion->suggestion().id;
-  d.distance_px = progress.distance_px;
-  d.held_s = progress.held_s;
-  d.event = progress.event;
-  if (progress.event == SuggestionEvent::kNone) return;
-  if (progress.event == SuggestionEvent::kReached) {
-    // No new suggestion until the trajectory could be done: the operator is executing this one.
-    // The next one shall not wait for the evaluator's interval then.
-    executing_until = frame.t + toNanoseconds(*suggestion->suggestion().duration_s);
-    if (evaluator) evaluator->answerBy(*executing_until);
-  }
-  suggestion.reset();
+  const auto duration_s = open ? open->suggestion().duration_s : std::nullopt;
+  StageState::follow(frame, d);
+  if (d.event != SuggestionEvent::kReached) return;
+  // No new suggestion until the trajectory could be done: the operator is executing this one.
+  // The next one shall not wait for the evaluator's interval then.
+  executing_until = frame.t + toNanoseconds(*duration_s);
+  if (evaluator) evaluator->answerBy(*executing_until);
 }
 
 void CameraImuGuide::State::takeSamples(const GuideFrame& frame) {
@@ -377,16 +316,15 @@ void CameraImuGuide::State::takeSamples(const GuideFrame& frame) {
 /// The only frame until now: there is no window yet, for a start needs three.
 void CameraImuGuide::State::withdrawFirst(Decision& d) {
   if (recording.frames().empty()) return;
-  const int first = recording.frames().front().index;
-  recording.drop(first);
-  withdraw(first, kWrongFirstStamp, d);
+  recording.drop(recording.frames().front().index, kWrongFirstStamp, d);
 }
 
 void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
   if (gate.replacesFirst()) withdrawFirst(d);
   gate.work(frame.t, options.latency.imu_frame_s);
   if (isUsable(frame, d)) {
-    auto posed = poseFrame(frame, rig.target, cameras, poseOptions());
+    auto posed = poseFrame(frame, rig.target, cameras, stage().min_corners,
+                           recording.batchOptions().max_start_rms_px);
     if (!posed) d.reason = GuideReason::kNoPose;
     if (posed) useFrame(std::move(*posed), d);
   }
@@ -394,7 +332,9 @@ void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
   // arrive with it may open the next.
   follow(frame, d);
   if (tracker && d.accepted) report(d);
-  if (tracker && !finished) evaluate(d);
+  if (tracker && !finished) {
+    if (auto round = evaluator->answerAt(d.t)) judge(std::move(*round), d);
+  }
   if (stage().first == FirstTrajectory::kAtOnce && next_suggestion == first_suggestion &&
       d.accepted && !finished) {
     openFirst(d);
@@ -409,25 +349,19 @@ CameraImuGuide::CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibratio
     : CameraImuGuide(rig, std::move(cameras), options, Begin()) {}
 CameraImuGuide::~CameraImuGuide() = default;
 CameraImuGuide::CameraImuGuide(CameraImuGuide&&) noexcept = default;
-CameraImuGuide& CameraImuGuide::operator=(CameraImuGuide&&) noexcept = default;
 
 Decision CameraImuGuide::step(const GuideFrame& frame) {
   State& s = *state_;
-  Decision d = s.decisionOn(frame);
+  Decision d = decisionOn(frame, GuideStage::kCameraImu, s.stage().threshold_nats);
   if (s.finished) {
     d.reason = GuideReason::kFinished;
   } else {
     // Those of frames that are dropped, too: the motion between the frames used is theirs.
     s.takeSamples(frame);
-    if (s.gate.arrives(frame, s.suggestion, d)) s.look(frame, d);
+    if (s.gate.arrives(frame, s.open, d)) s.look(frame, d);
   }
-  s.without_view = d.accepted ? 0 : s.without_view + 1;
-  d.views_kept = static_cast<int>(s.recording.frames().size());
-  d.frames_without_view = s.without_view;
-  d.mode = s.finished     ? GuideMode::kFinished
-           : !s.tracker   ? GuideMode::kInitialising
-           : s.suggestion ? GuideMode::kSuggesting
-                          : GuideMode::kCollecting;
+  s.frames_without_view = d.accepted ? 0 : s.frames_without_view + 1;
+  s.tell(s.tracker.has_value(), s.recording.frames().size(), d);
   return d;
 }
 

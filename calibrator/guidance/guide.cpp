@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/guidance/guide_stage.h"
 
 namespace plumbline {
 
@@ -113,20 +114,14 @@ Guide::Guide(const GuideRig& rig, const GuideOptions& options,
 
 Guide::~Guide() = default;
 Guide::Guide(Guide&&) noexcept = default;
-Guide& Guide::operator=(Guide&&) noexcept = default;
 
 namespace {
 
 /// Of a frame that no stage looks at.
 Decision passedOver(const GuideFrame& frame) {
-  Decision decision;
-  decision.t = frame.t;
-  decision.frame = frame.index;
-  decision.stage = GuideStage::kCamera;
+  Decision decision = decisionOn(frame, GuideStage::kCamera);
   decision.reason = GuideReason::kFinished;
   decision.mode = GuideMode::kFinished;
-  for (const std::vector<Corner>& corners : frame.corners)
-    decision.corners += static_cast<int>(corners.size());
   return decision;
 }
 
@@ -201,16 +196,10 @@ std::optional<TimeNs> Guide::cameraStageSince() const {
   return state_->camera ? state_->camera->since() : std::nullopt;
 }
 
-namespace {
-
-Failure notRun(const char* stage) { return {FailureCode::kStageNotBegun, {{"stage", stage}}}; }
-
-}  // namespace
-
 Result<CameraStageResult> Guide::cameraBatch() const {
   if (state_->camera_batch) return *state_->camera_batch;
   // The cameras were given.
-  if (!state_->camera) return notRun("camera");
+  if (!state_->camera) return Failure{FailureCode::kStageNotBegun, {{"stage", "camera"}}};
   return state_->camera->batch();
 }
 

@@ -25,7 +25,6 @@ class Guide {
         std::optional<std::vector<CameraCalibration>> cameras = std::nullopt);
   ~Guide();
   Guide(Guide&&) noexcept;
-  Guide& operator=(Guide&&) noexcept;
 
   /// Frames in the order in which they arrive.
   Decision step(const GuideFrame& frame);
@@ -72,8 +71,6 @@ class CameraGuide {
   /// Suggestions are numbered from `first_suggestion`.
   CameraGuide(const GuideRig& rig, const GuideOptions& options, int first_suggestion = 0);
   ~CameraGuide();
-  CameraGuide(CameraGuide&&) noexcept;
-  CameraGuide& operator=(CameraGuide&&) noexcept;
 
   Decision step(const GuideFrame& frame);
   bool finished() const;
@@ -110,7 +107,6 @@ class CameraImuGuide {
                  const GuideOptions& options);
   ~CameraImuGuide();
   CameraImuGuide(CameraImuGuide&&) noexcept;
-  CameraImuGuide& operator=(CameraImuGuide&&) noexcept;
 
   Decision step(const GuideFrame& frame);
   bool finished() const;

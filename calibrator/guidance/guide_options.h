@@ -48,21 +48,33 @@ std::vector<std::size_t> byGainPerSecond(const std::vector<double>& gains,
 /// 0.2 bits in nats: the threshold of Kalibr and of the paper.
 inline constexpr double kGuideThresholdNats = 0.2 * 0.693147180559945309;
 
+/// How views are scored by their information. The loss of the measurement model weights the corners
+/// of frames that were seen.
+struct ViewGainOptions : MeasurementModel {
+  int min_corners = 16;  ///< of one camera, for its view to count
+};
+
+/// And by the predicted error.
+struct ViewErrorOptions : ViewGainOptions {
+  /// What later use looks like: the frames seen so far, or evenly over the image, where candidate
+  /// views put corners.
+  LaterUseKind later_use = LaterUseKind::kImage;
+  int most_seen = 60;  ///< frames that stand for those seen so far, evenly spread over them
+};
+
 /// Next best view of the paper.
-struct ViewGuideOptions : MeasurementModel {
+struct ViewGuideOptions : ViewErrorOptions {
   int start_frames = 5;       ///< the first N frames with the target in view start the estimate ...
   double start_move_px = 15;  ///< ... that moved by this mean corner distance since the one before
   /// So many frames in a row without plausible pose, before as many had one: the start was wrong,
   /// and the stage restarts.
   int start_anew_after = 10;
   int window = 10;                              ///< views in the fixed-lag window
-  int min_corners = 16;                         ///< of one camera, for its view to count
   double threshold_nats = kGuideThresholdNats;  ///< views that gain less are removed
   ViewCriterion criterion = ViewCriterion::kMutualInformation;
-  /// Of kPredictedError: what later use looks like; by which share a view must lower E; and the
-  /// stage is over when E raises the error of a corner by no more than `stop_excess`, with
-  /// `stop_views` or more that tell the parts of the misfit apart.
-  LaterUseKind later_use = LaterUseKind::kImage;
+  /// Of kPredictedError: by which share a view must lower E; and the stage is over when E raises
+  /// the error of a corner by no more than `stop_excess`, with `stop_views` or more that tell the
+  /// parts of the misfit apart.
   double least_lowering = 0.05;
   double stop_excess = 0.02;
   int stop_views = 8;
@@ -90,9 +102,20 @@ constexpr std::array<const char*, 2> enumWords(FirstTrajectory /*of*/) {
   return {"at-once", "scored"};
 }
 
+/// How the curves of LissajousShape are run along.
+struct LissajousOptions {
+  double amplitude = 1;  ///< multiplies A and B; both shrink where the curve would come within
+                         ///< 15 degrees of the target's plane
+  double distance_ratio = 1.2;  ///< R over the target's longer side
+  double duration_s = 5;        ///< longer where a limit asks for it
+  double max_speed_m_s = 1.5;
+  double max_rate_rad_s = 3.14159265358979;
+  double max_acceleration_m_s2 = 9.80665;  ///< without gravity
+};
+
 /// Next best trajectory of the paper. The defaults make operators fast
 /// (docs/counterfactuals.md); patient() is closer to the paper's program.
-struct TrajectoryGuideOptions : MeasurementModel {
+struct TrajectoryGuideOptions : MeasurementModel, LissajousOptions {
   int start_frames = 20;  ///< frames that start the estimate, more than window; more as it takes
   int window = 3;         ///< states in the fixed-lag window
   int min_corners = 16;
@@ -110,12 +133,8 @@ struct TrajectoryGuideOptions : MeasurementModel {
   double reached_px = 50;       ///< distance to a trajectory's start [px] ...
   double reached_s = 0.1;       ///< ... held for so long [s]: on the way through it
   double expires_s = 10;
-  double amplitude = 1.5;  ///< multiplies the trajectories' widths and heights
-  double duration_s = 2;   ///< of a trajectory; longer where a limit asks for it
-  double max_speed_m_s = 1.5;
-  double max_rate_rad_s = 3.14159265358979;
-  double max_acceleration_m_s2 = 9.80665;  ///< without gravity
 
+  TrajectoryGuideOptions() : LissajousOptions{.amplitude = 1.5, .duration_s = 2} {}
   /// As the paper's program has it, and the defaults were once: scores before the first trajectory,
   /// a second at each one's start, its own size; and 5 s for it (the program: 3 s).
   static TrajectoryGuideOptions patient();

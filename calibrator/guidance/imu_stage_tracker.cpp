@@ -3,61 +3,102 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/frames.h"
-#include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/imu_alignment.h"
 
 namespace plumbline {
-
 namespace {
 
 // RMS error with which findPose() is content [px], above what noise and known cameras leave: then
 // it does not try parts of the view and the mirrored pose.
 constexpr double kGoodPosePx = 3;
 
-}  // namespace
-
-void FramePoseOptions::check() const {
-  requireAtLeast(4, "min_corners", min_corners);
-  requirePositive("max_rms_px", max_rms_px);
-}
-
-std::optional<PosedFrame> poseFrame(const GuideFrame& frame, const AprilGrid& target,
-                                    const std::vector<CameraCalibration>& cameras,
-                                    const FramePoseOptions& options) {
-  options.check();
-  PosedFrame out{frame.index, frame.t, frame.corners, {}};
-  std::vector<PackedCorners> packed;
-  for (auto& corners : out.corners) {
-    // Out of the frame, not only out of the pose: the window uses the same views.
-    if (static_cast<int>(corners.size()) < options.min_corners) corners.clear();
-    packed.emplace_back(target, std::vector<ImageView>{{frame.t, corners}});
-  }
-  std::vector<FrameView> views;
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    if (out.corners[c].empty()) continue;
-    views.push_back({&cameras[c].intrinsics, packed[c].view(0), cameras[c].T_C0Ci.inverse()});
-  }
-  const auto pose = findPose(views, kGoodPosePx);
-  if (!pose || !(pose->errorPx() < options.max_rms_px)) return std::nullopt;
-  out.T_FC0 = pose->T_C0F.inverse();
-  return out;
-}
-
-namespace {
-
 // Samples from which the IMU's rate is taken: two seconds at 200 Hz. A fixed start of the
 // recording, so that what counts as a pause does not change while it grows.
 constexpr std::size_t kRateSamples = 400;
 
+// Frames kept at one batch that judges the noise over those at the one before. Geometric, so that
+// all batches together cost three times the last one.
+constexpr double kFrameGrowth = 1.5;
+
+/// Of which frame a note speaks, unless it is the decision's own.
+std::string prefix(const PosedFrame& frame, const Decision& decision) {
+  return frame.t == decision.t ? "" : fmt::format("frame {}: ", frame.index);
+}
+
+/// A decision's reason is that of its own frame; what becomes of earlier ones is told by notes and
+/// `withdrawn`.
+void becauseOf(GuideReason reason, const PosedFrame& frame, Decision& decision) {
+  if (frame.t == decision.t) decision.reason = reason;
+}
+
+/// A factor that residuals suggest with a relative standard deviation of `std`, drawn to 1 the more
+/// the less it is beyond two of them: what chance makes of a true 1 seldom delays a stop, and what
+/// is large stays (positive-part shrinkage of the logarithm after James and Stein, 1961).
+double beyondChance(double factor, double std) {
+  const double far = std::log(factor);
+  const double chance = 4 * std * std;
+  return far * far > chance ? std::exp(far * (1 - chance / (far * far))) : 1;
+}
+
+double beyondChance(const ImuNoiseCheck& check) {
+  if (!(check.redundancy > 0)) return 1;
+  return beyondChance(check.factor, 1 / std::sqrt(2 * check.redundancy));
+}
+
+/// Empty where there is no batch, or no error that could be compared.
+std::optional<StageNoise> noiseOf(const Session& session,
+                                  const std::vector<CameraCalibration>& cameras,
+                                  const CameraImuOptions& options) {
+  const auto found = calibrateCameraImu(session, cameras, options);
+  if (!found || !found->summary.converged) return std::nullopt;
+  const ImuNoiseChecks& checks = found->imu_summary.noise;
+  if (!(checks.pose_pixel_sigma > 0)) return std::nullopt;  // the check found nothing
+  const SolvedCameraImu batch = solvedBatch(session, *found, options);
+  const ImuReprojection use(cameras);
+  const auto expected = [&](const NoiseFactors& noise) {
+    const auto covariance = covarianceUnder(batch, noise);
+    return covariance ? use.expectedErrorUnder(*covariance, found->imu.T_SC0) : -1;
+  };
+  // Of the inertial rows alone.
+  const double shown =
+      expected({0, beyondChance(checks.gyro), beyondChance(checks.accel),
+                beyondChance(checks.gyro_bias), beyondChance(checks.accel_bias), 0});
+  const double assumed = expected({0, 1, 1, 1, 1, 0});
+  if (!(shown > 0) || !(assumed > 0)) return std::nullopt;
+  StageNoise out;
+  out.imu_variance = shown / assumed;
+  // A pose has six rows, about half of them left by what the IMU says.
+  const auto judged =
+      std::min(static_cast<int>(found->frames.size()), ImuNoiseOptions().max_frames);
+  const double of_poses = 1 / std::sqrt(6.0 * judged);
+  const double ratio = std::sqrt(2) * checks.pose_pixel_sigma / found->summary.reprojection.rmse_px;
+  if (std::isfinite(ratio)) out.shared_px = std::max(1.0, beyondChance(ratio, of_poses));
+  return out;
+}
+
 }  // namespace
+
+std::optional<PosedFrame> poseFrame(const GuideFrame& frame, const AprilGrid& target,
+                                    const std::vector<CameraCalibration>& cameras, int min_corners,
+                                    double max_rms_px) {
+  // Out of the frame, not only out of the pose: the window uses the same views.
+  PosedFrame out{{frame.index, frame.t, usableViews(frame, cameras.size(), min_corners)}};
+  const PackedFrame packed(target, out.corners);
+  const CameraEstimate estimate = estimateOf(cameras);
+  const auto pose = findPose(packed.views(estimate), kGoodPosePx);
+  if (!pose || !(pose->errorPx() < max_rms_px)) return std::nullopt;
+  out.T_FC0 = pose->T_C0F.inverse();
+  return out;
+}
 
 ImuStageRecording::ImuStageRecording(GuideRig rig, const GuideOptions& options)
     : rig_(std::move(rig)), options_(options) {
@@ -73,8 +114,9 @@ int ImuStageRecording::addSamples(std::span<const ImuSample> samples) {
   return static_cast<int>(samples_.size() - before);
 }
 
-void ImuStageRecording::drop(int index) {
+void ImuStageRecording::drop(int index, const std::string& why, Decision& decision) {
   std::erase_if(frames_, [index](const PosedFrame& frame) { return frame.index == index; });
+  withdraw(index, why, decision);
 }
 
 double ImuStageRecording::longestInterval() const {
@@ -111,17 +153,8 @@ double ImuStageRecording::cameraRateHz() const {
 }
 
 Session ImuStageRecording::session() const {
-  Session session;
-  session.target = rig_.target;
+  Session session = sessionOf(rig_, frames_);
   session.imu = ImuStream{{}, *rig_.imu, samples_};
-  for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
-    CameraStream& camera = session.cameras.emplace_back();
-    camera.name = rig_.cameras[c].name;
-    camera.resolution = rig_.cameras[c].resolution;
-    for (const PosedFrame& frame : frames_) {
-      if (!frame.corners[c].empty()) camera.views.push_back({frame.t, frame.corners[c]});
-    }
-  }
   return session;
 }
 
@@ -133,21 +166,6 @@ CameraImuOptions ImuStageRecording::batchOptions() const {
   batch.threads = options_.threads;
   return batch;
 }
-
-namespace {
-
-/// Of which frame a note speaks, unless it is the decision's own.
-std::string prefix(const PosedFrame& frame, const Decision& decision) {
-  return frame.t == decision.t ? "" : fmt::format("frame {}: ", frame.index);
-}
-
-/// A decision's reason is that of its own frame; what becomes of earlier ones is told by notes and
-/// `withdrawn`.
-void becauseOf(GuideReason reason, const PosedFrame& frame, Decision& decision) {
-  if (frame.t == decision.t) decision.reason = reason;
-}
-
-}  // namespace
 
 ImuStageTracker::ImuStageTracker(CameraImuWindow window, double max_gap_s)
     : window_(std::move(window)), max_gap_s_(max_gap_s), last_given_(window_.lastStamp()) {}
@@ -191,46 +209,56 @@ void ImuStageTracker::enter(const PosedFrame& frame, ImuStageRecording& recordin
     note(decision, prefix(frame, decision) + "waits for the next frame to determine its velocity");
   }
   if (end == WindowEnd::kSolved) return;
-  if (waiting) leaveOut(*waiting, "the frame after it gave no velocity", recording, decision);
+  if (waiting) recording.drop(*waiting, "the frame after it gave no velocity", decision);
   if (end == WindowEnd::kWaiting) return;
   // The window is as it was before the frame: the next one links to its last.
   last_given_ = window_.lastStamp();
   becauseOf(GuideReason::kNotSolved, frame, decision);
-  leaveOut(frame.index, "the window with it has no solution", recording, decision);
+  recording.drop(frame.index, "the window with it has no solution", decision);
 }
 
-void ImuStageTracker::leaveOut(int index, const std::string& why, ImuStageRecording& recording,
-                               Decision& decision) {
-  recording.drop(index);
-  withdraw(index, why, decision);
+void NoiseWatch::look(TimeNs t, const ImuStageRecording& recording) {
+  const std::size_t frames = recording.frames().size();
+  if (answer_.valid() || frames < next_frames_) return;
+  next_frames_ = static_cast<std::size_t>(std::ceil(kFrameGrowth * static_cast<double>(frames)));
+  asked_ = t;
+  CameraImuOptions options = recording.batchOptions();
+  options.diagnose_faults = false;
+  const bool beside = threads_ > 1 && latency_s_ > 0;
+  answer_ = std::async(beside ? std::launch::async : std::launch::deferred,
+                       [session = recording.session(), cameras = cameras_, options] {
+                         return noiseOf(session, cameras, options);
+                       });
 }
 
-namespace {
-
-Failure notConverged() { return {FailureCode::kFirstFramesNotConverged}; }
-
-}  // namespace
+std::optional<StageNoise> NoiseWatch::noiseAt(TimeNs t) {
+  if (answer_.valid() && t >= asked_ + toNanoseconds(latency_s_)) {
+    if (const auto noise = answer_.get()) noise_ = noise;
+  }
+  return noise_;
+}
 
 Result<ImuWindowStart> startImuWindow(const ImuStageRecording& recording,
                                       const std::vector<CameraCalibration>& cameras,
                                       const TrajectoryGuideOptions& options) {
+  const Failure not_converged{FailureCode::kFirstFramesNotConverged};
   const Session session = recording.session();
   CameraImuOptions batch = recording.batchOptions();
   batch.noise_check = false;  // of no use to a start
   const auto result = calibrateCameraImu(session, cameras, batch);
   if (!result) return result.failure();
-  if (!result->summary.converged) return notConverged();
+  if (!result->summary.converged) return not_converged;
   auto [problem, estimate] = solvedBatch(session, *result, batch);
   // Cameras' own stamps are of the batch: the window takes a frame's views as exposed together.
   problem.view_stamps.clear();
   // The window has one offset: camera 0's.
   estimate.time_offsets.resize(1);
   // Without a frame that leaves there would be no prior to begin with.
-  if (problem.frameCount() <= options.window) return notConverged();
+  if (problem.frameCount() <= options.window) return not_converged;
   CameraImuWindowOptions size;
   size.states = options.window;
   auto window = CameraImuWindow::fromBatch(problem, estimate, session.target, size);
-  if (!window) return notConverged();
+  if (!window) return not_converged;
   ImuWindowStart start{std::move(*window), {}};
   for (const Frame& frame : result->frames) start.stamps.push_back(frame.t);
   return start;

@@ -18,6 +18,7 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/guidance/guide_options.h"
+#include "calibrator/guidance/guide_stage.h"
 #include "calibrator/window/camera_imu_window.h"
 
 namespace plumbline {
@@ -68,28 +69,17 @@ class ImuReprojection {
   std::vector<Camera> cameras_;
 };
 
-/// A frame whose corners gave a pose.
-struct PosedFrame {
-  int index = 0;  ///< position in the recording
-  TimeNs t = 0;
-  std::vector<std::vector<Corner>> corners;  ///< per camera; empty: too few
-  Transform T_FC0;
+/// A frame whose corners gave a pose; of the cameras with too few there are none.
+struct PosedFrame : KeptFrame {
+  Transform T_FC0 = {};
   bool after_jump = false;  ///< the frames paused before it for too long
 };
 
-struct FramePoseOptions {
-  int min_corners = 16;  ///< of one camera, for its view to count
-  double max_rms_px = 30;
-
-  /// Throws InputError for fewer than four corners (of one tag) or an error that is not positive.
-  void check() const;
-};
-
-/// The frame with the views that show enough, and camera 0's pose by them alone. Empty where they
-/// give none, or one that leaves more than max_rms_px.
+/// The frame with the views of at least `min_corners` corners, and camera 0's pose by them alone.
+/// Empty where they give none, or one that leaves more than `max_rms_px`.
 std::optional<PosedFrame> poseFrame(const GuideFrame& frame, const AprilGrid& target,
-                                    const std::vector<CameraCalibration>& cameras,
-                                    const FramePoseOptions& options);
+                                    const std::vector<CameraCalibration>& cameras, int min_corners,
+                                    double max_rms_px);
 
 /// All that has arrived in the camera-IMU stage: IMU samples, and the frames kept.
 class ImuStageRecording {
@@ -100,8 +90,9 @@ class ImuStageRecording {
   /// Returns how many were taken.
   int addSamples(std::span<const ImuSample> samples);
   void keep(PosedFrame frame) { frames_.push_back(std::move(frame)); }
-  /// The frame of this position in the recording is not kept after all.
-  void drop(int index);
+  /// The frame of this position in the recording, which was accepted, leaves; says why
+  /// (withdraw()).
+  void drop(int index, const std::string& why, Decision& decision);
 
   const std::vector<ImuSample>& samples() const { return samples_; }
   const std::vector<PosedFrame>& frames() const { return frames_; }
@@ -144,9 +135,6 @@ class ImuStageTracker {
  private:
   FrameLink linkTo(const PosedFrame& frame, const ImuStageRecording& recording,
                    Decision& decision) const;
-  /// A frame that was accepted leaves the estimate.
-  void leaveOut(int index, const std::string& why, ImuStageRecording& recording,
-                Decision& decision);
   void enter(const PosedFrame& frame, ImuStageRecording& recording, Decision& decision);
 
   CameraImuWindow window_;

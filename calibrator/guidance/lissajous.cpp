@@ -7,8 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include "calibrator/base/option_check.h"
-
 namespace plumbline {
 namespace {
 
@@ -92,26 +90,6 @@ std::vector<LissajousShape> lissajousShapes(bool s_curves) {
 
 LissajousShape lissajousFirst() { return lissajousShapes()[4]; }
 
-void LissajousOptions::check() const {
-  requireOption(amplitude > 0, "amplitude", amplitude, "a positive factor");
-  requireOption(distance_ratio > 0, "distance_ratio", distance_ratio, "a positive factor");
-  requireOption(duration_s > 0, "duration_s", duration_s, "a positive time");
-  requireOption(max_speed_m_s > 0, "max_speed_m_s", max_speed_m_s, "a positive speed");
-  requireOption(max_rate_rad_s > 0, "max_rate_rad_s", max_rate_rad_s, "a positive rate");
-  requireOption(max_acceleration_m_s2 > 0, "max_acceleration_m_s2", max_acceleration_m_s2,
-                "a positive acceleration");
-}
-
-LissajousOptions lissajousOptions(const TrajectoryGuideOptions& options) {
-  LissajousOptions out;
-  out.amplitude = options.amplitude;
-  out.duration_s = options.duration_s;
-  out.max_speed_m_s = options.max_speed_m_s;
-  out.max_rate_rad_s = options.max_rate_rad_s;
-  out.max_acceleration_m_s2 = options.max_acceleration_m_s2;
-  return out;
-}
-
 LissajousTrajectory::LissajousTrajectory(LissajousShape shape, const AprilGrid& target,
                                          const Transform& T_SC0, const LissajousOptions& options)
     : shape_(std::move(shape)),
@@ -121,7 +99,6 @@ LissajousTrajectory::LissajousTrajectory(LissajousShape shape, const AprilGrid& 
       B_(shape_.b == 0 ? 0 : options.amplitude * shape_.height_ratio * target.height()),
       R_(options.distance_ratio * std::max(target.width(), target.height())),
       duration_s_(options.duration_s) {
-  options.check();
   const double reach = std::hypot(A_, B_);
   // Both axes by the same, which keeps the shape.
   const double shrink = reach > kWidest * R_ ? kWidest * R_ / reach : 1;

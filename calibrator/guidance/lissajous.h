@@ -30,20 +30,6 @@ std::vector<LissajousShape> lissajousShapes(bool s_curves = false);
 /// both axes of the image at once (measured: docs/counterfactuals.md).
 LissajousShape lissajousFirst();
 
-struct LissajousOptions {
-  double amplitude = 1;  ///< multiplies A and B; both shrink where the curve would come within
-                         ///< 15 degrees of the target's plane
-  double distance_ratio = 1.2;  ///< R over the target's longer side
-  double duration_s = 5;        ///< longer where a limit asks for it
-  double max_speed_m_s = 1.5;
-  double max_rate_rad_s = 3.14159265358979;
-  double max_acceleration_m_s2 = 9.80665;  ///< without gravity
-
-  /// Throws InputError naming the field that is out of its range.
-  void check() const;
-};
-LissajousOptions lissajousOptions(const TrajectoryGuideOptions& options);
-
 /// Camera 0 along a shape, looking exactly at the target's centre, without roll: x of the camera
 /// stays parallel to the x-z plane of F. The sensor follows through T_SC0.
 ///

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "calibrator/guidance/open_suggestion.h"
+#include "calibrator/guidance/guide_stage.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "evaluate/replay/hindsight.h"
 

@@ -71,13 +71,6 @@ struct Points {
   Lanes<W> X, Y, Z;
 };
 
-template <int W>
-[[gnu::always_inline]] inline Lanes<W> load(const double* from) {
-  Lanes<W> values;
-  std::memcpy(&values, from, sizeof values);
-  return values;
-}
-
 template <int W, class Mask>
 [[gnu::always_inline]] inline bool all(const Mask& mask) {
   auto both = mask[0];
@@ -121,8 +114,8 @@ template <int W, class Model>
   const auto m = Model::image(lens.k.data(), p.X, p.Y, p.Z);
   const Lanes<W> pixel_u = lens.fu * m.x + lens.pu;
   const Lanes<W> pixel_v = lens.fv * m.y + lens.pv;
-  std::memcpy(u, &pixel_u, sizeof pixel_u);
-  std::memcpy(v, &pixel_v, sizeof pixel_v);
+  store<W>(u, pixel_u);
+  store<W>(v, pixel_v);
   return all<W>((pixel_u >= bounds.least_px) & (pixel_u <= bounds.right_px) &
                 (pixel_v >= bounds.least_px) & (pixel_v <= bounds.bottom_px));
 }

@@ -7,7 +7,6 @@
 #include <limits>
 #include <utility>
 
-#include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/guidance/views/candidate_views.h"
@@ -31,15 +30,8 @@ int viewsUntilRefresh(int views) {
   return views < 32 ? 6 : 10;
 }
 
-void ViewErrorOptions::check() const {
-  ViewGainOptions::check();
-  requireOption(most_seen >= 2, "most_seen", most_seen, "2 or more");
-}
-
 ViewErrorTracker::ViewErrorTracker(const AprilGrid& target, const ViewErrorOptions& options)
-    : target_(target), options_(options) {
-  options.check();
-}
+    : target_(target), options_(options) {}
 
 RigView ViewErrorTracker::Held::view() const {
   RigView rig;
@@ -50,12 +42,7 @@ RigView ViewErrorTracker::Held::view() const {
 
 ViewErrorTracker::Held ViewErrorTracker::hold(const FrameCorners& corners,
                                               const Transform& T_FC0) const {
-  Held frame;
-  frame.T_C0F = T_FC0.inverse();
-  for (const std::vector<Corner>& camera : corners) {
-    frame.corners.emplace_back(target_, std::vector<ImageView>{{0, camera}});
-  }
-  return frame;
+  return {{target_, corners}, T_FC0.inverse()};
 }
 
 void ViewErrorTracker::see(const FrameCorners& corners, const Transform& T_FC0) {
@@ -83,27 +70,14 @@ bool ViewErrorTracker::isDue() const {
 }
 
 void ViewErrorTracker::pose(Held& frame) const {
-  std::vector<FrameView> views;
-  for (std::size_t c = 0; c < frame.corners.size(); ++c) {
-    const PackedView view = frame.corners[c].view(0);
-    if (view.count == 0) continue;
-    views.push_back({&cameras_.intrinsics[c], view, cameras_.T_C0Ci[c].inverse()});
-  }
   const GramOptions gram{.cauchy_px = options_.cauchy_px};
-  frame.T_C0F = refinePose(views, frame.T_C0F, {gram, kPoseIterations, kPoseTolerance}).T_C0F;
+  const PoseRefinementOptions options{gram, kPoseIterations, kPoseTolerance};
+  frame.T_C0F = refinePose(frame.views(cameras_), frame.T_C0F, options).T_C0F;
 }
 
 // Without the loss: a gross error shall show.
 double ViewErrorTracker::rmsePx(const CameraEstimate& cameras, const Held& frame) {
-  double squares = 0;
-  int corners = 0;
-  for (std::size_t c = 0; c < frame.corners.size(); ++c) {
-    const PackedView view = frame.corners[c].view(0);
-    if (view.count == 0) continue;
-    squares += viewCost(cameras.intrinsics[c], cameras.T_C0Ci[c].inverse() * frame.T_C0F, view);
-    corners += view.count;
-  }
-  return std::sqrt(squares / std::max(corners, 1));
+  return errorPx(frame.views(cameras), frame.T_C0F, {});
 }
 
 void ViewErrorTracker::refresh(const CameraEstimate& estimate,
@@ -158,19 +132,13 @@ std::vector<ViewErrorTracker::Held> ViewErrorTracker::imagined(
     const std::vector<Transform>& T_FC0) const {
   std::vector<Held> frames;
   for (const Transform& T : T_FC0) {
-    Held frame;
-    frame.T_C0F = T.inverse();
+    const Transform T_C0F = T.inverse();
+    FrameCorners seen;
     for (std::size_t c = 0; c < visible_.size(); ++c) {
-      PredictedCorners predicted(visible_[c].cornerCount());
-      visible_[c].predict(cameras_.T_C0Ci[c].inverse() * frame.T_C0F, predicted);
-      const PackedView view = predicted.view();
-      std::vector<Corner> corners;
-      for (int k = 0; k < view.count && view.count >= options_.min_corners; ++k) {
-        corners.push_back({view.id[k], {view.u[k], view.v[k]}});
-      }
-      frame.corners.emplace_back(target_, std::vector<ImageView>{{0, std::move(corners)}});
+      seen.push_back(visible_[c].corners(cameras_.T_C0Ci[c].inverse() * T_C0F));
+      if (static_cast<int>(seen.back().size()) < options_.min_corners) seen.back().clear();
     }
-    frames.push_back(std::move(frame));
+    frames.push_back(hold(seen, T));
   }
   return frames;
 }

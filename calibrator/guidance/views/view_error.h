@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "calibrator/base/april_grid.h"
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/view_terms.h"
-#include "calibrator/guidance/frame_gate.h"
+#include "calibrator/guidance/guide_stage.h"
 #include "calibrator/guidance/views/view_gain.h"
 #include "calibrator/information/predicted_error.h"
 
@@ -20,16 +19,6 @@ inline constexpr double kWorstView = 3;
 /// With so many views, how many more until the estimate is made anew: that costs the more the more
 /// views there are, and one view changes the estimate the less.
 int viewsUntilRefresh(int views);
-
-struct ViewErrorOptions : ViewGainOptions {
-  /// What later use looks like: the frames seen so far, or evenly over the image, where candidate
-  /// views put corners.
-  LaterUseKind later_use = LaterUseKind::kImage;
-  int most_seen = 60;  ///< frames that stand for those seen so far, evenly spread over them
-
-  /// Throws InputError naming the field that is out of its range.
-  void check() const;
-};
 
 /// Predicts, while frames come, by how much the cameras as they are estimated will miss where they
 /// are used (information/predicted_error.h), and what a further view would change.
@@ -73,8 +62,7 @@ class ViewErrorTracker {
             const Transform& T_FC0) const;
 
  private:
-  struct Held {
-    std::vector<PackedCorners> corners;  // per camera
+  struct Held : PackedFrame {
     Transform T_C0F;
     RigView view() const;
   };

@@ -6,14 +6,17 @@
 #include <cmath>
 #include <limits>
 
-#include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/guidance/views/tag_kernel.h"
 #include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {
-
 namespace {
+
+// Least pivot of I scaled to a unit diagonal. Below it lies rounding alone: the parameters' units
+// (px, m, rad) are gone, so a pivot is the part of a parameter's information that no other
+// explains.
+constexpr double kLeastPivot = 1e-13;
 
 /// A pinhole's limit is searched for once; other models have closed forms.
 template <class Distortion>
@@ -79,6 +82,15 @@ void VisibleTags::predictWith(InstructionSet set, const Transform& T_CF,
              model_);
 }
 
+std::vector<Corner> VisibleTags::corners(const Transform& T_CF) const {
+  PredictedCorners memory(cornerCount());
+  predict(T_CF, memory);
+  const PackedView view = memory.view();
+  std::vector<Corner> corners;
+  for (int i = 0; i < view.count; ++i) corners.push_back({view.id[i], {view.u[i], view.v[i]}});
+  return corners;
+}
+
 PredictedCorners::PredictedCorners(int most)
     : stride_((most + kLanes - 1) / kLanes * kLanes),
       columns_(static_cast<std::size_t>(6 * stride_)),
@@ -105,15 +117,6 @@ PackedView PredictedCorners::view() {
   view.id = ids_.data();
   return view;
 }
-
-namespace {
-
-// Least pivot of I scaled to a unit diagonal. Below it lies rounding alone: the parameters' units
-// (px, m, rad) are gone, so a pivot is the part of a parameter's information that no other
-// explains.
-constexpr double kLeastPivot = 1e-13;
-
-}  // namespace
 
 /// Lower triangle of sigma^2 [H P; P^T G + I] of one view, pose first; and the memory that takes
 /// it.
@@ -182,15 +185,9 @@ class ViewScorer::Sum {
   bool any_ = false;
 };
 
-void ViewGainOptions::check() const {
-  MeasurementModel::check();
-  requireOption(min_corners >= 1, "min_corners", min_corners, "1 or more");
-}
-
 ViewScorer::ViewScorer(const AprilGrid& target, const CameraEstimate& cameras,
                        const Eigen::MatrixXd& information, const ViewGainOptions& options)
     : target_(target), cameras_(cameras), layout_(cameras.intrinsics), options_(options) {
-  options.check();
   for (std::size_t c = 0; c < cameras.intrinsics.size(); ++c) {
     visible_.emplace_back(cameras.intrinsics[c], target, VisibleTags::Limits());
     T_CiC0_.push_back(cameras.T_C0Ci[c].inverse());
@@ -211,12 +208,7 @@ ViewScorer::ViewScorer(const AprilGrid& target, const CameraEstimate& cameras,
 
 std::vector<Corner> ViewScorer::predictedCorners(int camera, const Transform& T_FC0) const {
   const auto c = static_cast<std::size_t>(camera);
-  PredictedCorners memory(visible_[c].cornerCount());
-  visible_[c].predict(T_CiC0_[c] * T_FC0.inverse(), memory);
-  const PackedView view = memory.view();
-  std::vector<Corner> corners;
-  for (int i = 0; i < view.count; ++i) corners.push_back({view.id[i], {view.u[i], view.v[i]}});
-  return corners;
+  return visible_[c].corners(T_CiC0_[c] * T_FC0.inverse());
 }
 
 /// NaN where the view says nothing.

@@ -6,11 +6,11 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/camera/camera_dispatch.h"
+#include "calibrator/guidance/guide_options.h"
 #include "calibrator/guidance/views/tag_kernel.h"
 #include "calibrator/residuals/view_gram.h"
 
@@ -36,6 +36,8 @@ class VisibleTags {
   void predict(const Transform& T_CF, PredictedCorners& into) const {
     predictWith(bestInstructionSet(), T_CF, into);
   }
+  /// The same as corners.
+  std::vector<Corner> corners(const Transform& T_CF) const;
   /// With the version chosen by the caller (tests); all agree to rounding.
   void predictWith(InstructionSet set, const Transform& T_CF, PredictedCorners& into) const;
 
@@ -43,14 +45,6 @@ class VisibleTags {
   std::vector<double> x_, y_, z_;  // of the corners by id, in F [m]
   AnyCameraModel model_;
   tags::Bounds bounds_;
-};
-
-/// The loss of the measurement model weights the corners of frames that were seen.
-struct ViewGainOptions : MeasurementModel {
-  int min_corners = 16;  ///< of one camera, for its part of a predicted view to count
-
-  /// Throws InputError naming the field that is out of its range.
-  void check() const;
 };
 
 /// Scores views by their expected information gain: the mutual information with the cameras'

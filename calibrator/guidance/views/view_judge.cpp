@@ -14,21 +14,6 @@ namespace {
 
 constexpr int kWayPoints = 5;  // parts of a way, at whose ends the target must be seen
 
-ViewErrorOptions errorOptions(const ViewGuideOptions& options) {
-  ViewErrorOptions o;
-  o.model() = options.model();
-  o.min_corners = options.min_corners;
-  o.later_use = options.later_use;
-  return o;
-}
-
-ViewGainOptions gainOptions(const ViewGuideOptions& options) {
-  ViewGainOptions o;
-  o.model() = options.model();
-  o.min_corners = options.min_corners;
-  return o;
-}
-
 /// Predicted over the grid of pixels of a projection difference; see ViewJudge::projectionPx().
 std::optional<double> predictedProjectionPx(const CameraWindow& window,
                                             const Eigen::MatrixXd& information,
@@ -57,22 +42,19 @@ std::optional<double> predictedProjectionPx(const CameraWindow& window,
 }  // namespace
 
 ViewJudge::ViewJudge(const AprilGrid& target, const ViewGuideOptions& options, int threads)
-    : target_(target),
-      options_(options),
-      threads_(threads),
-      errors_(target, errorOptions(options)) {}
+    : target_(target), options_(options), threads_(threads), errors_(target, options) {}
 
 void ViewJudge::forget() {
   projection_px_.reset();
   kept_ = 0;
   scorer_.reset();
-  errors_ = ViewErrorTracker(target_, errorOptions(options_));
+  errors_ = ViewErrorTracker(target_, options_);
 }
 
 void ViewJudge::refresh(const CameraWindow& window, const Eigen::MatrixXd& information) {
   cameras_ = static_cast<int>(window.cameras().size());
   // With every change of the window: its gains stand on this very information.
-  scorer_.emplace(target_, window.estimate(), information, gainOptions(options_));
+  scorer_.emplace(target_, window.estimate(), information, options_);
   if (errors_.isDue()) errors_.refresh(window.estimate(), window.cameras(), threads_);
   if (options_.stop_projection_px > 0) {
     projection_px_ = predictedProjectionPx(window, information, options_.pixel_sigma);

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "calibrator/base/guide_decision.h"
-#include "calibrator/guidance/frame_gate.h"
 #include "calibrator/guidance/guide_options.h"
+#include "calibrator/guidance/guide_stage.h"
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/guidance/views/view_error.h"
 #include "calibrator/guidance/views/view_gain.h"

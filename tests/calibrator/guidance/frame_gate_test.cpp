@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One gate for both stages: stamps, pauses, work and a target out of view.
-#include "calibrator/guidance/frame_gate.h"
+#include "calibrator/guidance/guide_stage.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/frame_gate.h"
+#include "calibrator/guidance/guide_stage.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +18,54 @@ constexpr double kFarPauses = 10;
 constexpr double kLeastFarS = 5;
 
 }  // namespace
+
+std::optional<double> meanCornerDistance(const std::vector<Corner>& a,
+                                         const std::vector<Corner>& b) {
+  constexpr int kLeast = 4;  // fewer corners in common say nothing of a view
+  double sum = 0;
+  int common = 0;
+  // Ids ascend in both: one pass finds those in common.
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
+    if (i->id < j->id) {
+      ++i;
+    } else if (j->id < i->id) {
+      ++j;
+    } else {
+      sum += (i->uv - j->uv).norm();
+      ++common, ++i, ++j;
+    }
+  }
+  if (common < kLeast) return std::nullopt;
+  return sum / common;
+}
+
+OpenSuggestion::OpenSuggestion(Suggestion suggestion, std::vector<Corner> corners,
+                               const ReachRule& rule)
+    : suggestion_(std::move(suggestion)), corners_(std::move(corners)), rule_(rule) {}
+
+OpenSuggestion::Progress OpenSuggestion::update(TimeNs t, const std::vector<Corner>& seen) {
+  Progress now;
+  now.distance_px = meanCornerDistance(corners_, seen);
+  if (!now.distance_px || *now.distance_px > rule_.px) {
+    // A single frame off, or without the target, begins the hold anew.
+    near_since_.reset();
+  } else if (!near_since_) {
+    near_since_ = t;
+  }
+  if (near_since_) now.held_s = secondsBetween(*near_since_, t);
+  // Reached wins over expired: who holds the view when time is up has followed it.
+  if (near_since_ && now.held_s >= rule_.hold_s) {
+    now.event = SuggestionEvent::kReached;
+  } else if (secondsBetween(suggestion_.t, t) > rule_.expires_s) {
+    now.event = SuggestionEvent::kExpired;
+  }
+  return now;
+}
+
+void OpenSuggestion::restart(TimeNs t) {
+  suggestion_.t = t;
+  near_since_.reset();
+}
 
 FrameGate::FrameGate(const GuideOptions& options, TimeNs busy_until, std::optional<TimeNs> last)
     : lost_target_s_(options.lost_target_s),
@@ -105,6 +153,59 @@ bool FrameGate::hasTarget(bool shows, Decision& d) {
     note(d, fmt::format("the target has been out of view for {:.3f} s", lost_s));
   }
   return false;
+}
+
+Decision decisionOn(const GuideFrame& frame, GuideStage stage, double threshold_nats) {
+  Decision d;
+  d.t = frame.t;
+  d.frame = frame.index;
+  d.stage = stage;
+  d.threshold_nats = threshold_nats;
+  for (const std::vector<Corner>& view : frame.corners) d.corners += static_cast<int>(view.size());
+  return d;
+}
+
+void StageState::show(Suggestion s, std::vector<Corner> corners, const ReachRule& rule,
+                      Decision& d) {
+  s.id = next_suggestion++;
+  s.stage = d.stage;
+  open.emplace(s, std::move(corners), rule);
+  d.event = SuggestionEvent::kOpened;
+  d.suggestion = s.id;
+  d.opened = std::move(s);
+}
+
+void StageState::follow(const GuideFrame& frame, Decision& d) {
+  if (!open) return;
+  const auto camera = static_cast<std::size_t>(open->suggestion().camera);
+  const OpenSuggestion::Progress progress = open->update(frame.t, frame.corners[camera]);
+  d.event = progress.event;
+  d.suggestion = open->suggestion().id;
+  d.distance_px = progress.distance_px;
+  d.held_s = progress.held_s;
+  if (progress.event != SuggestionEvent::kNone) open.reset();
+}
+
+void StageState::withdrawOpen(Decision& d) {
+  if (!open) return;
+  d.event = SuggestionEvent::kWithdrawn;
+  d.suggestion = open->suggestion().id;
+  open.reset();
+}
+
+void StageState::finish(double batch_s, Decision& d) {
+  finished = true;
+  gate.workOn(batch_s);
+  withdrawOpen(d);
+}
+
+void StageState::tell(bool started, std::size_t kept, Decision& d) const {
+  d.mode = finished   ? GuideMode::kFinished
+           : !started ? GuideMode::kInitialising
+           : open     ? GuideMode::kSuggesting
+                      : GuideMode::kCollecting;
+  d.views_kept = static_cast<int>(kept);
+  d.frames_without_view = frames_without_view;
 }
 
 }  // namespace plumbline

@@ -13,7 +13,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/guidance/guide_options.h"
-#include "calibrator/guidance/open_suggestion.h"
+#include "calibrator/initialise/camera_poses.h"
 
 namespace plumbline {
 
@@ -30,17 +30,44 @@ bool seesNothing(const FrameCorners& corners);
 /// parts of the target, or is there when it was not before.
 bool hasMoved(const FrameCorners& before, const FrameCorners& now, double least_px);
 
+/// A frame's corners as poses and information are found from them.
+struct PackedFrame {
+  std::vector<PackedCorners> corners;  ///< per camera, also of one without corners
+
+  PackedFrame() = default;
+  PackedFrame(const AprilGrid& target, const FrameCorners& seen);
+  /// Of the cameras that have corners. The estimate and this frame must outlive them.
+  std::vector<FrameView> views(const CameraEstimate& cameras) const;
+};
+
 /// T_FC0 from one frame's corners at known cameras, from nothing; empty where what remains is more
 /// than 1.5 % of the image's width.
 std::optional<Transform> poseOf(const AprilGrid& target, const CameraEstimate& cameras,
                                 const FrameCorners& corners, double cauchy_px);
 
-/// A frame that the camera stage has accepted.
+/// A frame that a stage has accepted.
 struct KeptFrame {
   int index = 0;  ///< position in the recording
   TimeNs t = 0;
   FrameCorners corners;
 };
+
+/// What the cameras of a rig saw in frames that were kept. Views of a frame keep its stamp, by
+/// which the batch pairs them again.
+template <class Kept>
+Session sessionOf(const GuideRig& rig, const std::vector<Kept>& frames) {
+  Session session;
+  session.target = rig.target;
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    CameraStream& stream = session.cameras.emplace_back();
+    stream.name = rig.cameras[c].name;
+    stream.resolution = rig.cameras[c].resolution;
+    for (const Kept& frame : frames) {
+      if (!frame.corners[c].empty()) stream.views.push_back({frame.t, frame.corners[c]});
+    }
+  }
+  return session;
+}
 
 /// Batch over frames of the guide: calibrateCameras() as the guide's options have it, from `start`
 /// or, where that is empty, from the views alone.
@@ -52,6 +79,65 @@ Result<CameraStageResult> calibrateFrames(const GuideRig& rig, const std::vector
 Result<CameraStageResult> scoreFrames(const GuideRig& rig, const std::vector<KeptFrame>& frames,
                                       const GuideOptions& options,
                                       const std::vector<CameraCalibration>& cameras);
+
+/// Whether the camera stage started at a wrong minimum, under which every frame may yet have a
+/// plausible pose: frames after the start that moved against each other are calibrated by
+/// themselves, from nothing, once there are 10, 20 and 40 of them. The estimate was wrong where it
+/// leaves 1.25 times the RMSE on them, only poses moved.
+class StartCheck {
+ public:
+  StartCheck(const GuideRig& rig, const GuideOptions& options) : rig_(rig), options_(options) {}
+
+  /// A frame with a plausible pose; whether the frames so far are now to be compared.
+  bool isDue(const GuideFrame& frame, const FrameCorners& corners);
+  /// What speaks against the cameras; empty: nothing.
+  std::optional<std::string> against(const std::vector<CameraCalibration>& cameras) const;
+  /// The stage restarts.
+  void forget() { frames_.clear(); }
+
+ private:
+  GuideRig rig_;
+  GuideOptions options_;
+  std::vector<KeptFrame> frames_;
+};
+
+/// When a suggestion counts as reached, and when it is given up.
+struct ReachRule {
+  double px = 15;
+  double hold_s = 0.5;
+  double expires_s = 10;
+};
+
+/// Mean distance of the corners that both lists hold [px]; ids ascending. Empty where fewer than
+/// four are in both.
+std::optional<double> meanCornerDistance(const std::vector<Corner>& a,
+                                         const std::vector<Corner>& b);
+
+/// A suggestion that waits for the operator.
+class OpenSuggestion {
+ public:
+  /// `corners`: what the suggestion's camera would see there.
+  OpenSuggestion(Suggestion suggestion, std::vector<Corner> corners, const ReachRule& rule);
+
+  struct Progress {
+    SuggestionEvent event = SuggestionEvent::kNone;  ///< none, reached, expired
+    std::optional<double> distance_px;
+    double held_s = 0;
+  };
+  /// With every frame: what the suggestion's camera saw (empty: nothing).
+  Progress update(TimeNs t, const std::vector<Corner>& seen);
+
+  /// It is taken to have been shown at `t`.
+  void restart(TimeNs t);
+
+  const Suggestion& suggestion() const { return suggestion_; }
+
+ private:
+  Suggestion suggestion_;
+  std::vector<Corner> corners_;
+  ReachRule rule_;
+  std::optional<TimeNs> near_since_;
+};
 
 /// Why a first frame leaves the estimate (FrameGate::replacesFirst()).
 constexpr const char* kWrongFirstStamp = "its stamp is far from those of the frames after it";
@@ -103,25 +189,29 @@ class FrameGate {
   bool lost_said_ = false;
 };
 
-/// Whether the camera stage started at a wrong minimum, under which every frame may yet have a
-/// plausible pose: frames after the start that moved against each other are calibrated by
-/// themselves, from nothing, once there are 10, 20 and 40 of them. The estimate was wrong where it
-/// leaves 1.25 times the RMSE on them, only poses moved.
-class StartCheck {
- public:
-  StartCheck(const GuideRig& rig, const GuideOptions& options) : rig_(rig), options_(options) {}
+/// Of a frame that nobody has looked at.
+Decision decisionOn(const GuideFrame& frame, GuideStage stage, double threshold_nats = 0);
 
-  /// A frame with a plausible pose; whether the frames so far are now to be compared.
-  bool isDue(const GuideFrame& frame, const FrameCorners& corners);
-  /// What speaks against the cameras; empty: nothing.
-  std::optional<std::string> against(const std::vector<CameraCalibration>& cameras) const;
-  /// The stage restarts.
-  void forget() { frames_.clear(); }
+/// What both stages of the guide keep beside their estimates.
+struct StageState {
+  GuideRig rig;
+  GuideOptions options;
+  FrameGate gate;
+  int next_suggestion = 0;
+  int frames_without_view = 0;
+  bool finished = false;
+  std::optional<OpenSuggestion> open = {};
 
- private:
-  GuideRig rig_;
-  GuideOptions options_;
-  std::vector<KeptFrame> frames_;
+  /// Opens a suggestion whose id and stage are not written yet; `corners`: see OpenSuggestion.
+  void show(Suggestion s, std::vector<Corner> corners, const ReachRule& rule, Decision& d);
+  /// Progress towards the suggestion that is open, with every frame, target or not.
+  void follow(const GuideFrame& frame, Decision& d);
+  /// The suggestion that is open is taken back.
+  void withdrawOpen(Decision& d);
+  /// Nothing is left to ask for; what follows keeps the guide busy for `batch_s`.
+  void finish(double batch_s, Decision& d);
+  /// What holds after the frame; `started`: the estimate stands.
+  void tell(bool started, std::size_t kept, Decision& d) const;
 };
 
 }  // namespace plumbline
