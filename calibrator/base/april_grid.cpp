@@ -30,6 +30,43 @@ Column centredUnitRms(Column q) {
   return q;
 }
 
+/// Least squares of displacements by the twelve terms, a similarity and, where asked for, the
+/// higher terms; the shape of the solution, and the largest displacement that it leaves.
+struct FittedShape {
+  TargetShape shape;
+  double left = 0;  ///< [m]
+};
+FittedShape fitShape(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& displacement,
+                     bool with_higher) {
+  const int n = grid.cornerCount();
+  assert(static_cast<int>(displacement.size()) == n);
+  const TargetBasis basis(grid);
+  const HigherBasis higher(grid);
+  constexpr int kFirst = kTargetTerms + 7;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * n, kFirst + (with_higher ? kHigherTerms : 0));
+  Eigen::VectorXd d(3 * n);
+  for (int id = 0; id < n; ++id) {
+    const Eigen::Vector2d p = grid.corner(id);
+    Eigen::Matrix<double, 3, 7> similarity;      // translation, rotation, scale
+    similarity << 1, 0, 0, 0, 0, -p.y(), p.x(),  //
+        0, 1, 0, 0, 0, p.x(), p.y(),             //
+        0, 0, 1, p.y(), -p.x(), 0, 0;
+    A.block<3, kFirst>(3 * id, 0) << basis.columns(id), similarity;
+    for (int axis = 0; axis < 3 && with_higher; ++axis) {
+      A.block<1, kHigherFunctions>(3 * id + axis, kFirst + kHigherFunctions * axis) =
+          higher.functions(id).transpose();
+    }
+    d.segment<3>(3 * id) = displacement[static_cast<std::size_t>(id)];
+  }
+  // The smallest of all solutions, for on a small grid columns coincide: on one tag tag_edge is the
+  // scale.
+  const Eigen::VectorXd x = A.completeOrthogonalDecomposition().solve(d);
+  FittedShape out{{x.head<kTargetTerms>(), std::nullopt, std::nullopt},
+                  (d - A * x).cwiseAbs().maxCoeff()};
+  if (with_higher) out.shape.higher = x.tail<kHigherTerms>();
+  return out;
+}
+
 }  // namespace
 
 // (X, Y) is the scale and (-Y, X) the rotation. The weights make stretch and shear orthogonal to
@@ -134,47 +171,6 @@ Eigen::Vector3d HigherBasis::displacement(int corner_id, const HigherTerms& term
   const Eigen::Map<const Eigen::Matrix<double, kHigherFunctions, 3>> axes(terms.data());
   return axes.transpose() * functions(corner_id);
 }
-
-namespace {
-
-/// Least squares of displacements by the twelve terms, a similarity and, where asked for, the
-/// higher terms; the shape of the solution, and the largest displacement that it leaves.
-struct FittedShape {
-  TargetShape shape;
-  double left = 0;  ///< [m]
-};
-FittedShape fitShape(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& displacement,
-                     bool with_higher) {
-  const int n = grid.cornerCount();
-  assert(static_cast<int>(displacement.size()) == n);
-  const TargetBasis basis(grid);
-  const HigherBasis higher(grid);
-  constexpr int kFirst = kTargetTerms + 7;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * n, kFirst + (with_higher ? kHigherTerms : 0));
-  Eigen::VectorXd d(3 * n);
-  for (int id = 0; id < n; ++id) {
-    const Eigen::Vector2d p = grid.corner(id);
-    Eigen::Matrix<double, 3, 7> similarity;      // translation, rotation, scale
-    similarity << 1, 0, 0, 0, 0, -p.y(), p.x(),  //
-        0, 1, 0, 0, 0, p.x(), p.y(),             //
-        0, 0, 1, p.y(), -p.x(), 0, 0;
-    A.block<3, kFirst>(3 * id, 0) << basis.columns(id), similarity;
-    for (int axis = 0; axis < 3 && with_higher; ++axis) {
-      A.block<1, kHigherFunctions>(3 * id + axis, kFirst + kHigherFunctions * axis) =
-          higher.functions(id).transpose();
-    }
-    d.segment<3>(3 * id) = displacement[static_cast<std::size_t>(id)];
-  }
-  // The smallest of all solutions, for on a small grid columns coincide: on one tag tag_edge is the
-  // scale.
-  const Eigen::VectorXd x = A.completeOrthogonalDecomposition().solve(d);
-  FittedShape out{{x.head<kTargetTerms>(), std::nullopt, std::nullopt},
-                  (d - A * x).cwiseAbs().maxCoeff()};
-  if (with_higher) out.shape.higher = x.tail<kHigherTerms>();
-  return out;
-}
-
-}  // namespace
 
 TargetShape fitTargetShape(const AprilGrid& grid,
                            const std::vector<Eigen::Vector3d>& displacement) {

@@ -56,10 +56,7 @@ struct TargetShape {
   bool isFlat() const { return terms.isZero(0) && !higher && !corners; }
   /// RMS displacement of the corners by the board's own terms (not tag_edge, not `corners`) [m].
   double rms() const;
-  bool operator==(const TargetShape& other) const {
-    return terms == other.terms && covariance == other.covariance && higher == other.higher &&
-           higher_std == other.higher_std && corners == other.corners;
-  }
+  bool operator==(const TargetShape&) const = default;
 };
 
 /// How far each term moves each corner of a grid. With X, Y from the grid's centre over half its

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "calibrator/base/enum_words.h"
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 

@@ -87,14 +87,12 @@ std::vector<Stamp> usableViews(const std::vector<CameraStream>& cameras,
 
 // Candidate joins of neighbouring stamps, closest first: union of stamps into frames that hold each
 // camera at most once and span at most the tolerance.
-struct Group {
-  std::vector<int> members;  // indices into the stamps
-};
+using Group = std::vector<int>;  // indices into the stamps
 
 bool mayJoin(const Group& a, const Group& b, const std::vector<Stamp>& stamps, TimeNs tolerance) {
   // Every pair, or a chain of small gaps would make a frame that is longer than the tolerance.
-  for (int i : a.members) {
-    for (int j : b.members) {
+  for (int i : a) {
+    for (int j : b) {
       if (stamps[i].camera == stamps[j].camera) return false;
       if (std::llabs(stamps[i].t - stamps[j].t) > tolerance) return false;
     }
@@ -120,7 +118,7 @@ std::vector<Group> groupStamps(const std::vector<Stamp>& stamps, TimeNs toleranc
   std::vector<Group> groups(n);
   std::vector<int> group_of(n);
   for (int i = 0; i < n; ++i) {
-    groups[i].members = {i};
+    groups[i] = {i};
     group_of[i] = i;
   }
   // The closest pairs first: a view that stands between two of another camera goes to the nearer
@@ -129,12 +127,12 @@ std::vector<Group> groupStamps(const std::vector<Stamp>& stamps, TimeNs toleranc
     const int a = group_of[join.left];
     const int b = group_of[join.right];
     if (a == b || !mayJoin(groups[a], groups[b], stamps, tolerance)) continue;
-    for (int member : groups[b].members) {
+    for (int member : groups[b]) {
       group_of[member] = a;
-      groups[a].members.push_back(member);
+      groups[a].push_back(member);
     }
     // Left empty rather than erased: indices of groups stay what they are.
-    groups[b].members.clear();
+    groups[b].clear();
   }
   return groups;
 }
@@ -152,10 +150,10 @@ std::vector<Frame> pairFrames(const std::vector<CameraStream>& cameras,
   const std::vector<Stamp> stamps = usableViews(cameras, options);
   std::vector<Frame> frames;
   for (const Group& group : groupStamps(stamps, options.tolerance)) {
-    if (group.members.empty()) continue;
+    if (group.empty()) continue;
     Frame frame;
     frame.view.assign(cameras.size(), -1);
-    for (int i : group.members) frame.view[stamps[i].camera] = stamps[i].view;
+    for (int i : group) frame.view[stamps[i].camera] = stamps[i].view;
     frames.push_back(std::move(frame));
   }
   // A frame that camera 0 did not see is stamped on camera 0's clock all the same.

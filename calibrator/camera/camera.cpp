@@ -1,10 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/camera/camera.h"
 
+#include <fmt/format.h>
+
+#include "calibrator/base/error.h"
 #include "calibrator/camera/camera_dispatch.h"
 
 namespace plumbline {
 namespace {
+
+// Calls visit(Model{}) for every model, so that AnyCameraModel is the one list of them.
+template <class Visit, CameraModel... Models>
+void forEach(const std::variant<Models...>& /*any*/, const Visit& visit) {
+  (visit(Models{}), ...);
+}
+
+std::optional<AnyCameraModel> find(ProjectionModel projection, DistortionModel distortion) {
+  std::optional<AnyCameraModel> found;
+  forEach(AnyCameraModel(), [&]<class Model>(Model model) {
+    if (Model::kProjection == projection && Model::kDistortion == distortion) found = model;
+  });
+  return found;
+}
+
+std::string nameOf(ProjectionModel projection, DistortionModel distortion) {
+  return toString(projection) + "-" + toString(distortion);
+}
+
+std::string supportedNames() {
+  std::string names;
+  forEach(AnyCameraModel(), [&]<class Model>(Model) {
+    names += (names.empty() ? "" : ", ") + nameOf(Model::kProjection, Model::kDistortion);
+  });
+  return names;
+}
 
 // uv = (fu m_x + pu, fv m_y + pv) for every model, m its image of the point at unit focal length.
 template <CameraModel Model>
@@ -52,6 +81,29 @@ std::optional<Eigen::Vector3d> unprojectAs(Model, const Intrinsics& camera,
 }
 
 }  // namespace
+
+AnyCameraModel cameraModelOf(const Intrinsics& camera) {
+  const auto model = find(camera.projection_model, camera.distortion_model);
+  if (!model) {
+    throw InputError(fmt::format(
+        "camera model '{}' is not supported; supported are: {}; recalibrate the camera with one of "
+        "them",
+        nameOf(camera.projection_model, camera.distortion_model), supportedNames()));
+  }
+  const auto [projection, distortion] = std::visit(
+      []<class Model>(Model) {
+        return std::pair(4 + Model::kLeading, Model::kShape - Model::kLeading);
+      },
+      *model);
+  if (camera.projection.size() != projection || camera.distortion.size() != distortion) {
+    throw InputError(fmt::format(
+        "camera model '{}' needs {} projection and {} distortion parameters, but {} and {} were "
+        "given; give the projection's own, then fu fv pu pv, and the distortion's coefficients",
+        nameOf(camera.projection_model, camera.distortion_model), projection, distortion,
+        camera.projection.size(), camera.distortion.size()));
+  }
+  return *model;
+}
 
 std::optional<Eigen::Vector2d> project(const Intrinsics& camera, const Eigen::Vector3d& p_C) {
   return std::visit([&](auto model) { return projectAs(model, CameraValues(camera), p_C); },

@@ -48,18 +48,13 @@ struct Equidistant {
     d.J_xy = slope * x * y;
     d.J_yx = d.J_xy;
     d.J_yy = scale + slope * y * y;
-    const T power1 = ratio * t2;
-    const T power2 = power1 * t2;
-    const T power3 = power2 * t2;
-    const T power4 = power3 * t2;
-    d.J_k[0][0] = power1 * x;
-    d.J_k[0][1] = power2 * x;
-    d.J_k[0][2] = power3 * x;
-    d.J_k[0][3] = power4 * x;
-    d.J_k[1][0] = power1 * y;
-    d.J_k[1][1] = power2 * y;
-    d.J_k[1][2] = power3 * y;
-    d.J_k[1][3] = power4 * y;
+    T power = ratio * t2;  // theta^2i theta / r
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; ++i) {
+      d.J_k[0][i] = power * x;
+      d.J_k[1][i] = power * y;
+      power = power * t2;
+    }
     return d;
   }
 

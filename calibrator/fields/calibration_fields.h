@@ -81,24 +81,6 @@ void fields(V& v, Frame& f) {
   v("view", f.view, "of each camera, its view in the session; -1: none");
 }
 
-/// The two parts of intrinsics_std, empty without one; and the inverse.
-inline std::optional<Eigen::VectorXd> projectionStd(const CameraCalibration& c) {
-  if (!c.intrinsics_std) return std::nullopt;
-  return c.intrinsics_std->head(c.intrinsics.projection.size()).eval();
-}
-inline std::optional<Eigen::VectorXd> distortionStd(const CameraCalibration& c) {
-  if (!c.intrinsics_std) return std::nullopt;
-  return c.intrinsics_std->tail(c.intrinsics.distortion.size()).eval();
-}
-inline void setIntrinsicsStd(const std::optional<Eigen::VectorXd>& projection_std,
-                             const std::optional<Eigen::VectorXd>& distortion_std,
-                             CameraCalibration& c) {
-  c.intrinsics_std.reset();
-  if (!projection_std || !distortion_std) return;
-  c.intrinsics_std.emplace(projection_std->size() + distortion_std->size());
-  *c.intrinsics_std << *projection_std, *distortion_std;
-}
-
 template <class V>
 void fields(V& v, CameraCalibration& c) {
   Intrinsics& k = c.intrinsics;
@@ -112,10 +94,20 @@ void fields(V& v, CameraCalibration& c) {
   v("distortion_coeffs", k.distortion, "1",
     "radtan `[k1, k2, p1, p2]`, equidistant `[k1 ... k4]`, fov `[w]`, rational "
     "`[k1, k2, p1, p2, k3 ... k6]`");
-  auto projection_std = projectionStd(c), distortion_std = distortionStd(c);
+  std::optional<Eigen::VectorXd> projection_std, distortion_std;  // parts of intrinsics_std
+  if (c.intrinsics_std) {
+    projection_std = c.intrinsics_std->head(k.projection.size()).eval();
+    distortion_std = c.intrinsics_std->tail(k.distortion.size()).eval();
+  }
   v("intrinsics_std", projection_std, "px", "absent for cameras that were given and kept fixed");
   v("distortion_coeffs_std", distortion_std, "1", "likewise");
-  if constexpr (V::kReads) setIntrinsicsStd(projection_std, distortion_std, c);
+  if constexpr (V::kReads) {
+    c.intrinsics_std.reset();
+    if (projection_std && distortion_std) {
+      c.intrinsics_std.emplace(projection_std->size() + distortion_std->size());
+      *c.intrinsics_std << *projection_std, *distortion_std;
+    }
+  }
   v("T_C0Ci", c.T_C0Ci, "m", "4 x 4, rows: p_C0 = T_C0Ci p_Ci");
   v("T_C0Ci_std", c.T_C0Ci_std, "m, rad",
     "3 of the translation, 3 of the left tangent of the rotation; absent for camera 0");
@@ -163,31 +155,19 @@ void fields(V& v, Calibration& c) {
   v("imu", c.imu, "the IMU's calibration, where there is one");
 }
 
-/// A parameter's name and unit, as the documents list them.
-struct NamedUnit {
-  std::string name, unit;
-};
-
 template <class V>
-void fields(V& v, NamedUnit& p) {
+void fields(V& v, ParameterName& p) {
   v("name", p.name, "`cam0.fu`, `cam0.k1`, `T_C0C1.tx`, `T_SC0.rx`, `time_offset`, ...");
   v("unit", p.unit, "`px`, `-`, `m`, `rad`, `s`");
 }
 
 template <class V>
 void fields(V& v, ParameterCovariance& c) {
-  std::vector<NamedUnit> parameters;
+  std::vector<ParameterName> parameters;
   for (std::size_t i = 0; i < c.names.size(); ++i) parameters.push_back({c.names[i], c.units[i]});
   v("parameters", parameters, "of the rows; everything else is marginalised");
   v("matrix", c.matrix, "rows; formal: it follows from `assumptions`, no factor is fitted");
-  if constexpr (V::kReads) {
-    c.names.clear();
-    c.units.clear();
-    for (const NamedUnit& p : parameters) {
-      c.names.push_back(p.name);
-      c.units.push_back(p.unit);
-    }
-  }
+  if constexpr (V::kReads) c = parameterCovariance(parameters, c.matrix);
 }
 
 template <class V>

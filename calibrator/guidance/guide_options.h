@@ -11,7 +11,6 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/enum_words.h"
 #include "calibrator/base/guide_decision.h"
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"

@@ -5,7 +5,6 @@
 #include <optional>
 #include <span>
 
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"

@@ -7,7 +7,6 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/problem.h"

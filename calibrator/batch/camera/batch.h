@@ -9,7 +9,6 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/corners.h"

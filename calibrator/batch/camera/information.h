@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/statistics/statistics.h"

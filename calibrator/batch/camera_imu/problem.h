@@ -8,7 +8,6 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/frames.h"
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/linear/block_arrow.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/base/measurement_model.h"
+#include "calibrator/base/session.h"
 
 #include "calibrator/base/option_check.h"
 
