@@ -11,6 +11,7 @@
 #include "calibrator/camera/camera.h"
 #include "calibrator/linear/levenberg_marquardt.h"
 #include "calibrator/residuals/view_gram.h"
+#include "calibrator/initialise/dense_steps.h"
 
 namespace plumbline {
 namespace {
@@ -151,48 +152,6 @@ std::vector<PackedView> partsOf(const PackedView& view) {
   return parts;
 }
 
-/// The pose of one frame as minimise() wants it, in units of 1 px.
-class PoseSteps {
- public:
-  PoseSteps(const std::vector<FrameView>& views, const GramOptions& gram, const Transform& start)
-      : views_(views), gram_(gram), T_C0F_(start), now_(frameGram(views, start, gram)) {}
-
-  double cost() const { return 0.5 * now_.cost; }
-  const Transform& T_C0F() const { return T_C0F_; }
-  const Matrix6d& information() const { return now_.H; }
-
-  std::optional<double> solve(double damping) {
-    Matrix6d A = now_.H;
-    // Marquardt's scaling: metres and radians differ in size.
-    A.diagonal() *= 1 + damping;
-    const Eigen::LLT<Matrix6d> llt(A);
-    if (llt.info() != Eigen::Success) return std::nullopt;
-    // The decrement b' A^-1 b of minimise() is -x' b.
-    x_ = -llt.solve(now_.b);
-    return -x_.dot(now_.b);
-  }
-
-  Trial attempt() {
-    next_T_ = twisted(T_C0F_, x_);
-    next_ = frameGram(views_, next_T_, gram_);
-    return {.cost = 0.5 * next_.cost};
-  }
-
-  void accept() {
-    T_C0F_ = next_T_;
-    now_ = next_;
-  }
-
-  static bool refuse() { return false; }
-
- private:
-  const std::vector<FrameView>& views_;
-  const GramOptions& gram_;
-  Transform T_C0F_, next_T_;
-  PoseGram now_, next_;
-  Vector6d x_;
-};
-
 }  // namespace
 
 double rmsWidth(const std::vector<FrameView>& views) {
@@ -256,13 +215,14 @@ Transform mirroredPose(const Transform& T_CF, const Eigen::Vector2d& centre) {
 PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& T_C0F,
                           const PoseRefinementOptions& options) {
   assert(options.max_iterations >= 0 && options.tolerance > 0);
-  PoseSteps steps(views, options.gram, T_C0F);
+  DenseSteps steps(
+      T_C0F, [&](const Transform& T) { return frameGram(views, T, options.gram); },
+      [](const Transform& T, const Vector6d& x) { return twisted(T, x); });
   MinimiserOptions minimiser;
   minimiser.max_iterations = options.max_iterations;
   minimiser.tolerance = options.tolerance;
   const MinimiserSummary summary = minimise(steps, minimiser);
-  return {steps.T_C0F(), 2 * steps.cost(), countUsed(views), summary.converged(),
-          steps.information()};
+  return {steps.point(), steps.sums().cost, countUsed(views), summary.converged(), steps.sums().H};
 }
 
 std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views, double good_px,

@@ -7,7 +7,6 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/error.h"
-#include "calibrator/base/measurement_model.h"
 #include "calibrator/initialise/imu_alignment.h"
 
 namespace plumbline {

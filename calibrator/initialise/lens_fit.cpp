@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/camera_start.h"
-#include "calibrator/linear/levenberg_marquardt.h"
+#include "calibrator/initialise/dense_steps.h"
 
 namespace plumbline {
 namespace {
@@ -18,73 +17,36 @@ constexpr double kRegular = 1e-12;  // of a system's diagonal, where parameters 
 /// some starts the way to the best lens, which has no fold there, leads through these.
 enum class AtFold { kStay, kPass };
 
-/// The fit as minimise() wants it. Outside the domain of the model there is no cost.
-class LensSteps {
- public:
-  LensSteps(const Intrinsics& start, const std::vector<SeenPoint>& points, AtFold at_fold)
-      : points_(points), at_fold_(at_fold), lens_(start) {
-    const auto cost = evaluate(lens_, H_, b_);
-    cost_ = cost.value_or(std::numeric_limits<double>::infinity());
-  }
-
-  double cost() const { return cost_; }
-  const Intrinsics& lens() const { return lens_; }
-
-  std::optional<double> solve(double damping) {
-    Eigen::MatrixXd A = H_;
-    // Marquardt's scaling: pixels beside coefficients without a unit.
-    A.diagonal() *= 1 + damping + kRegular;
-    const Eigen::LLT<Eigen::MatrixXd> llt(A);
-    if (llt.info() != Eigen::Success) return std::nullopt;
-    x_ = -llt.solve(b_);
-    return -x_.dot(b_);
-  }
-
-  Trial attempt() {
-    next_ = lens_;
-    next_.setStacked(lens_.stacked() + x_);
-    const auto cost = evaluate(next_, next_H_, next_b_);
-    if (!cost) return {};
-    return {.cost = *cost};
-  }
-
-  void accept() {
-    lens_ = next_;
-    H_ = next_H_;
-    b_ = next_b_;
-    // squares_ is still that of attempt(), the last evaluation.
-    cost_ = 0.5 * squares_;
-  }
-
-  static bool refuse() { return false; }
-
- private:
-  std::optional<double> evaluate(const Intrinsics& lens, Eigen::MatrixXd& H, Eigen::VectorXd& b) {
-    const auto n = lens.projection.size() + lens.distortion.size();
-    H.setZero(n, n);
-    b.setZero(n);
-    squares_ = 0;
-    for (const SeenPoint& point : points_) {
-      const auto seen = at_fold_ == AtFold::kPass ? projectBeyondFold(lens, point.p_C)
-                                                  : projectWithJacobians(lens, point.p_C);
-      // A step that loses a point is refused, not rewarded with a smaller sum.
-      if (!seen) return std::nullopt;
-      const Eigen::Vector2d e = seen->uv - point.uv;
-      H.noalias() += seen->J_intrinsics.transpose() * seen->J_intrinsics;
-      b.noalias() += seen->J_intrinsics.transpose() * e;
-      squares_ += e.squaredNorm();
-    }
-    return 0.5 * squares_;
-  }
-
-  const std::vector<SeenPoint>& points_;
-  AtFold at_fold_;
-  Intrinsics lens_, next_;
-  Eigen::MatrixXd H_, next_H_;
-  Eigen::VectorXd b_, next_b_, x_;
-  double squares_ = 0;
-  double cost_ = 0;
+/// Of minimise().
+struct LensSums {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd b;
+  double cost = std::numeric_limits<double>::infinity();
 };
+
+/// Outside the domain of the model there is no cost.
+LensSums lensSums(const Intrinsics& lens, const std::vector<SeenPoint>& points, AtFold at_fold) {
+  const auto n = lens.projection.size() + lens.distortion.size();
+  LensSums sums{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
+  double squares = 0;
+  for (const SeenPoint& point : points) {
+    const auto seen = at_fold == AtFold::kPass ? projectBeyondFold(lens, point.p_C)
+                                               : projectWithJacobians(lens, point.p_C);
+    // A step that loses a point is refused, not rewarded with a smaller sum.
+    if (!seen) return sums;
+    const Eigen::Vector2d e = seen->uv - point.uv;
+    sums.H.noalias() += seen->J_intrinsics.transpose() * seen->J_intrinsics;
+    sums.b.noalias() += seen->J_intrinsics.transpose() * e;
+    squares += e.squaredNorm();
+  }
+  sums.cost = squares;
+  return sums;
+}
+
+Intrinsics movedLens(Intrinsics lens, const Eigen::VectorXd& x) {
+  lens.setStacked(lens.stacked() + x);
+  return lens;
+}
 
 /// The points that take part in a fit from `start`, chosen once: a set that followed the lens would
 /// let the cost fall by losing points. A pinhole's plane coordinates grow without bound towards 90
@@ -101,14 +63,15 @@ std::vector<SeenPoint> fittedPoints(const Intrinsics& start, const std::vector<S
 /// Where the steps from `start` end.
 Intrinsics leastFrom(const Intrinsics& start, const std::vector<SeenPoint>& points,
                      AtFold at_fold) {
-  LensSteps steps(start, points, at_fold);
+  const auto sums = [&](const Intrinsics& lens) { return lensSums(lens, points, at_fold); };
+  DenseSteps steps(start, sums, &movedLens, kRegular);
   MinimiserOptions options;
   options.first_damping = 1e-3;  // the start is a lens without its shape
   options.cost_tolerance = 1e-10;
   options.max_iterations =
       200;  // some models have long flat valleys, whose floor need not be found
   (void)minimise(steps, options);
-  return steps.lens();
+  return steps.point();
 }
 
 /// Empty where the lens does not show a point.
