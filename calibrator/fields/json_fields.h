@@ -214,48 +214,6 @@ void listFrom(const Json& json, T& values) {
   }
 }
 
-/// The elements of a struct that is a list.
-template <class T>
-void elementsFrom(const Json& json, T& value) {
-  const auto all = elements(value);
-  constexpr std::size_t kCount = std::tuple_size_v<std::remove_const_t<decltype(all)>>;
-  if (!json.is_array() || json.size() != kCount) {
-    throw std::runtime_error("a list has not the length it should");
-  }
-  std::size_t i = 0;
-  std::apply([&](auto&... element) { (fromJson(json[i++], element), ...); }, all);
-}
-
-template <class T>
-void structFrom(const Json& json, T& value) {
-  if constexpr (std::is_same_v<T, Transform>) {
-    Eigen::Matrix4d rows;
-    matrixFrom(json, rows);
-    value.R = rows.topLeftCorner<3, 3>();
-    value.t = rows.topRightCorner<3, 1>();
-  } else if constexpr (ListedStruct<T>) {
-    elementsFrom(json, value);
-  } else {
-    JsonReader reader(json);
-    fields(reader, value);
-  }
-}
-
-template <class T>
-Json structJson(T& value) {
-  if constexpr (std::is_same_v<T, Transform>) {
-    return matrixJson(value.matrix());
-  } else if constexpr (ListedStruct<T>) {
-    Json json = Json::array();
-    std::apply([&](auto&... element) { (json.push_back(toJson(element)), ...); }, elements(value));
-    return json;
-  } else {
-    JsonWriter writer;
-    fields(writer, value);
-    return writer.take();
-  }
-}
-
 template <WordedEnum E>
 E enumOrThrow(const std::string& word) {
   const auto known = enumFrom<E>(word);
@@ -286,8 +244,17 @@ Json toJson(const T& value) {
     Json json = Json::array();
     for (const auto& element : value) json.push_back(toJson(element));
     return json;
+  } else if constexpr (std::is_same_v<T, Transform>) {
+    return matrixJson(value.matrix());
+  } else if constexpr (ListedStruct<T>) {
+    Json json = Json::array();
+    std::apply([&](auto&... element) { (json.push_back(toJson(element)), ...); },
+               elements(const_cast<T&>(value)));  // which are only read
+    return json;
   } else {
-    return structJson(const_cast<T&>(value));  // a writer only reads
+    JsonWriter writer;
+    fields(writer, const_cast<T&>(value));  // likewise
+    return writer.take();
   }
 }
 
@@ -314,8 +281,21 @@ void fromJson(const Json& json, T& value) {
     }
   } else if constexpr (List<T>) {
     listFrom(json, value);
+  } else if constexpr (std::is_same_v<T, Transform>) {
+    Eigen::Matrix4d rows;
+    matrixFrom(json, rows);
+    value.R = rows.topLeftCorner<3, 3>();
+    value.t = rows.topRightCorner<3, 1>();
+  } else if constexpr (ListedStruct<T>) {
+    const auto all = elements(value);
+    if (!json.is_array() || json.size() != std::tuple_size_v<std::remove_const_t<decltype(all)>>) {
+      throw std::runtime_error("a list has not the length it should");
+    }
+    std::size_t i = 0;
+    std::apply([&](auto&... element) { (fromJson(json[i++], element), ...); }, all);
   } else {
-    structFrom(json, value);
+    JsonReader reader(json);
+    fields(reader, value);
   }
 }
 
