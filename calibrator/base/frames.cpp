@@ -113,8 +113,7 @@ std::vector<Group> groupStamps(const std::vector<Stamp>& stamps, TimeNs toleranc
     }
   }
   // Among equal gaps in the order of the stamps: the same frames on every platform.
-  std::stable_sort(joins.begin(), joins.end(),
-                   [](const Join& a, const Join& b) { return a.gap < b.gap; });
+  std::ranges::stable_sort(joins, {}, &Join::gap);
   std::vector<Group> groups(n);
   std::vector<int> group_of(n);
   for (int i = 0; i < n; ++i) {

@@ -228,9 +228,8 @@ PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& 
 std::optional<PoseRefinement> findPose(const std::vector<FrameView>& views, double good_px,
                                        const PoseRefinementOptions& options) {
   if (views.empty()) return std::nullopt;
-  const FrameView& most = *std::max_element(
-      views.begin(), views.end(),
-      [](const FrameView& a, const FrameView& b) { return a.view.count < b.view.count; });
+  const FrameView& most =
+      *std::ranges::max_element(views, {}, [](const FrameView& view) { return view.view.count; });
   const Transform T_C0Ci = most.T_CiC0.inverse();
   std::optional<PoseRefinement> best;
   // The least cost over all views decides, not that of the view that gave the start.

@@ -60,8 +60,7 @@ struct Rung {
 /// even in the logarithm); then the other local minima, the lowest first. Head-on views make all
 /// rungs alike, and `likely` decides.
 std::vector<double> bestOf(const std::vector<Rung>& rungs, double likely, int count) {
-  double least = rungs.front().cost;
-  for (const Rung& r : rungs) least = std::min(least, r.cost);
+  const double least = std::ranges::min(rungs, {}, &Rung::cost).cost;
   double first = 0;
   for (const Rung& r : rungs) {
     const bool closer = std::abs(std::log(r.focal / likely)) < std::abs(std::log(first / likely));
@@ -73,8 +72,7 @@ std::vector<double> bestOf(const std::vector<Rung>& rungs, double likely, int co
     const bool below_right = i + 1 == rungs.size() || rungs[i].cost <= rungs[i + 1].cost;
     if (below_left && below_right && rungs[i].focal != first) minima.push_back(rungs[i]);
   }
-  std::stable_sort(minima.begin(), minima.end(),
-                   [](const Rung& a, const Rung& b) { return a.cost < b.cost; });
+  std::ranges::stable_sort(minima, {}, &Rung::cost);
   std::vector<double> candidates = {first};
   for (const Rung& m : minima) {
     if (static_cast<int>(candidates.size()) < count) candidates.push_back(m.focal);

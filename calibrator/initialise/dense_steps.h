@@ -9,8 +9,9 @@
 
 namespace plumbline {
 
-/// A few parameters in least squares as minimise() wants them. `sums_at(point)` gives H, b and cost,
-/// the sum of squares (infinite outside the domain); `moved(point, x)` the point after a step.
+/// A few parameters in least squares as minimise() wants them. `sums_at(point)` gives H, b and
+/// cost, the sum of squares (infinite outside the domain); `moved(point, x)` the point after a
+/// step.
 template <class Point, class SumsAt, class Moved>
 class DenseSteps {
  public:

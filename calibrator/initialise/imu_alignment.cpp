@@ -41,22 +41,26 @@ Moments momentsOf(std::span<const RatePair> pairs) {
   return m;
 }
 
-struct Score {
-  double value = -1;
+struct Candidate {
+  double offset_s = 0;
+  double score = -1;
   std::size_t pairs = 0;  ///< camera rates that the gyro covers
 };
 
 /// Correlation of the centred rates after the best rotation or reflection: the nuclear norm of
 /// their cross moments (orthogonal Procrustes, Schoenemann 1966) over the product of their norms.
 /// It does not depend on the units of either, nor on T_SC0, which is unknown here.
-Score scoreAt(std::span<const CameraRate> camera, const GyroIntegral& gyro, double offset_s,
-              std::size_t min_pairs) {
+Candidate scoreAt(std::span<const CameraRate> camera, const GyroIntegral& gyro, double offset_s,
+                  std::size_t min_pairs) {
   const auto pairs = pairRates(camera, gyro, offset_s);
-  if (pairs.size() < min_pairs) return {-1, pairs.size()};
+  Candidate out{offset_s, -1, pairs.size()};
+  if (pairs.size() < min_pairs) return out;
   const Moments m = momentsOf(pairs);
   const double scale = std::sqrt(m.gyro.trace() * m.camera);
-  if (!(scale > 0)) return {0, pairs.size()};
-  return {Eigen::JacobiSVD<Eigen::Matrix3d>(m.cross).singularValues().sum() / scale, pairs.size()};
+  out.score = 0;
+  if (!(scale > 0)) return out;
+  out.score = Eigen::JacobiSVD<Eigen::Matrix3d>(m.cross).singularValues().sum() / scale;
+  return out;
 }
 
 /// Vertex of the parabola through three points at x - h, x, x + h, at most h away.
@@ -65,11 +69,6 @@ double parabolaVertex(double x, double h, double below, double at, double above)
   if (!(curvature < 0)) return x;
   return x + std::clamp(0.5 * h * (below - above) / curvature, -h, h);
 }
-
-struct Candidate {
-  double offset_s = 0;
-  double score = -1;
-};
 
 struct Grid {
   std::vector<Candidate> candidates;
@@ -84,19 +83,15 @@ Grid coarseGrid(std::span<const CameraRate> camera, const GyroIntegral& gyro,
   Grid grid;
   const auto fewest = static_cast<std::size_t>(options.min_pairs);
   const int steps = static_cast<int>(std::ceil(options.max_offset_s / options.coarse_step_s));
-  std::vector<std::size_t> pairs;
   for (int k = -steps - 1; k <= steps + 1; ++k) {
-    const double offset = k * options.coarse_step_s;
-    const Score score = scoreAt(camera, gyro, offset, fewest);
-    grid.candidates.push_back({offset, score.value});
-    grid.covered = std::max(grid.covered, score.pairs);
-    pairs.push_back(score.pairs);
+    grid.candidates.push_back(scoreAt(camera, gyro, k * options.coarse_step_s, fewest));
+    grid.covered = std::max(grid.covered, grid.candidates.back().pairs);
   }
   // Offsets near the end of the range may leave a handful of rates that correlate by chance.
   const double share = options.min_overlap * static_cast<double>(grid.covered);
   grid.needed = std::max(fewest, static_cast<std::size_t>(share));
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (pairs[k] < grid.needed) grid.candidates[k].score = -1;
+  for (Candidate& c : grid.candidates) {
+    if (c.pairs < grid.needed) c.score = -1;
   }
   return grid;
 }
@@ -114,9 +109,7 @@ std::vector<Candidate> coarseMaxima(const std::vector<Candidate>& grid, std::siz
     return a.score != b.score ? a.score > b.score : a.offset_s < b.offset_s;
   });
   if (maxima.empty()) {  // no motion: every offset is as good
-    const auto best =
-        std::max_element(grid.begin(), grid.end(),
-                         [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+    const auto best = std::ranges::max_element(grid, {}, &Candidate::score);
     if (best->score >= 0) maxima.push_back(*best);
   }
   if (maxima.size() > count) maxima.resize(count);
@@ -129,12 +122,12 @@ Candidate refine(std::span<const CameraRate> camera, const GyroIntegral& gyro, C
   // lets the parabola resolve.
   double h = step_s;
   for (int round = 0; round < 4; ++round, h *= 0.3) {
-    const double below = scoreAt(camera, gyro, c.offset_s - h, min_pairs).value;
-    const double above = scoreAt(camera, gyro, c.offset_s + h, min_pairs).value;
+    const double below = scoreAt(camera, gyro, c.offset_s - h, min_pairs).score;
+    const double above = scoreAt(camera, gyro, c.offset_s + h, min_pairs).score;
     if (below < 0 || above < 0) break;
     const double x = parabolaVertex(c.offset_s, h, below, c.score, above);
-    const double score = scoreAt(camera, gyro, x, min_pairs).value;
-    if (score > c.score) c = {x, score};
+    const Candidate at = scoreAt(camera, gyro, x, min_pairs);
+    if (at.score > c.score) c = at;
   }
   return c;
 }
@@ -267,10 +260,8 @@ std::optional<PartOffsets> offsetsOfParts(std::span<const CameraRate> camera,
   }
   if (found.empty()) return std::nullopt;
   // Short parts of any two motions correlate under some rotation; those of one share it.
-  const Part& best =
-      *std::max_element(found.begin(), found.end(), [](const Part& a, const Part& b) {
-        return a.estimate.alignment.correlation < b.estimate.alignment.correlation;
-      });
+  const Part& best = *std::ranges::max_element(
+      found, {}, [](const Part& part) { return part.estimate.alignment.correlation; });
   std::erase_if(found, [turn = best.estimate.alignment.R_SC0](const Part& part) {
     return logSO3(turn.transpose() * part.estimate.alignment.R_SC0).norm() > kSameRotation;
   });

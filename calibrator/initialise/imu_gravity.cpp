@@ -103,9 +103,8 @@ void addVariances(const CameraPose& a, const CameraPose& b, const CameraPose& c,
 /// clock.
 bool pausesBetween(TimeNs from, TimeNs to, double offset_s, std::span<const ImuSample> samples,
                    double longest_s) {
-  const auto earlier = [](const ImuSample& s, TimeNs t) { return s.t < t; };
   const TimeNs offset = toNanoseconds(offset_s);
-  auto s = std::lower_bound(samples.begin(), samples.end(), from + offset, earlier);
+  auto s = std::ranges::lower_bound(samples, from + offset, {}, &ImuSample::t);
   if (s == samples.begin()) return false;
   for (; s != samples.end(); ++s) {
     if (secondsBetween((s - 1)->t, s->t) > longest_s) return true;

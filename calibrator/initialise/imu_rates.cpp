@@ -66,8 +66,7 @@ std::size_t GyroIntegral::before(TimeNs t, double offset_s) const {
   for (; k < last && tau(k + 1) >= 0 && steps < kSteps; ++steps) ++k;
   if (steps < kSteps) return k;
   const TimeNs at = t + toNanoseconds(offset_s);
-  const auto next = std::upper_bound(samples_.begin(), samples_.end(), at,
-                                     [](TimeNs time, const ImuSample& s) { return time < s.t; });
+  const auto next = std::ranges::upper_bound(samples_, at, {}, &ImuSample::t);
   const auto index = static_cast<std::size_t>(next - samples_.begin());
   return std::min(index == 0 ? 0 : index - 1, last);
 }

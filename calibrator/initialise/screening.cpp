@@ -136,8 +136,7 @@ bool sameCorners(const ImageView& a, const ImageView& b) {
 /// Whether another camera saw something else at the two instants.
 bool anotherChanged(const Session& session, std::size_t camera, TimeNs from, TimeNs to) {
   const auto viewAt = [](const CameraStream& stream, TimeNs t) -> const ImageView* {
-    const auto at = std::lower_bound(stream.views.begin(), stream.views.end(), t - kSameFrame,
-                                     [](const ImageView& v, TimeNs when) { return v.t < when; });
+    const auto at = std::ranges::lower_bound(stream.views, t - kSameFrame, {}, &ImageView::t);
     return at != stream.views.end() && at->t <= t + kSameFrame ? &*at : nullptr;
   };
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
