@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -51,6 +49,7 @@ CameraGuide::CameraGuide(const GuideRig& rig, const GuideOptions& options, int f
     : state_((options.check(), std::make_unique<State>(rig, options, first_suggestion))) {}
 
 CameraGuide::~CameraGuide() = default;
+CameraGuide::CameraGuide(CameraGuide&&) noexcept = default;
 
 bool CameraGuide::finished() const { return state_->finished; }
 TimeNs CameraGuide::busyUntil() const { return state_->gate.busyUntil(); }
@@ -139,8 +138,7 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
   window.emplace(rig.target, result.cameras, w);
   std::vector<KeptFrame> used;
   for (KeptFrame& frame : kept) {
-    const auto found = std::find_if(result.frames.begin(), result.frames.end(),
-                                    [&](const Frame& f) { return f.t == frame.t; });
+    const auto found = std::ranges::find(result.frames, frame.t, &Frame::t);
     if (found == result.frames.end()) {
       // It was said to be accepted when it came.
       withdraw(frame.index, "no plausible pose in the start", d);

@@ -13,39 +13,6 @@
 
 namespace plumbline {
 
-/// The paper's interactive guide as a state machine over frames, driven by whoever has them.
-///
-/// First the camera stage (next best view), unless `cameras` are given; when it finishes, or its
-/// time is over, its views are solved in batch, and the camera-IMU stage (next best trajectory)
-/// begins with the frames that follow. Time is that of the frames: equal frames and options give
-/// equal decisions, whatever the threads and the speed at which step() is called.
-class Guide {
- public:
-  Guide(const GuideRig& rig, const GuideOptions& options,
-        std::optional<std::vector<CameraCalibration>> cameras = std::nullopt);
-  ~Guide();
-  Guide(Guide&&) noexcept;
-
-  /// Frames in the order in which they arrive.
-  Decision step(const GuideFrame& frame);
-
-  /// Nothing is left to ask for.
-  bool finished() const;
-  /// The camera stage was ended by GuideOptions::camera_stage_s, and did not say stop itself.
-  bool cameraStageEnded() const;
-  /// When the camera stage's time began (FrameGate::since()); empty before its first frame, or
-  /// without that stage.
-  std::optional<TimeNs> cameraStageSince() const;
-
-  /// The final batch of a stage over the frames that it kept: what the operator is given. Before
-  /// the stage finishes: over those kept so far.
-  Result<CameraStageResult> cameraBatch() const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
-
 /// The camera stage of the Guide: next best view of the paper.
 ///
 /// Start: a batch over the first frames that moved against each other; where it fails (too few
@@ -71,6 +38,7 @@ class CameraGuide {
   /// Suggestions are numbered from `first_suggestion`.
   CameraGuide(const GuideRig& rig, const GuideOptions& options, int first_suggestion = 0);
   ~CameraGuide();
+  CameraGuide(CameraGuide&&) noexcept;
 
   Decision step(const GuideFrame& frame);
   bool finished() const;
@@ -118,6 +86,47 @@ class CameraImuGuide {
  private:
   struct State;
   std::unique_ptr<State> state_;
+};
+
+/// The paper's interactive guide as a state machine over frames, driven by whoever has them.
+///
+/// First the camera stage (next best view), unless `cameras` are given; when it finishes, or its
+/// time is over, its views are solved in batch, and the camera-IMU stage (next best trajectory)
+/// begins with the frames that follow. Time is that of the frames: equal frames and options give
+/// equal decisions, whatever the threads and the speed at which step() is called.
+class Guide {
+ public:
+  Guide(const GuideRig& rig, const GuideOptions& options,
+        std::optional<std::vector<CameraCalibration>> cameras = std::nullopt);
+
+  /// Frames in the order in which they arrive.
+  Decision step(const GuideFrame& frame);
+
+  /// Nothing is left to ask for.
+  bool finished() const;
+  /// The camera stage was ended by GuideOptions::camera_stage_s, and did not say stop itself.
+  bool cameraStageEnded() const { return camera_ended_; }
+  /// When the camera stage's time began (FrameGate::since()); empty before its first frame, or
+  /// without that stage.
+  std::optional<TimeNs> cameraStageSince() const;
+
+  /// The final batch of a stage over the frames that it kept: what the operator is given. Before
+  /// the stage finishes: over those kept so far.
+  Result<CameraStageResult> cameraBatch() const;
+
+ private:
+  bool cameraOver() const { return camera_ended_ || camera_->finished(); }
+  Decision stepCamera(const GuideFrame& frame);
+  void endByTime(Decision& last);
+  void endCameraStage(Decision& last);
+
+  GuideRig rig_;
+  GuideOptions options_;
+  std::optional<CameraGuide> camera_;                      // unless cameras were given
+  std::optional<Result<CameraStageResult>> camera_batch_;  // once the camera stage is over
+  std::optional<CameraImuGuide> camera_imu_;               // while and after it runs
+  bool camera_ended_ = false;                              // by GuideOptions::camera_stage_s
+  bool never_shown_ = false;                               // what its last frame opened
 };
 
 }  // namespace plumbline

@@ -127,8 +127,7 @@ double ImuStageRecording::longestInterval() const {
 }
 
 std::optional<double> ImuStageRecording::gapWithin(TimeNs from, TimeNs to) const {
-  auto s = std::upper_bound(samples_.begin(), samples_.end(), from,
-                            [](TimeNs t, const ImuSample& sample) { return t < sample.t; });
+  auto s = std::ranges::upper_bound(samples_, from, {}, &ImuSample::t);
   // From the sample before: a pause may have begun there.
   if (s != samples_.begin()) --s;
   double longest = longestInterval();

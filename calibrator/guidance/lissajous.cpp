@@ -60,17 +60,6 @@ ScalarMotion progress(double t_s, double duration_s) {
           0.5 * w * w * std::cos(w * t_s)};
 }
 
-/// Largest magnitudes along a trajectory.
-struct Extremes {
-  double speed = 0, rate = 0, acceleration = 0;
-
-  void include(const MotionState& m) {
-    speed = std::max(speed, m.v_F.norm());
-    rate = std::max(rate, m.omega_B.norm());
-    acceleration = std::max(acceleration, m.a_F.norm());
-  }
-};
-
 }  // namespace
 
 // Frequencies, phases and ratios are those of the paper's public code (yac), which has eight
@@ -108,16 +97,16 @@ LissajousTrajectory::LissajousTrajectory(LissajousShape shape, const AprilGrid& 
 }
 
 void LissajousTrajectory::slowDown(const Transform& T_C0S, const LissajousOptions& options) {
-  Extremes most;
+  Eigen::Array3d most = Eigen::Array3d::Zero();  // speed, rate, acceleration
   for (int k = 0; k <= kLimitSamples; ++k) {
     const MotionState camera = cameraAt(duration_s_ * k / kLimitSamples);
-    most.include(camera);
-    most.include(attached(camera, T_C0S));
+    for (const MotionState& m : {camera, attached(camera, T_C0S)}) {
+      most = most.max(Eigen::Array3d(m.v_F.norm(), m.omega_B.norm(), m.a_F.norm()));
+    }
   }
   // A motion slowed by s has rates / s and accelerations / s^2: each limit gives its own s.
-  const double slower =
-      std::max({most.speed / options.max_speed_m_s, most.rate / options.max_rate_rad_s,
-                std::sqrt(most.acceleration / options.max_acceleration_m_s2)});
+  const double slower = std::max({most[0] / options.max_speed_m_s, most[1] / options.max_rate_rad_s,
+                                  std::sqrt(most[2] / options.max_acceleration_m_s2)});
   if (slower > 1 - kLimitMargin) duration_s_ *= slower * (1 + kLimitMargin);
 }
 

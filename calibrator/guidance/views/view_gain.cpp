@@ -219,10 +219,6 @@ double ViewScorer::gainOf(Sum& sum) const {
   return sum.halfLogDeterminant() - half_log_determinant_;
 }
 
-double ViewScorer::predictedGain(const Transform& T_FC0) const {
-  return predictedGains({T_FC0}).front();
-}
-
 double ViewScorer::seenGain(const std::vector<std::vector<Corner>>& corners,
                             const Transform& T_FC0) const {
   Sum sum(*this);

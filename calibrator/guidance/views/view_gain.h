@@ -67,15 +67,13 @@ class ViewScorer {
   /// VisibleTags.
   std::vector<Corner> predictedCorners(int camera, const Transform& T_FC0) const;
 
-  /// Gain of a view that nobody has taken yet [nats]: corners visible in all cameras at T_FC0,
-  /// exact and without loss. NaN where no camera sees enough.
-  double predictedGain(const Transform& T_FC0) const;
-
   /// Gain of a frame that was seen (corners per camera; empty: no view), whose pose is T_FC0, with
   /// the loss' weights [nats].
   double seenGain(const std::vector<std::vector<Corner>>& corners, const Transform& T_FC0) const;
 
-  /// predictedGain() of each. The result does not depend on `threads`.
+  /// Gains of views that nobody has taken yet [nats]: corners visible in all cameras at each T_FC0,
+  /// exact and without loss. NaN where no camera sees enough. The result does not depend on
+  /// `threads`.
   std::vector<double> predictedGains(const std::vector<Transform>& T_FC0, int threads = 1) const;
 
  private:

@@ -78,7 +78,7 @@ void addPairs(std::uint64_t seed, double seconds, const Weighting& weighting,
     const auto after =
         calibrateCameras(withView(frames.simulated, session, view.T_FC0, 1000 * seed + k), again);
     ASSERT_TRUE(after.ok()) << after.failure();
-    pairs.push_back({scorer.predictedGain(view.T_FC0),
+    pairs.push_back({scorer.predictedGains({view.T_FC0}).front(),
                      before->summary.entropy_nats - after->summary.entropy_nats});
   }
 }

@@ -100,7 +100,8 @@ TEST(ViewGain, IsHalfTheGrowthOfTheLogDeterminant) {
       const auto expected = mutualInformationNats(e.information, e.information + share);
       ASSERT_TRUE(expected.has_value());
       EXPECT_GT(*expected, 0.01);
-      EXPECT_NEAR(scorer.predictedGain(view.T_FC0), *expected, 1e-7 * *expected) << view.name;
+      EXPECT_NEAR(scorer.predictedGains({view.T_FC0}).front(), *expected, 1e-7 * *expected)
+          << view.name;
     }
   }
 }
@@ -130,9 +131,9 @@ TEST(ViewGain, CountsOneCameraWhereTheOtherSeesTooLittle) {
   EXPECT_GT(one, 0);
   EXPECT_LT(one, gain);
   const Transform away(T_FC0.R * Eigen::AngleAxisd(2, Eigen::Vector3d::UnitY()).matrix(), T_FC0.t);
-  EXPECT_TRUE(std::isnan(e.scorer().predictedGain(away)));
+  EXPECT_TRUE(std::isnan(e.scorer().predictedGains({away}).front()));
   e.options.min_corners = 145;
-  EXPECT_TRUE(std::isnan(e.scorer().predictedGain(T_FC0)));
+  EXPECT_TRUE(std::isnan(e.scorer().predictedGains({T_FC0}).front()));
 }
 
 TEST(ViewGain, IsUnboundedAsLongAsParametersAreFree) {
@@ -144,7 +145,8 @@ TEST(ViewGain, IsUnboundedAsLongAsParametersAreFree) {
   EXPECT_FALSE(e.scorer().determined());
   EXPECT_EQ(e.scorer().seenGain(e.frames.corners[3], e.frames.T_FC0[3]),
             std::numeric_limits<double>::infinity());
-  EXPECT_EQ(e.scorer().predictedGain(e.frames.T_FC0[3]), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(e.scorer().predictedGains({e.frames.T_FC0[3]}).front(),
+            std::numeric_limits<double>::infinity());
 }
 
 TEST(ViewGain, DoesNotDependOnTheNumberOfThreads) {
@@ -155,7 +157,7 @@ TEST(ViewGain, DoesNotDependOnTheNumberOfThreads) {
   }
   const auto one = e.scorer().predictedGains(T_FC0, 1);
   EXPECT_EQ(one, e.scorer().predictedGains(T_FC0, 3));
-  EXPECT_EQ(one[17], e.scorer().predictedGain(T_FC0[17]));
+  EXPECT_EQ(one[17], e.scorer().predictedGains({T_FC0[17]}).front());
 }
 
 }  // namespace

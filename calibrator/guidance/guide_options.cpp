@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/guide_options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "calibrator/base/option_check.h"
+
+namespace plumbline {
+namespace {
+
+// Share by which a later candidate must be better. Before a flat square board a view and its twin a
+// quarter turn further gain the same but for rounding: up to 1e-12 of the gain in recordings, where
+// the best views that differ are 1e-5 apart or more.
+constexpr double kEqualShare = 1e-6;
+
+/// Appends the indices of `scores` from the best to the worst.
+void appendByScore(std::vector<double> scores, std::vector<std::size_t>& order) {
+  for (int best = bestCandidate(scores); best >= 0; best = bestCandidate(scores)) {
+    const auto i = static_cast<std::size_t>(best);
+    order.push_back(i);
+    scores[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+}  // namespace
+
+void ViewGuideOptions::check() const {
+  MeasurementModel::check();
+  requireOption(start_frames >= 2, "views.start_frames", start_frames, "2 or more");
+  requireOption(start_move_px >= 0, "views.start_move_px", start_move_px, "0 or more");
+  requireOption(start_anew_after >= 1, "views.start_anew_after", start_anew_after, "1 or more");
+  requireOption(window >= 1, "views.window", window, "1 or more");
+  // A homography, with which every pose begins, needs four.
+  requireOption(min_corners >= 4, "views.min_corners", min_corners, "4 or more");
+  requireOption(threshold_nats >= 0, "views.threshold_nats", threshold_nats, "0 or more");
+  requireOption(least_lowering > 0 && least_lowering < 1, "views.least_lowering", least_lowering,
+                "a share between 0 and 1");
+  requirePositive("views.stop_excess", stop_excess);
+  requireOption(stop_views >= 2, "views.stop_views", stop_views, "2 or more");
+  requireOption(stop_projection_px >= 0, "views.stop_projection_px", stop_projection_px,
+                "0 (not asked for) or more");
+  requireOption(patience >= 1, "views.patience", patience, "1 or more");
+  requirePositive("views.reached_px", reached_px);
+  requireOption(reached_s >= 0, "views.reached_s", reached_s, "0 or more");
+  requirePositive("views.expires_s", expires_s);
+  requireOption(min_views >= 0, "views.min_views", min_views, "0 or more");
+}
+
+void TrajectoryGuideOptions::check() const {
+  MeasurementModel::check();
+  requireOption(start_frames >= 3, "trajectories.start_frames", start_frames, "3 or more");
+  requireOption(window >= 2, "trajectories.window", window, "2 or more");
+  // Without a frame that leaves the window there would be no prior to begin with.
+  requireOption(start_frames > window, "trajectories.start_frames", start_frames,
+                "more than trajectories.window");
+  requireOption(min_corners >= 4, "trajectories.min_corners", min_corners, "4 or more");
+  requireOption(threshold_nats >= 0, "trajectories.threshold_nats", threshold_nats, "0 or more");
+  requireOption(least_lowering > 0 && least_lowering < 1, "trajectories.least_lowering",
+                least_lowering, "a share between 0 and 1");
+  requireOption(stop_reprojection_px >= 0, "trajectories.stop_reprojection_px",
+                stop_reprojection_px, "0 (not asked for) or more");
+  requirePositive("trajectories.evaluate_every_s", evaluate_every_s);
+  requirePositive("trajectories.reached_px", reached_px);
+  requireOption(reached_s >= 0, "trajectories.reached_s", reached_s, "0 or more");
+  requirePositive("trajectories.expires_s", expires_s);
+  requirePositive("trajectories.amplitude", amplitude);
+  requirePositive("trajectories.duration_s", duration_s);
+  requirePositive("trajectories.max_speed_m_s", max_speed_m_s);
+  requirePositive("trajectories.max_rate_rad_s", max_rate_rad_s);
+  requirePositive("trajectories.max_acceleration_m_s2", max_acceleration_m_s2);
+}
+
+TrajectoryGuideOptions TrajectoryGuideOptions::patient() {
+  TrajectoryGuideOptions o;
+  o.first = FirstTrajectory::kScored;
+  o.reached_s = 1;
+  o.amplitude = 1;
+  o.duration_s = 5;
+  return o;
+}
+
+void GuideLatency::check() const {
+  for (const double s : {camera_start_s, camera_frame_s, next_view_s, camera_batch_s, imu_start_s,
+                         imu_frame_s, trajectories_s, imu_batch_s}) {
+    requireWithin(0, 60, "latency of a step [s]", s);
+  }
+}
+
+void GuideOptions::check() const {
+  views.check();
+  trajectories.check();
+  latency.check();
+  pace.check();
+  requireOption(camera_stage_s >= 0, "camera_stage_s", camera_stage_s, "0 (no limit) or more");
+  requireOption(lost_target_s > 0, "lost_target_s", lost_target_s, "a positive time");
+  requireOption(max_frame_gap_s > 0, "max_frame_gap_s", max_frame_gap_s, "a positive time");
+  requireOption(threads >= 1, "threads", threads, "1 or more");
+}
+
+void OperatorPace::check() const {
+  requireWithin(0, 10, "operator.speed_m_s", speed_m_s);
+  requireWithin(1e-3, 100, "operator.turn_rad_s", turn_rad_s);
+  requireWithin(0, 60, "operator.reaction_s", reaction_s);
+}
+
+double OperatorPace::secondsTo(const Transform& from, const Transform& to) const {
+  const double walk_s = (to.t - from.t).norm() / speed_m_s;
+  const double turn_s = rotationAngle(to.R * from.R.transpose()) / turn_rad_s;
+  // A hand turns while it goes.
+  return reaction_s + std::max(walk_s, turn_s);
+}
+
+int bestCandidate(const std::vector<double>& scores) {
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  double most = kNone;
+  for (const double score : scores) {
+    if (score > most) most = score;  // NaN is not
+  }
+  if (most == kNone) return -1;
+  const double least = std::isfinite(most) ? most - kEqualShare * std::abs(most) : most;
+  const auto first =
+      std::find_if(scores.begin(), scores.end(), [&](double score) { return score >= least; });
+  return static_cast<int>(first - scores.begin());
+}
+
+std::vector<std::size_t> byGainPerSecond(const std::vector<double>& gains,
+                                         const std::vector<double>& seconds) {
+  // Among gains without bound it is the seconds alone that count.
+  std::vector<double> unbounded(gains.size(), std::numeric_limits<double>::quiet_NaN());
+  std::vector<double> rates = unbounded;
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    const bool is_unbounded = gains[i] == std::numeric_limits<double>::infinity();
+    (is_unbounded ? unbounded : rates)[i] = (is_unbounded ? 1 : gains[i]) / seconds[i];
+  }
+  std::vector<std::size_t> order;
+  appendByScore(std::move(unbounded), order);
+  appendByScore(std::move(rates), order);
+  return order;
+}
+
+}  // namespace plumbline
