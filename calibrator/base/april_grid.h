@@ -69,18 +69,8 @@ struct TargetShape {
 class TargetBasis {
  public:
   /// The scalar functions of a corner that the terms are made of.
-  enum Function {
-    kStretchX,
-    kStretchY,
-    kShearX,
-    kShearY,
-    kQ1,
-    kQ2,
-    kQ3,
-    kEdgeX,
-    kEdgeY,
-    kFunctions
-  };
+  enum Function { kStretchX, kStretchY, kShearX, kShearY, kQ1, kQ2, kQ3, kEdgeX, kEdgeY };
+  static constexpr int kFunctions = kEdgeY + 1;
   using Functions = std::array<double, kFunctions>;
 
   explicit TargetBasis(const AprilGrid& grid);

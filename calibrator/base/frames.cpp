@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <tuple>
+#include <utility>
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
@@ -79,9 +80,7 @@ std::vector<Stamp> usableViews(const std::vector<CameraStream>& cameras,
     }
   }
   // All on one clock: what may be joined stands close together then.
-  std::sort(stamps.begin(), stamps.end(), [](const Stamp& a, const Stamp& b) {
-    return std::tie(a.t, a.camera) < std::tie(b.t, b.camera);
-  });
+  std::ranges::sort(stamps, {}, [](const Stamp& s) { return std::pair(s.t, s.camera); });
   return stamps;
 }
 
@@ -162,9 +161,7 @@ std::vector<Frame> pairFrames(const std::vector<CameraStream>& cameras,
     while (frame.view[c] < 0) ++c;
     frame.t = cameras[c].views[static_cast<std::size_t>(frame.view[c])].t - shifts[c];
   }
-  std::sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) {
-    return std::tie(a.t, a.view) < std::tie(b.t, b.view);
-  });
+  std::ranges::sort(frames, {}, [](const Frame& f) { return std::tie(f.t, f.view); });
   return frames;
 }
 

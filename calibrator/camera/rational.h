@@ -68,7 +68,8 @@ struct Rational {
     double low = 0;
     double high = 0;
     for (int step = 1; step < kSteps; ++step) {
-      high = squaredTangent(0.5 * std::numbers::pi * step / kSteps);
+      const double tangent = std::tan(0.5 * std::numbers::pi * step / kSteps);
+      high = tangent * tangent;
       if (!grows(k, high)) break;
       low = high;
     }
@@ -101,10 +102,6 @@ struct Rational {
   }
   static double denominator(const double* k, double s) {
     return 1 + s * (k[5] + s * (k[6] + s * k[7]));
-  }
-  static double squaredTangent(double angle) {
-    const double tangent = std::tan(angle);
-    return tangent * tangent;
   }
   static bool grows(const double* k, double s) {
     const double N = numerator(k, s);

@@ -141,11 +141,7 @@ std::vector<PackedView> partsOf(const PackedView& view) {
     PackedView part = view;
     part.count = size;
     part.padded = size;
-    part.x += first;
-    part.y += first;
-    part.u += first;
-    part.v += first;
-    part.w += first;
+    for (const double** column : {&part.x, &part.y, &part.u, &part.v, &part.w}) *column += first;
     part.id += first;
     parts.push_back(part);
   }

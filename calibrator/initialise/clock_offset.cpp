@@ -58,10 +58,7 @@ std::vector<ImuSample> samplesOf(const std::vector<CameraRate>& rates) {
   std::vector<ImuSample> samples;
   samples.reserve(rates.size());
   for (const CameraRate& rate : rates) {
-    ImuSample sample;
-    sample.t = rate.from + (rate.to - rate.from) / 2;
-    sample.gyro = rate.rate_C;
-    samples.push_back(sample);
+    samples.push_back({rate.from + (rate.to - rate.from) / 2, rate.rate_C});
   }
   return samples;
 }

@@ -67,9 +67,7 @@ std::optional<Failure> checkSampleStamps(std::span<const ImuSample> samples) {
 std::optional<Failure> checkSampleUnits(std::span<const ImuSample> samples,
                                         const SanityOptions& options) {
   options.check();
-  if (samples.size() < 2) {
-    return Failure{FailureCode::kTooFewSamples};
-  }
+  if (samples.size() < 2) return Failure{FailureCode::kTooFewSamples};
   const double g = options.gravity_m_s2;
   const double gyro = medianNorm(samples, &ImuSample::gyro);
   const double accel = medianNorm(samples, &ImuSample::accel);

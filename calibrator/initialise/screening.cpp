@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/camera/camera.h"
@@ -177,12 +178,9 @@ std::vector<double> distancesOf(const Intrinsics& camera, const PackedView& view
     points.push_back(T_CF * Eigen::Vector3d(view.x[k], view.y[k], view.z[k]));
   }
   const auto projected = project(camera, points);
-  std::vector<double> out;
-  out.reserve(points.size());
-  for (int k = 0; k < view.count; ++k) {
-    const auto& uv = projected[static_cast<std::size_t>(k)];
-    out.push_back(uv ? (*uv - Eigen::Vector2d(view.u[k], view.v[k])).norm()
-                     : std::numeric_limits<double>::infinity());
+  std::vector<double> out(points.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    if (projected[k]) out[k] = (*projected[k] - Eigen::Vector2d(view.u[k], view.v[k])).norm();
   }
   return out;
 }
@@ -213,9 +211,7 @@ std::vector<ImuSpike> findSpikes(std::span<const ImuSample> samples, const ImuNo
     findInChannel(samples, channel, kLeastNoise * kNoiseOfDistance * density * root_rate,
                   interval_s, spikes);
   }
-  std::sort(spikes.begin(), spikes.end(), [](const ImuSpike& a, const ImuSpike& b) {
-    return a.t != b.t ? a.t < b.t : a.channel < b.channel;
-  });
+  std::ranges::sort(spikes, {}, [](const ImuSpike& s) { return std::pair(s.t, s.channel); });
   return spikes;
 }
 
