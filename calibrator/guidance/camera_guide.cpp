@@ -30,7 +30,6 @@ struct CameraGuide::State : StageState {
   int posed = 0;                             // frames with a plausible pose since the start
   int unposed = 0;                           // in a row without
 
-  void withdrawFirst(Decision& d);
   void look(const GuideFrame& frame, Decision& d);
   void initialise(const FrameCorners& corners, Decision& d);
   void tryStart(Decision& d);
@@ -58,9 +57,7 @@ int CameraGuide::nextSuggestion() const { return state_->next_suggestion; }
 
 Result<CameraStageResult> CameraGuide::batch() const {
   const State& s = *state_;
-  if (s.kept.empty()) {
-    return Failure{FailureCode::kNoFrameKept};
-  }
+  if (s.kept.empty()) return Failure{FailureCode::kNoFrameKept};
   return calibrateFrames(s.rig, s.kept, s.options,
                          s.window ? s.window->cameras() : std::vector<CameraCalibration>());
 }
@@ -71,7 +68,6 @@ Decision CameraGuide::step(const GuideFrame& frame) {
   if (s.finished) {
     d.reason = GuideReason::kFinished;
   } else if (s.gate.arrives(frame, s.open, d)) {
-    if (s.gate.replacesFirst()) s.withdrawFirst(d);
     s.look(frame, d);
   }
   s.tell(s.window.has_value(), s.kept.size(), d);
@@ -83,13 +79,12 @@ Decision CameraGuide::step(const GuideFrame& frame) {
   return d;
 }
 
-/// The only frame until now: there is no window yet, for a start needs two.
-void CameraGuide::State::withdrawFirst(Decision& d) {
-  for (const KeptFrame& frame : kept) withdraw(frame.index, kWrongFirstStamp, d);
-  kept.clear();
-}
-
 void CameraGuide::State::look(const GuideFrame& frame, Decision& d) {
+  if (gate.replacesFirst()) {
+    // The only frame until now: there is no window yet, for a start needs two.
+    for (const KeptFrame& first : kept) withdraw(first.index, kWrongFirstStamp, d);
+    kept.clear();
+  }
   gate.work(frame.t, options.latency.camera_frame_s);
   follow(frame, d);
   const FrameCorners corners = usableViews(frame, rig.cameras.size(), options.views.min_corners);
@@ -302,9 +297,7 @@ void CameraGuide::State::openSuggestion(const CandidateRound& round, std::size_t
   s.mi_nats = round.mi_nats[asked];
   if (!round.error_px.empty()) s.error_px = round.error_px[asked];
   if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
-  const ViewGuideOptions& v = options.views;
-  show(std::move(s), judge.predictedCorners(camera, round.T_FC0[asked]),
-       {v.reached_px, v.reached_s, v.expires_s}, d);
+  show(std::move(s), judge.predictedCorners(camera, round.T_FC0[asked]), options.views, d);
 }
 
 }  // namespace plumbline

@@ -26,7 +26,7 @@ constexpr int kPathPoints = 60;  // of a trajectory, for drawing
 
 struct CameraImuGuide::State : StageState {
   State(const GuideRig& of, std::vector<CameraCalibration> at, const GuideOptions& asked,
-        const Begin& begin)
+        const StageBegin& begin)
       : StageState{of, asked, FrameGate(asked, begin.busy_until, begin.last_frame),
                    begin.first_suggestion},
         cameras(std::move(at)),
@@ -42,7 +42,6 @@ struct CameraImuGuide::State : StageState {
   void look(const GuideFrame& frame, Decision& d);
   TimeNs samplesReach() const;
   bool isUsable(const GuideFrame& frame, Decision& d);
-  void useFrame(PosedFrame frame, Decision& d);
   void gather(PosedFrame frame, Decision& d);
   void tryStart(Decision& d);
   void beginEvaluator();
@@ -99,16 +98,6 @@ bool CameraImuGuide::State::isUsable(const GuideFrame& frame, Decision& d) {
   note(d, none ? "no IMU sample has arrived"
                : fmt::format("the last IMU sample is {:.3f} s before it", since_s));
   return false;
-}
-
-void CameraImuGuide::State::useFrame(PosedFrame frame, Decision& d) {
-  d.T_FC0 = frame.T_FC0;
-  frame.after_jump = gate.isAfterPause();
-  if (tracker) {
-    track(std::move(frame), d);
-  } else {
-    gather(std::move(frame), d);
-  }
 }
 
 void CameraImuGuide::State::gather(PosedFrame frame, Decision& d) {
@@ -208,13 +197,13 @@ void CameraImuGuide::State::predictError(const WindowKnowledge& known, Decision&
   // nothing of the others.
   const double sigma = shown.shared_px / stage().pixel_sigma;
   const double corners = 0.5 * median(squared_px) * sigma * sigma;
-  const auto E = evaluator->squaredPx(known, {corners, shown.imu_variance});
+  const auto E = evaluator->scorer().squaredPx(known, {corners, shown.imu_variance});
   if (E) d.error_px = std::sqrt(*E);
   if (stopsByError()) d.error_bound_px = stage().stop_reprojection_px;
   if (evaluator->isDue(d.t)) {
     // Trajectories are scored under the noise assumed. What the residuals show scales them as it
     // scales what is known now, so that the two compare.
-    const auto assumed = evaluator->squaredPx(known);
+    const auto assumed = evaluator->scorer().squaredPx(known);
     evaluator->ask(d.t, known, E && assumed ? *E / *assumed : 1);
     asked_error_px = d.error_px;
   }
@@ -257,7 +246,7 @@ std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, const Decisio
   for (std::size_t i = 0; i < round.names.size(); ++i) {
     gains.push_back(worth(round, i));
     round.reach_s.push_back(options.pace.secondsTo(*d.T_FC0, round.T_FC0[i]) + stage().reached_s);
-    seconds.push_back(round.reach_s.back() + evaluator->trajectories()[i].durationS());
+    seconds.push_back(round.reach_s.back() + evaluator->scorer().trajectories()[i].durationS());
   }
   return byGainPerSecond(gains, seconds).front();
 }
@@ -268,7 +257,7 @@ void CameraImuGuide::State::openAsked(const CandidateRound& round, std::size_t a
   // What could not be predicted stays empty, not NaN.
   if (!std::isnan(round.error_px[asked])) s.error_px = round.error_px[asked];
   if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
-  show(std::move(s), evaluator->trajectories()[asked], d);
+  show(std::move(s), evaluator->scorer().trajectories()[asked], d);
 }
 
 /// Before anything is known of the IMU, with the sensor taken to be where the camera is: the frames
@@ -292,8 +281,7 @@ void CameraImuGuide::State::show(Suggestion s, const LissajousTrajectory& trajec
   SimulationOptions seen;
   seen.target = rig.target;
   std::vector<Corner> start = visibleCorners(cameras.front().intrinsics, s.T_FC0, seen);
-  StageState::show(std::move(s), std::move(start),
-                   {stage().reached_px, stage().reached_s, stage().expires_s}, d);
+  StageState::show(std::move(s), std::move(start), stage(), d);
 }
 
 void CameraImuGuide::State::follow(const GuideFrame& frame, Decision& d) {
@@ -324,8 +312,13 @@ void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
   if (isUsable(frame, d)) {
     auto posed = poseFrame(frame, rig.target, cameras, stage().min_corners,
                            recording.batchOptions().max_start_rms_px);
-    if (!posed) d.reason = GuideReason::kNoPose;
-    if (posed) useFrame(std::move(*posed), d);
+    if (posed) {
+      d.T_FC0 = posed->T_FC0;
+      posed->after_jump = gate.isAfterPause();
+      tracker ? track(std::move(*posed), d) : gather(std::move(*posed), d);
+    } else {
+      d.reason = GuideReason::kNoPose;
+    }
   }
   // In this order: a suggestion that is reached with this frame must be closed before scores that
   // arrive with it may open the next.
@@ -341,11 +334,8 @@ void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
 }
 
 CameraImuGuide::CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
-                               const GuideOptions& options, const Begin& begin)
+                               const GuideOptions& options, const StageBegin& begin)
     : state_((options.check(), std::make_unique<State>(rig, std::move(cameras), options, begin))) {}
-CameraImuGuide::CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
-                               const GuideOptions& options)
-    : CameraImuGuide(rig, std::move(cameras), options, Begin()) {}
 CameraImuGuide::~CameraImuGuide() = default;
 CameraImuGuide::CameraImuGuide(CameraImuGuide&&) noexcept = default;
 

@@ -46,9 +46,9 @@ void Guide::endCameraStage(Decision& last) {
     }
     // The batch's cameras, not the window's: they are what the operator is given.
     // Ids have no hole: that of a suggestion that was never shown is given again.
-    camera_imu_.emplace(rig_, camera_batch_->value().cameras, options_,
-                        CameraImuGuide::Begin{camera_->nextSuggestion() - (never_shown_ ? 1 : 0),
-                                              busy_until, last.t});
+    camera_imu_.emplace(
+        rig_, camera_batch_->value().cameras, options_,
+        StageBegin{camera_->nextSuggestion() - (never_shown_ ? 1 : 0), busy_until, last.t});
   }
 }
 

@@ -56,23 +56,22 @@ class CameraGuide {
   std::unique_ptr<State> state_;
 };
 
+/// What the stage before leaves to the next.
+struct StageBegin {
+  int first_suggestion = 0;  ///< suggestions are numbered from it
+  /// Frames before it are dropped (their IMU samples are not).
+  TimeNs busy_until = std::numeric_limits<TimeNs>::min();
+  /// Stamp of the last frame of the stage before.
+  std::optional<TimeNs> last_frame = std::nullopt;
+};
+
 /// The camera-IMU stage of the Guide: next best trajectory of the paper. The cameras stay as they
 /// are given.
 class CameraImuGuide {
  public:
-  /// What the stage before leaves.
-  struct Begin {
-    int first_suggestion = 0;  ///< suggestions are numbered from it
-    /// Frames before it are dropped (their IMU samples are not).
-    TimeNs busy_until = std::numeric_limits<TimeNs>::min();
-    /// Stamp of the last frame of the stage before.
-    std::optional<TimeNs> last_frame = std::nullopt;
-  };
   /// Needs rig.imu. Throws InputError for options out of range.
   CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
-                 const GuideOptions& options, const Begin& begin);
-  CameraImuGuide(const GuideRig& rig, std::vector<CameraCalibration> cameras,
-                 const GuideOptions& options);
+                 const GuideOptions& options, const StageBegin& begin = {});
   ~CameraImuGuide();
   CameraImuGuide(CameraImuGuide&&) noexcept;
 

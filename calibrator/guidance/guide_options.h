@@ -47,6 +47,13 @@ std::vector<std::size_t> byGainPerSecond(const std::vector<double>& gains,
 /// 0.2 bits in nats: the threshold of Kalibr and of the paper.
 inline constexpr double kGuideThresholdNats = 0.2 * 0.693147180559945309;
 
+/// When a suggestion counts as reached, and when it is given up.
+struct ReachRule {
+  double reached_px = 15;  ///< within this mean corner distance [px] ...
+  double reached_s = 0.5;  ///< ... held for so long [s]
+  double expires_s = 10;   ///< not reached by then: it counts as not followed [s]
+};
+
 /// How views are scored by their information. The loss of the measurement model weights the corners
 /// of frames that were seen.
 struct ViewGainOptions : MeasurementModel {
@@ -62,7 +69,7 @@ struct ViewErrorOptions : ViewGainOptions {
 };
 
 /// Next best view of the paper.
-struct ViewGuideOptions : ViewErrorOptions {
+struct ViewGuideOptions : ViewErrorOptions, ReachRule {
   int start_frames = 5;       ///< the first N frames with the target in view start the estimate ...
   double start_move_px = 15;  ///< ... that moved by this mean corner distance since the one before
   /// So many frames in a row without plausible pose, before as many had one: the start was wrong,
@@ -81,11 +88,8 @@ struct ViewGuideOptions : ViewErrorOptions {
   /// the worst camera are predicted to be off by no more than this (ViewJudge::projectionPx())
   /// [px].
   double stop_projection_px = 0;
-  int patience = 3;        ///< frames without a new view until a next best view is looked for
-  double reached_px = 15;  ///< a suggestion is reached within this mean corner distance [px] ...
-  double reached_s = 0.5;  ///< ... held for so long [s]
-  double expires_s = 10;   ///< a suggestion not reached by then counts as not followed [s]
-  int min_views = 0;       ///< never finish with fewer views
+  int patience = 3;   ///< frames without a new view until a next best view is looked for
+  int min_views = 0;  ///< never finish with fewer views
 
   void check() const;
 };
@@ -114,7 +118,7 @@ struct LissajousOptions {
 
 /// Next best trajectory of the paper. The defaults make operators fast
 /// (docs/counterfactuals.md); patient() is closer to the paper's program.
-struct TrajectoryGuideOptions : MeasurementModel, LissajousOptions {
+struct TrajectoryGuideOptions : MeasurementModel, LissajousOptions, ReachRule {
   int start_frames = 20;  ///< frames that start the estimate, more than window; more as it takes
   int window = 3;         ///< states in the fixed-lag window
   int min_corners = 16;
@@ -129,11 +133,11 @@ struct TrajectoryGuideOptions : MeasurementModel, LissajousOptions {
   double stop_reprojection_px = 0;
   FirstTrajectory first = FirstTrajectory::kAtOnce;
   double evaluate_every_s = 1;  ///< the evaluator starts again this long after its last start [s]
-  double reached_px = 50;       ///< distance to a trajectory's start [px] ...
-  double reached_s = 0.1;       ///< ... held for so long [s]: on the way through it
-  double expires_s = 10;
 
-  TrajectoryGuideOptions() : LissajousOptions{.amplitude = 1.5, .duration_s = 2} {}
+  /// A start is reached on the way through it.
+  TrajectoryGuideOptions()
+      : LissajousOptions{.amplitude = 1.5, .duration_s = 2},
+        ReachRule{.reached_px = 50, .reached_s = 0.1} {}
   /// As the paper's program has it, and the defaults were once: scores before the first trajectory,
   /// a second at each one's start, its own size; and 5 s for it (the program: 3 s).
   static TrajectoryGuideOptions patient();

@@ -6,11 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
-#include "calibrator/base/guide_decision.h"
 #include "calibrator/base/results.h"
-#include "calibrator/base/session.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/guidance/guide_options.h"
 #include "calibrator/initialise/camera_poses.h"
@@ -99,13 +96,6 @@ class StartCheck {
   GuideRig rig_;
   GuideOptions options_;
   std::vector<KeptFrame> frames_;
-};
-
-/// When a suggestion counts as reached, and when it is given up.
-struct ReachRule {
-  double px = 15;
-  double hold_s = 0.5;
-  double expires_s = 10;
 };
 
 /// Mean distance of the corners that both lists hold [px]; ids ascending. Empty where fewer than

@@ -10,14 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrator/base/april_grid.h"
-#include "calibrator/base/calibration.h"
-#include "calibrator/base/error.h"
-#include "calibrator/base/guide_decision.h"
-#include "calibrator/base/session.h"
-#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/batch.h"
-#include "calibrator/guidance/guide_options.h"
 #include "calibrator/guidance/guide_stage.h"
 #include "calibrator/window/camera_imu_window.h"
 

@@ -245,7 +245,7 @@ std::optional<CandidateRound> TrajectoryEvaluator::answerAt(TimeNs t) {
   CandidateRound round;
   round.asked = *asked_;
   round.answered = answered;
-  for (const LissajousTrajectory& trajectory : trajectories()) {
+  for (const LissajousTrajectory& trajectory : scorer_->trajectories()) {
     round.names.push_back(trajectory.name());
     round.T_FC0.push_back(trajectory.cameraAt(0).T_FB);
   }

@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "calibrator/base/guide_decision.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/guidance/lissajous.h"
 #include "calibrator/information/predicted_error.h"
@@ -101,7 +100,7 @@ class TrajectoryEvaluator {
  public:
   TrajectoryEvaluator(TrajectoryScorer scorer, const EvaluatorTiming& timing);
 
-  const std::vector<LissajousTrajectory>& trajectories() const { return scorer_->trajectories(); }
+  const TrajectoryScorer& scorer() const { return *scorer_; }
   /// Whether a new evaluation should start with the frame at `t`: the last one was answered, and it
   /// was asked for long enough ago, or before what answerBy() wants.
   bool isDue(TimeNs t) const;
@@ -109,11 +108,6 @@ class TrajectoryEvaluator {
   void answerBy(TimeNs t) { also_due_ = t - toNanoseconds(timing_.latency_s); }
   /// Predicted errors are multiplied by `error_scale`.
   void ask(TimeNs t, WindowKnowledge now, double error_scale = 1);
-  /// E of what is known now [px^2], without scale; see TrajectoryScorer.
-  std::optional<double> squaredPx(const WindowKnowledge& now,
-                                  const NoiseVariances& variances = {}) const {
-    return scorer_->squaredPx(now, variances);
-  }
   /// The scores, once, with the first frame at or after their time.
   std::optional<CandidateRound> answerAt(TimeNs t);
 

@@ -4,10 +4,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "calibrator/base/april_grid.h"
-#include "calibrator/base/calibration.h"
-#include "calibrator/base/session.h"
-#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/guidance/guide_options.h"

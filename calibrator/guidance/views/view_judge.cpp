@@ -46,7 +46,6 @@ ViewJudge::ViewJudge(const AprilGrid& target, const ViewGuideOptions& options, i
 
 void ViewJudge::forget() {
   projection_px_.reset();
-  kept_ = 0;
   scorer_.reset();
   errors_ = ViewErrorTracker(target_, options_);
 }
@@ -88,15 +87,14 @@ bool ViewJudge::fits(const CameraEstimate& estimate, const FrameCorners& corners
 }
 
 bool ViewJudge::isEnough() const {
+  const bool enough = errors_.keptCount() >= std::max(options_.stop_views, options_.min_views);
   if (options_.stop_projection_px > 0) {
     // Asked for in pixels, neither gains nor predicted errors end the stage.
-    return projection_px_ && *projection_px_ <= options_.stop_projection_px &&
-           kept_ >= std::max(options_.stop_views, options_.min_views);
+    return enough && projection_px_ && *projection_px_ <= options_.stop_projection_px;
   }
   // Before the views tell b from tau, E stands on an even split of the misfit that is merely
   // assumed.
-  return byError() && errors_.components().told_apart &&
-         errors_.keptCount() >= std::max(options_.stop_views, options_.min_views) &&
+  return enough && byError() && errors_.components().told_apart &&
          errors_.excess() <= options_.stop_excess;
 }
 

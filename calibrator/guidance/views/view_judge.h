@@ -4,9 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "calibrator/base/guide_decision.h"
-#include "calibrator/guidance/guide_options.h"
-#include "calibrator/guidance/guide_stage.h"
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/guidance/views/view_error.h"
 #include "calibrator/guidance/views/view_gain.h"
@@ -25,10 +22,7 @@ class ViewJudge {
   void forget();
   /// A frame with a plausible pose; a view that entered the window.
   void see(const FrameCorners& corners, const Transform& T_FC0) { errors_.see(corners, T_FC0); }
-  void keep(const FrameCorners& corners, const Transform& T_FC0) {
-    errors_.keep(corners, T_FC0);
-    ++kept_;
-  }
+  void keep(const FrameCorners& corners, const Transform& T_FC0) { errors_.keep(corners, T_FC0); }
   /// After every change of the window; `information`: its own.
   void refresh(const CameraWindow& window, const Eigen::MatrixXd& information);
 
@@ -68,7 +62,7 @@ class ViewJudge {
   AprilGrid target_;
   ViewGuideOptions options_;
   int threads_;
-  int cameras_ = 0, kept_ = 0;
+  int cameras_ = 0;
   std::optional<double> projection_px_;
   std::optional<ViewScorer> scorer_;
   ViewErrorTracker errors_;
