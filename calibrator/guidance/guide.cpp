@@ -8,17 +8,6 @@
 #include "calibrator/guidance/guide_stage.h"
 
 namespace plumbline {
-namespace {
-
-/// Of a frame that no stage looks at.
-Decision passedOver(const GuideFrame& frame) {
-  Decision decision = decisionOn(frame, GuideStage::kCamera);
-  decision.reason = GuideReason::kFinished;
-  decision.mode = GuideMode::kFinished;
-  return decision;
-}
-
-}  // namespace
 
 Guide::Guide(const GuideRig& rig, const GuideOptions& options,
              std::optional<std::vector<CameraCalibration>> cameras)
@@ -84,7 +73,11 @@ Decision Guide::step(const GuideFrame& frame) {
   if (camera_ && !cameraOver()) return stepCamera(frame);
   if (camera_imu_) return camera_imu_->step(frame);
   // A stage that finished says so with every frame; one that was ended by time would go on.
-  return camera_ && !camera_ended_ ? camera_->step(frame) : passedOver(frame);
+  if (camera_ && !camera_ended_) return camera_->step(frame);
+  Decision passed_over = decisionOn(frame, GuideStage::kCamera);
+  passed_over.reason = GuideReason::kFinished;
+  passed_over.mode = GuideMode::kFinished;
+  return passed_over;
 }
 
 bool Guide::finished() const {

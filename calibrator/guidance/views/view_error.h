@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera/view_terms.h"
 #include "calibrator/guidance/guide_stage.h"
 #include "calibrator/guidance/views/view_gain.h"
