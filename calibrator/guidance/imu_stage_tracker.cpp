@@ -15,7 +15,7 @@
 #include "calibrator/camera/camera.h"
 #include "calibrator/information/projection_uncertainty.h"
 #include "calibrator/initialise/imu_alignment.h"
-#include "calibrator/residuals/tangent.h"
+#include "calibrator/residuals/view_gram.h"
 
 namespace plumbline {
 namespace {
@@ -99,8 +99,7 @@ std::optional<StageNoise> noiseOf(const Session& session,
   StageNoise out;
   out.imu_variance = shown / assumed;
   // A pose has six rows, about half of them left by what the IMU says.
-  const auto judged =
-      std::min(static_cast<int>(found->frames.size()), ImuNoiseOptions().max_frames);
+  const auto judged = std::min(static_cast<int>(found->frames.size()), kMostNoiseFrames);
   const double of_poses = 1 / std::sqrt(6.0 * judged);
   const double ratio = std::sqrt(2) * checks.pose_pixel_sigma / found->summary.reprojection.rmse_px;
   if (std::isfinite(ratio)) out.shared_px = std::max(1.0, beyondChance(ratio, of_poses));

@@ -9,7 +9,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/batch/camera_imu/start.h"
+#include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_sanity.h"

@@ -10,7 +10,7 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/camera_poses.h"
-#include "calibrator/residuals/tangent.h"
+#include "calibrator/residuals/view_gram.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/camera/example_cameras.h"
 

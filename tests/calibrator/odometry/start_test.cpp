@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The start of an odometry from exact sightings of a rig in motion, and what it needs.
-#include "calibrator/odometry/start.h"
-
 #include <gtest/gtest.h>
 
+#include "calibrator/odometry/odometry.h"
 #include "tests/calibrator/odometry/exact_window.h"
 
 namespace plumbline {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "report/html/figure.h"
 #include "report/html/scene.h"
+#include "report/html/section.h"
 
 namespace plumbline::html_internal {
 namespace {
