@@ -8,7 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include "report/html/perturbation/figures.h"
 #include "report/html/replay/sections.h"
 #include "report/html/section.h"
 #include "report/html/study/sections.h"
@@ -121,27 +120,6 @@ TEST(WithoutEmptyColumns, OnlyThoseOfDashesGo) {
   EXPECT_EQ(left.rows[0][0].text, kDash);
   EXPECT_EQ(left.rows[0][1].text, "x");
   EXPECT_EQ(left.rows[1][0].text, "a");
-}
-
-TEST(PerturbedCases, AreGroupedByKindInTheOrderOfTheirFirst) {
-  PerturbationRecord record;
-  for (const char* kind : {"imu-shift", "corner-noise", "imu-shift"}) {
-    record.cases.emplace_back().kind = kind;
-  }
-  record.cases[2].amount = 10;
-  const auto groups = groupedCases(record);
-  ASSERT_EQ(groups.size(), 2U);
-  EXPECT_EQ(groups[0].kind, "imu-shift");
-  ASSERT_EQ(groups[0].cases.size(), 2U);
-  EXPECT_EQ(groups[0].cases[1], &record.cases[2]);
-  EXPECT_EQ(titleOf("imu-shift"), "Shifted IMU stamps");
-  EXPECT_EQ(titleOf("<own>"), "<own>");
-  PerturbationCase drawn;
-  drawn.unit = "px";
-  drawn.amount = 0.5;
-  EXPECT_EQ(labelOf(drawn), "+0.5 px");
-  drawn.seed = 3;
-  EXPECT_EQ(labelOf(drawn), "+0.5 px, seed 3");
 }
 
 /// A study of one shift under which the sessions found these offsets.
