@@ -43,13 +43,13 @@ void addImuSamples(const ImuStream& imu, const GuideFramesOptions& options,
   }
 }
 
-constexpr int kWidest = 400;  // [px]
+constexpr int kWidestImage = 400;  // [px]
 constexpr int kQuality = 60;
 
 std::string smallCopy(const ImageFile& file) {
   const GrayImage image = readGrayImage(file.path);
   // The least whole factor that makes it fit.
-  return encodeJpeg(shrunk(image, (image.width() + kWidest - 1) / kWidest), kQuality);
+  return encodeJpeg(shrunk(image, (image.width() + kWidestImage - 1) / kWidestImage), kQuality);
 }
 
 }  // namespace
