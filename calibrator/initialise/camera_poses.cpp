@@ -4,9 +4,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/linear/levenberg_marquardt.h"
@@ -208,9 +208,14 @@ Transform mirroredPose(const Transform& T_CF, const Eigen::Vector2d& centre) {
   return other;
 }
 
+void PoseRefinementOptions::check() const {
+  requireAtLeast(0, "max_iterations", max_iterations);
+  requirePositive("tolerance", tolerance);
+}
+
 PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& T_C0F,
                           const PoseRefinementOptions& options) {
-  assert(options.max_iterations >= 0 && options.tolerance > 0);
+  options.check();
   DenseSteps steps(
       T_C0F, [&](const Transform& T) { return frameGram(views, T, options.gram); },
       [](const Transform& T, const Vector6d& x) { return twisted(T, x); });

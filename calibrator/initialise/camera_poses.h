@@ -53,10 +53,13 @@ struct PoseRefinementOptions {
   /// Converged with the step that is shorter than this, in standard deviations of the pose under
   /// 1 px; it is still taken.
   double tolerance = 1e-2;
+
+  /// Throws InputError for a negative number of steps or a tolerance that is not positive.
+  void check() const;
 };
 
 /// Minimises the reprojection error of a frame's views over the pose of the target in camera 0
-/// (minimise()).
+/// (minimise()). Checks the options.
 PoseRefinement refinePose(const std::vector<FrameView>& views, const Transform& T_C0F,
                           const PoseRefinementOptions& options = {});
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/camera_poses.h"
@@ -294,6 +295,11 @@ TEST(ExtrinsicsFromPoses, TheWayOfMostSharedFramesIsTaken) {
   const auto T = extrinsicsFromPoses(poses, {"cam0", "cam1", "cam2"});
   ASSERT_TRUE(T.ok());
   EXPECT_LT(distance((*T)[2], T_C0C2), 1e-9);
+}
+
+TEST(RefinePose, RefusesOptionsOutOfRange) {
+  EXPECT_THROW(refinePose({}, Transform(), {.max_iterations = -1}), InputError);
+  EXPECT_THROW(refinePose({}, Transform(), {.tolerance = 0}), InputError);
 }
 
 }  // namespace

@@ -236,13 +236,13 @@ TEST(AssumptionsOf, AreThoseOfTheStagesAndOfTheSessionsImu) {
   camera_imu.pixel_sigma = 0.7;
   camera_imu.gravity_m_s2 = 9.7;
   Session session;
-  const Assumptions cameras = assumptionsOf(camera, camera_imu, session);
+  const Assumptions cameras = assumptionsOf(camera, camera_imu, &session);
   EXPECT_EQ(cameras.pixel_sigma_px, 0.25);
   EXPECT_EQ(cameras.gravity_m_s2, 9.7);
   EXPECT_EQ(cameras.loss, "cauchy:1.5");
   EXPECT_FALSE(cameras.imu_noise);
   session.imu.emplace().noise.gyro_density = 0.125;
-  EXPECT_EQ(assumptionsOf(camera, camera_imu, session).imu_noise->gyro_density, 0.125);
+  EXPECT_EQ(assumptionsOf(camera, camera_imu, &session).imu_noise->gyro_density, 0.125);
   EXPECT_EQ(lossText(0), "none");
 }
 

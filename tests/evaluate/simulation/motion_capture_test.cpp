@@ -76,16 +76,6 @@ TEST(MotionCapture, GapsTakePosesAwayAndChangeNoOther) {
   }
 }
 
-TEST(MotionCaptureCsv, HasEurocsColumns) {
-  Trajectory trajectory;
-  trajectory.poses.push_back({1'400'000'000'123'456'789, {1, -2.5, 3}, {0.5, -0.5, 0.5, -0.5}});
-  const std::string csv = motionCaptureCsv(trajectory);
-  const std::size_t row = csv.find('\n') + 1;
-  EXPECT_EQ(csv.substr(0, row),
-            "#timestamp [ns], p_x [m], p_y [m], p_z [m], q_w [], q_x [], q_y [], q_z []\n");
-  EXPECT_EQ(csv.substr(row), "1400000000123456789,1,-2.5,3,0.5,-0.5,0.5,-0.5\n");
-}
-
 TEST(MotionCapture, ItsTruthIsToldBesideIt) {
   const TemporaryFolder folder;
   const SimulatedSession session = recordedFor(2);
@@ -97,7 +87,10 @@ TEST(MotionCapture, ItsTruthIsToldBesideIt) {
   const auto gap = simulateMotionCapture(session, o).gaps_s.front();
   EXPECT_EQ(truth.at("gaps_s").at(0).at(0), gap.first);
   EXPECT_EQ(truth.at("gaps_s").at(0).at(1), gap.second);
-  EXPECT_TRUE(std::filesystem::exists(folder.path("sequences/seq01/mav0/mocap0/data.csv")));
+  std::string header;
+  std::getline(std::ifstream(folder.path("sequences/seq01/mav0/mocap0/data.csv")) >> std::ws,
+               header);
+  EXPECT_EQ(header, "#timestamp [ns], p_x [m], p_y [m], p_z [m], q_w [], q_x [], q_y [], q_z []");
 }
 
 // The first rest is the one before the flight, where there is one.

@@ -14,6 +14,7 @@
 namespace plumbline::html_internal {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -87,20 +88,6 @@ TEST(UnlikeOffsetsText, StampsAreMovedByTheDifferenceToCamera0) {
   EXPECT_EQ(unlikeOffsetsText(cameras, imu), "");
 }
 
-/// What a template makes of a page's values.
-std::string rendered(data& page, const std::string& text) { return renderTemplate(text, page); }
-
-TEST(MatrixData, IsRowByRow) {
-  const Transform T(expSO3({0, 0, std::numbers::pi / 2}), {0.5, -0.25, 2});
-  data matrix = matrixData("T_C0C1", T, "metres");
-  EXPECT_EQ(rendered(matrix, "{{heading}} {{note}}{{#rows}}|{{#cells}} {{.}}{{/cells}}{{/rows}}"),
-            "T_C0C1 metres"
-            "| 0.00000000 -1.00000000 0.00000000 0.50000000"
-            "| 1.00000000 0.00000000 0.00000000 -0.25000000"
-            "| 0.00000000 0.00000000 1.00000000 2.00000000"
-            "| 0.00000000 0.00000000 0.00000000 1.00000000");
-}
-
 Verdict verdictOf(const std::vector<Finding>& findings) {
   Verdict verdict;
   verdict.findings = findings;
@@ -108,35 +95,36 @@ Verdict verdictOf(const std::vector<Finding>& findings) {
   return verdict;
 }
 
-std::string chips(const std::vector<Finding>& findings) {
-  data page{data::type::object};
-  setVerdict(page, verdictOf(findings), "", "good");
-  return rendered(page, "{{#subjects}}{{subject}}={{level}} {{/subjects}}");
+/// The page of nothing but a verdict.
+std::string pageOf(const std::vector<Finding>& findings, const std::string& good_word = "good") {
+  const Provenance provenance;
+  Page page{"", "", provenance, verdictOf(findings), {}, {}, {}};
+  page.good_word = good_word;
+  return renderPage(page);
 }
 
-TEST(SetVerdict, ASubjectHasItsWorstFindingAndNoneWhereItWasNotJudged) {
+TEST(VerdictOfAPage, ASubjectHasItsWorstFindingAndNoneWhereItWasNotJudged) {
   const auto good = VerdictLevel::kGood, bad = VerdictLevel::kBad;
   Finding cameras{"a", good}, more{"b", bad}, noise{"c", VerdictLevel::kCaution}, all{"d", bad};
   cameras.subject = more.subject = FindingSubject::kCameras;
   noise.subject = FindingSubject::kImuNoise;
-  EXPECT_EQ(chips({more, cameras, noise, all}),
-            "cameras=bad extrinsics and time=not judged IMU noise=caution recording=not judged ");
-  EXPECT_EQ(chips({all}), "") << "the badge says all";
+  EXPECT_THAT(
+      pageOf({more, cameras, noise, all}),
+      AllOf(HasSubstr("</span>cameras: bad<"), HasSubstr("</span>extrinsics and time: not judged<"),
+            HasSubstr("</span>IMU noise: caution<"), HasSubstr("</span>recording: not judged<")));
+  EXPECT_THAT(pageOf({all}), Not(HasSubstr("class=\"chip\""))) << "the badge says all";
 }
 
-TEST(SetVerdict, CountsTheRulesThatAreMet) {
-  const auto words = [](const std::vector<Finding>& findings, const std::string& good_word) {
-    data page{data::type::object};
-    setVerdict(page, verdictOf(findings), "sentence", good_word);
-    return rendered(page,
-                    "{{verdict}} {{verdict_word}}: {{holds_summary}}, {{#concerns}}{{rule}} "
-                    "{{/concerns}}");
-  };
+TEST(VerdictOfAPage, CountsTheRulesThatAreMet) {
   const Finding good{"met", VerdictLevel::kGood}, doubt{"doubt", VerdictLevel::kCaution};
-  EXPECT_EQ(words({good, doubt, good}, "good"), "caution Caution: 2 of 3 rules are met, doubt ");
-  EXPECT_EQ(words({good}, "good"), "good Good: 1 of 1 rules are met, ");
+  EXPECT_THAT(pageOf({good, doubt, good}),
+              AllOf(HasSubstr("<span class=\"badge\">Caution</span>"),
+                    HasSubstr("2 of 3 rules are met"), HasSubstr("<td class=\"rule\">doubt</td>")));
+  EXPECT_THAT(pageOf({good}), AllOf(HasSubstr("<span class=\"badge\">Good</span>"),
+                                    HasSubstr("1 of 1 rules are met")));
   // A word of its own praises nothing.
-  EXPECT_EQ(words({good}, "complete"), "neutral Complete: 1 of 1 rules are met, ");
+  EXPECT_THAT(pageOf({good}, "complete"),
+              AllOf(HasSubstr("<span class=\"badge\">Complete</span>"), HasSubstr("neutral")));
 }
 
 TEST(Sections, WithoutContentHaveNoBlocks) {
