@@ -27,14 +27,30 @@ void appendByScore(std::vector<double> scores, std::vector<std::size_t>& order) 
 
 }  // namespace
 
-void ViewGuideOptions::check() const {
+void ReachRule::check(const std::string& of) const {
+  requirePositive((of + "reached_px").c_str(), reached_px);
+  requireOption(reached_s >= 0, (of + "reached_s").c_str(), reached_s, "0 or more");
+  requirePositive((of + "expires_s").c_str(), expires_s);
+}
+
+void ViewGainOptions::check() const {
   MeasurementModel::check();
+  requireOption(min_corners >= 1, "min_corners", min_corners, "1 or more");
+}
+
+void ViewErrorOptions::check() const {
+  ViewGainOptions::check();
+  requireOption(most_seen >= 2, "most_seen", most_seen, "2 or more");
+}
+
+void ViewGuideOptions::check() const {
+  // A homography, with which every pose begins, needs four.
+  requireOption(min_corners >= 4, "views.min_corners", min_corners, "4 or more");
+  ViewErrorOptions::check();
   requireOption(start_frames >= 2, "views.start_frames", start_frames, "2 or more");
   requireOption(start_move_px >= 0, "views.start_move_px", start_move_px, "0 or more");
   requireOption(start_anew_after >= 1, "views.start_anew_after", start_anew_after, "1 or more");
   requireOption(window >= 1, "views.window", window, "1 or more");
-  // A homography, with which every pose begins, needs four.
-  requireOption(min_corners >= 4, "views.min_corners", min_corners, "4 or more");
   requireOption(threshold_nats >= 0, "views.threshold_nats", threshold_nats, "0 or more");
   requireOption(least_lowering > 0 && least_lowering < 1, "views.least_lowering", least_lowering,
                 "a share between 0 and 1");
@@ -43,10 +59,17 @@ void ViewGuideOptions::check() const {
   requireOption(stop_projection_px >= 0, "views.stop_projection_px", stop_projection_px,
                 "0 (not asked for) or more");
   requireOption(patience >= 1, "views.patience", patience, "1 or more");
-  requirePositive("views.reached_px", reached_px);
-  requireOption(reached_s >= 0, "views.reached_s", reached_s, "0 or more");
-  requirePositive("views.expires_s", expires_s);
+  ReachRule::check("views.");
   requireOption(min_views >= 0, "views.min_views", min_views, "0 or more");
+}
+
+void LissajousOptions::check(const std::string& of) const {
+  requirePositive((of + "amplitude").c_str(), amplitude);
+  requirePositive((of + "distance_ratio").c_str(), distance_ratio);
+  requirePositive((of + "duration_s").c_str(), duration_s);
+  requirePositive((of + "max_speed_m_s").c_str(), max_speed_m_s);
+  requirePositive((of + "max_rate_rad_s").c_str(), max_rate_rad_s);
+  requirePositive((of + "max_acceleration_m_s2").c_str(), max_acceleration_m_s2);
 }
 
 void TrajectoryGuideOptions::check() const {
@@ -63,14 +86,8 @@ void TrajectoryGuideOptions::check() const {
   requireOption(stop_reprojection_px >= 0, "trajectories.stop_reprojection_px",
                 stop_reprojection_px, "0 (not asked for) or more");
   requirePositive("trajectories.evaluate_every_s", evaluate_every_s);
-  requirePositive("trajectories.reached_px", reached_px);
-  requireOption(reached_s >= 0, "trajectories.reached_s", reached_s, "0 or more");
-  requirePositive("trajectories.expires_s", expires_s);
-  requirePositive("trajectories.amplitude", amplitude);
-  requirePositive("trajectories.duration_s", duration_s);
-  requirePositive("trajectories.max_speed_m_s", max_speed_m_s);
-  requirePositive("trajectories.max_rate_rad_s", max_rate_rad_s);
-  requirePositive("trajectories.max_acceleration_m_s2", max_acceleration_m_s2);
+  ReachRule::check("trajectories.");
+  LissajousOptions::check("trajectories.");
 }
 
 TrajectoryGuideOptions TrajectoryGuideOptions::patient() {

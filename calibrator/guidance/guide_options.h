@@ -52,12 +52,19 @@ struct ReachRule {
   double reached_px = 15;  ///< within this mean corner distance [px] ...
   double reached_s = 0.5;  ///< ... held for so long [s]
   double expires_s = 10;   ///< not reached by then: it counts as not followed [s]
+
+  /// Of a guide's options, whose part `of` names (OpenSuggestion also takes one that never
+  /// expires): throws InputError naming the field that is out of its range.
+  void check(const std::string& of) const;
 };
 
 /// How views are scored by their information. The loss of the measurement model weights the corners
 /// of frames that were seen.
 struct ViewGainOptions : MeasurementModel {
   int min_corners = 16;  ///< of one camera, for its view to count
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 
 /// And by the predicted error.
@@ -66,6 +73,8 @@ struct ViewErrorOptions : ViewGainOptions {
   /// views put corners.
   LaterUseKind later_use = LaterUseKind::kImage;
   int most_seen = 60;  ///< frames that stand for those seen so far, evenly spread over them
+
+  void check() const;
 };
 
 /// Next best view of the paper.
@@ -114,6 +123,9 @@ struct LissajousOptions {
   double max_speed_m_s = 1.5;
   double max_rate_rad_s = 3.14159265358979;
   double max_acceleration_m_s2 = 9.80665;  ///< without gravity
+
+  /// Throws InputError naming the field that is out of its range, after the part `of` of options.
+  void check(const std::string& of = "") const;
 };
 
 /// Next best trajectory of the paper. The defaults make operators fast

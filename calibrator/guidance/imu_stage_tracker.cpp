@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/frames.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/camera/camera.h"
@@ -159,6 +160,8 @@ double ImuReprojection::differencePx(const ImuCalibration& a, const ImuCalibrati
 std::optional<PosedFrame> poseFrame(const GuideFrame& frame, const AprilGrid& target,
                                     const std::vector<CameraCalibration>& cameras, int min_corners,
                                     double max_rms_px) {
+  requireAtLeast(4, "min_corners", min_corners);
+  requirePositive("max_rms_px", max_rms_px);
   // Out of the frame, not only out of the pose: the window uses the same views.
   PosedFrame out{{frame.index, frame.t, usableViews(frame, cameras.size(), min_corners)}};
   const PackedFrame packed(target, out.corners);

@@ -69,7 +69,8 @@ struct PosedFrame : KeptFrame {
 };
 
 /// The frame with the views of at least `min_corners` corners, and camera 0's pose by them alone.
-/// Empty where they give none, or one that leaves more than `max_rms_px`.
+/// Empty where they give none, or one that leaves more than `max_rms_px`. Throws InputError for
+/// fewer than four corners (of one tag) or an error that is not positive.
 std::optional<PosedFrame> poseFrame(const GuideFrame& frame, const AprilGrid& target,
                                     const std::vector<CameraCalibration>& cameras, int min_corners,
                                     double max_rms_px);

@@ -88,6 +88,7 @@ LissajousTrajectory::LissajousTrajectory(LissajousShape shape, const AprilGrid& 
       B_(shape_.b == 0 ? 0 : options.amplitude * shape_.height_ratio * target.height()),
       R_(options.distance_ratio * std::max(target.width(), target.height())),
       duration_s_(options.duration_s) {
+  options.check();
   const double reach = std::hypot(A_, B_);
   // Both axes by the same, which keeps the shape.
   const double shrink = reach > kWidest * R_ ? kWidest * R_ / reach : 1;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "calibrator/base/option_check.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/residuals/view_gram.h"
@@ -95,6 +96,14 @@ double instant(std::size_t k, double rate_hz, double before) {
 
 }  // namespace
 
+void TrajectoryRecording::check() const {
+  requireOption(camera_rate_hz > 0, "camera_rate_hz", camera_rate_hz, "a positive rate");
+  requireOption(imu_rate_hz > 0, "imu_rate_hz", imu_rate_hz, "a positive rate");
+  requireOption(gravity_m_s2 > 0, "gravity_m_s2", gravity_m_s2, "a positive acceleration");
+  requireOption(pixel_sigma > 0, "pixel_sigma", pixel_sigma, "a positive number of pixels");
+  requireOption(min_corners >= 1, "min_corners", min_corners, "1 or more");
+}
+
 TrajectoryScorer::TrajectoryScorer(const TrajectoryRecording& recording,
                                    std::vector<LissajousTrajectory> trajectories,
                                    const std::vector<CameraCalibration>& cameras)
@@ -102,6 +111,7 @@ TrajectoryScorer::TrajectoryScorer(const TrajectoryRecording& recording,
       trajectories_(std::move(trajectories)),
       cameras_(cameras),
       reprojection_(cameras) {
+  recording.check();
   for (const LissajousTrajectory& trajectory : trajectories_) {
     prepared_.push_back(prepare(trajectory));
   }

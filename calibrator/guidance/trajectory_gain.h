@@ -26,6 +26,9 @@ struct TrajectoryRecording {
   double pixel_sigma = 1;     ///< standard deviation of a corner, per axis [px]
   int min_corners = 16;       ///< views of one camera with fewer count for nothing
   bool score_offset = false;  ///< the time offset counts beside T_SC0
+
+  /// Throws InputError naming the field that is out of its range.
+  void check() const;
 };
 
 /// Of trajectories, in their order. NaN: nothing can be said.

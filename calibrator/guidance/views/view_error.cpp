@@ -30,7 +30,9 @@ int viewsUntilRefresh(int views) {
 }
 
 ViewErrorTracker::ViewErrorTracker(const AprilGrid& target, const ViewErrorOptions& options)
-    : target_(target), options_(options) {}
+    : target_(target), options_(options) {
+  options.check();
+}
 
 RigView ViewErrorTracker::Held::view() const {
   RigView rig;

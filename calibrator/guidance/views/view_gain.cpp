@@ -188,6 +188,7 @@ class ViewScorer::Sum {
 ViewScorer::ViewScorer(const AprilGrid& target, const CameraEstimate& cameras,
                        const Eigen::MatrixXd& information, const ViewGainOptions& options)
     : target_(target), cameras_(cameras), layout_(cameras.intrinsics), options_(options) {
+  options.check();
   for (std::size_t c = 0; c < cameras.intrinsics.size(); ++c) {
     visible_.emplace_back(cameras.intrinsics[c], target, VisibleTags::Limits());
     T_CiC0_.push_back(cameras.T_C0Ci[c].inverse());

@@ -9,6 +9,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/guidance/guide.h"
+#include "calibrator/guidance/imu_stage_tracker.h"
 #include "tests/calibrator/guidance/imu_guide_replay.h"
 
 namespace plumbline {
@@ -278,6 +279,11 @@ TEST(CameraImuGuideInput, OptionsOutOfRangeAreRefused) {
   EXPECT_THROW(
       CameraImuGuide(test::rigOf(inputRecording()), inputRecording().truth.cameras, options),
       InputError);
+  const AprilGrid& target = inputRecording().session.target;
+  EXPECT_THROW(poseFrame(frames().front(), target, inputRecording().truth.cameras, 3, 30),
+               InputError);
+  EXPECT_THROW(poseFrame(frames().front(), target, inputRecording().truth.cameras, 16, 0),
+               InputError);
 }
 
 // Some come with every frame, but ever older ones.

@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <limits>
+#include <string>
+#include <type_traits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,8 +16,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string refusalOf(const std::function<void(GuideOptions&)>& change) {
-  GuideOptions options;
+template <class Options = GuideOptions>
+std::string refusalOf(const std::type_identity_t<std::function<void(Options&)>>& change) {
+  Options options;
   change(options);
   try {
     options.check();
@@ -51,6 +54,23 @@ TEST(GuideOptions, RefuseWhatIsNoNumber) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(refusalOf([&](GuideOptions& o) { o.views.pixel_sigma = nan; }), "");
   EXPECT_NE(refusalOf([&](GuideOptions& o) { o.trajectories.duration_s = nan; }), "");
+}
+
+TEST(GuideOptions, OfEachPartAreChecked) {
+  EXPECT_EQ(refusalOf([](GuideOptions& o) { o.views.min_corners = 3; }),
+            "views.min_corners is 3; expected 4 or more");
+  EXPECT_EQ(refusalOf([](GuideOptions& o) { o.views.most_seen = 1; }),
+            "most_seen is 1; expected 2 or more");
+  EXPECT_EQ(refusalOf([](GuideOptions& o) { o.views.expires_s = 0; }),
+            "views.expires_s is 0; expected a positive number");
+  EXPECT_EQ(refusalOf([](GuideOptions& o) { o.trajectories.reached_s = -1; }),
+            "trajectories.reached_s is -1; expected 0 or more");
+  EXPECT_EQ(refusalOf([](GuideOptions& o) { o.trajectories.amplitude = 0; }),
+            "trajectories.amplitude is 0; expected a positive number");
+  EXPECT_EQ(refusalOf([](GuideOptions& o) { o.trajectories.distance_ratio = -1; }),
+            "trajectories.distance_ratio is -1; expected a positive number");
+  EXPECT_EQ(refusalOf<LissajousOptions>([](auto& o) { o.max_speed_m_s = 0; }),
+            "max_speed_m_s is 0; expected a positive number");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/simulate/rig.h"
 #include "calibrator/simulate/simulate_session.h"
@@ -202,6 +203,17 @@ TEST(Lissajous, AmplitudeScalesAndStopsShortOfTheTargetsPlane) {
       ASSERT_TRUE(T_FC0.matrix().allFinite()) << trajectory.name();
       EXPECT_GE(T_FC0.t.z(), 1.2 * AprilGrid{}.width() * std::sin(0.26)) << trajectory.name();
     }
+  }
+}
+
+TEST(Lissajous, RefusesWhatNoCurveHas) {
+  for (double LissajousOptions::*field :
+       {&LissajousOptions::amplitude, &LissajousOptions::distance_ratio,
+        &LissajousOptions::duration_s, &LissajousOptions::max_speed_m_s,
+        &LissajousOptions::max_rate_rad_s, &LissajousOptions::max_acceleration_m_s2}) {
+    LissajousOptions options;
+    options.*field = 0;
+    EXPECT_THROW(all(options), InputError);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/information/covariance.h"
 #include "tests/calibrator/guidance/recorded_trajectory.h"
 
@@ -175,6 +176,20 @@ TEST(TrajectoryGain, WithoutCornersOrKnowledgeThereIsNoScore) {
   const auto gains = scorer(test::plannedRecording(shortWindow(), {})).scores(now).gain_nats;
   EXPECT_EQ(gains.size(), 6u);
   for (const double gain : gains) EXPECT_TRUE(std::isnan(gain));
+}
+
+TEST(TrajectoryGain, RefusesWhatNobodyRecords) {
+  const TrajectoryRecording planned = test::plannedRecording(shortWindow(), {});
+  for (double TrajectoryRecording::*field :
+       {&TrajectoryRecording::camera_rate_hz, &TrajectoryRecording::imu_rate_hz,
+        &TrajectoryRecording::gravity_m_s2, &TrajectoryRecording::pixel_sigma}) {
+    TrajectoryRecording wrong = planned;
+    wrong.*field = 0;
+    EXPECT_THROW(scorer(wrong), InputError);
+  }
+  TrajectoryRecording wrong = planned;
+  wrong.min_corners = 0;
+  EXPECT_THROW(scorer(wrong), InputError);
 }
 
 }  // namespace

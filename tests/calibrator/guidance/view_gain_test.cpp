@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/simulate/simulate_session.h"
@@ -158,6 +159,12 @@ TEST(ViewGain, DoesNotDependOnTheNumberOfThreads) {
   const auto one = e.scorer().predictedGains(T_FC0, 1);
   EXPECT_EQ(one, e.scorer().predictedGains(T_FC0, 3));
   EXPECT_EQ(one[17], e.scorer().predictedGains({T_FC0[17]}).front());
+}
+
+TEST(ViewGain, RefusesOptionsOutOfRange) {
+  Example e = exampleOf("euroc", 1);
+  e.options.min_corners = 0;
+  EXPECT_THROW(e.scorer(), InputError);
 }
 
 }  // namespace

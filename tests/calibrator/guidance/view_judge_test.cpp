@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "tests/calibrator/window/stereo_frames.h"
 
 namespace plumbline {
@@ -29,6 +30,12 @@ TEST(ViewJudge, AnErrorThatIsNoNumberIsNotPredictedAsNone) {
   EXPECT_GT(*px, 0.01);
   EXPECT_NEAR(*half / *px, 0.5, 1e-9);
   EXPECT_FALSE(projectionPxOf(frames, std::numeric_limits<double>::quiet_NaN()));
+}
+
+TEST(ViewErrorTracker, RefusesOptionsOutOfRange) {
+  ViewErrorOptions options;
+  options.most_seen = 1;
+  EXPECT_THROW(ViewErrorTracker(AprilGrid(), options), InputError);
 }
 
 }  // namespace
