@@ -285,10 +285,13 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   const auto views = viewTerms(problem, solution, columns);
   auto links = linkTerms(problem, solution, columns, out.sway_hz);
   if (!links) return std::nullopt;
-  // Before the scores: where a jump is tested decides what its column is.
-  const auto S = covarianceOf(problem, views, *links, columns.border.size);
-  if (!S) return std::nullopt;
-  out.jumps = placeJumps(problem, columns, *S, *links);
+  // Before the scores: where a jump is tested decides what its column is. Ended before the
+  // responses are formed, for no other step takes as much memory.
+  if (const auto S = covarianceOf(problem, views, *links, columns.border.size)) {
+    out.jumps = placeJumps(problem, columns, *S, *links);
+  } else {
+    return std::nullopt;
+  }
   // Now with all columns, jumps included; the border's own information comes from the blocks.
   const auto W = chainResponses(chainOf(problem, views, *links, columns.size), problem.threads);
   if (!W) return std::nullopt;
