@@ -35,7 +35,10 @@ void forChunks(int count, int size, int threads, Work&& work) {
 /// What work(0), ..., work(count - 1) give, on up to `threads` threads; work takes a std::size_t.
 template <class Work>
 auto parallelMap(std::size_t count, int threads, Work&& work) {
-  std::vector<std::invoke_result_t<Work&, std::size_t>> out(count);
+  using Value = std::invoke_result_t<Work&, std::size_t>;
+  // Threads would write into one word of a vector of bool.
+  static_assert(!std::is_same_v<Value, bool>);
+  std::vector<Value> out(count);
   parallelCalls(static_cast<int>(count), threads, [&](int i) { out[i] = work(i); });
   return out;
 }
