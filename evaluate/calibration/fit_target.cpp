@@ -170,6 +170,7 @@ const char* agreementText(BoardAgreement agreement) {
       "differs significantly, but its own shape predicts held-out frames no better",
       "differs, and its own shape predicts held-out frames better: another board, one that has "
       "changed, or a lens that its model misfits"};
+  static_assert(kWords.size() == static_cast<std::size_t>(BoardAgreement::kOther) + 1);
   return kWords[static_cast<std::size_t>(agreement)];
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the table of commands tells a shell and a reader of manuals: completion and the man page.
-// Both walk the same tree of commands and options that parses, so that they cannot fall behind it.
+// What the table of commands tells a shell, a reader of manuals and who mistypes a word:
+// completion, the man page and what was probably meant. All walk the same tree of commands and
+// options that parses, so that they cannot fall behind it.
 #include <algorithm>
 #include <cctype>
 #include <cstddef>

@@ -75,8 +75,9 @@ void addChanges(const Calibrations& calibrations, std::vector<ComparedParameter>
   }
 }
 
-/// A row of plain numbers that some calibrations have.
 using NumberOf = std::function<std::optional<double>(const Calibration&)>;
+
+/// A row of plain numbers that some calibrations have.
 ComparedParameter numberRow(const std::string& name, const std::string& unit,
                             const Calibrations& calibrations, const NumberOf& number_of) {
   ComparedParameter row{name, unit, {}, {}, {}, {}};

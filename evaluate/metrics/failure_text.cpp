@@ -199,7 +199,6 @@ Values ofSamples(const Failure& f) {
 
 /// What leaves a parameter of a camera free, by what is known of its views; nothing is said that
 /// does not hold of them.
-
 Values whyFree(const Failure& f) {
   // Where a rig is tilted less, or sees less of the image, that is named as the cause.
   constexpr double kTilted = 25;  // degrees

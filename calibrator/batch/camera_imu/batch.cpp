@@ -161,8 +161,8 @@ void rejectLikeKalibr(std::vector<PackedCorners>& corners,
   }
 }
 
-/// The frames that have a pose, with the weight of the problem's corners by what their views show
-/// and by options.filter; both come before anything is refined.
+/// The frames that have a pose. Corners that stand in the wrong place lose their weight in the
+/// problem, then those that Kalibr's filter rejects, which comes before anything is refined.
 Result<PosedFrames> posedFrames(const Session& session,
                                 const std::vector<CameraCalibration>& cameras,
                                 const CameraImuOptions& options, CameraImuProblem& problem) {
