@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One gate for both stages: stamps, pauses, work and a target out of view.
-#include "calibrator/guidance/guide_stage.h"
-
 #include <algorithm>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/guidance/guide_stage.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 
 namespace plumbline {
