@@ -9,9 +9,9 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/initialise/dense_steps.h"
 #include "calibrator/linear/levenberg_marquardt.h"
 #include "calibrator/residuals/view_gram.h"
-#include "calibrator/initialise/dense_steps.h"
 
 namespace plumbline {
 namespace {

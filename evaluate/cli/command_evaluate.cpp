@@ -23,9 +23,9 @@
 #include "evaluate/metrics/trajectory/verdict.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
-#include "report/html/pages.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 #include "evaluate/trajectory/evaluate_trajectory.h"
+#include "report/html/pages.h"
 #include "report/records/documents.h"
 
 namespace plumbline {
