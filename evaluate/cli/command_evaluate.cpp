@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `plumbline evaluate WHAT`: a table of what can be evaluated, each a command of its own.
+// `plumbline evaluate WHAT`: a calibration, a trajectory, or many of them.
 #include <filesystem>
 #include <functional>
 #include <optional>

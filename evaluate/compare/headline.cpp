@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which calibration stands alone among the others, and what a comparison says first.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

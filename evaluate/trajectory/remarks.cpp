@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What is said of an evaluated trajectory: why pairs or rotations are not as they should be, and
+// the tables for the terminal.
 #include <algorithm>
 #include <cmath>
 #include <limits>

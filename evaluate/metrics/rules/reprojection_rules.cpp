@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What the corners say of a calibration: errors, deviations of the parameters, the halves.
 #include <algorithm>
 #include <cmath>
 
