@@ -181,11 +181,13 @@ void ruleOut(const std::optional<CameraModelPair>& stated, CameraTrial& trial) {
       trial.open, [](const Trialled& t) { return t.error && t.parameters() <= kUsualParameters; });
   const std::optional<Trialled> usual =
       found == trial.open.end() ? std::nullopt : std::optional(*found);
-  std::erase_if(trial.open, [&](const Trialled& t) {
-    const bool out = isRuledOut(t, best, usual ? &*usual : nullptr, stated);
-    if (out) trial.ruled_out.push_back(candidateOf(t, best));
-    return out;
-  });
+  const auto is_out = [&](const Trialled& t) {
+    return isRuledOut(t, best, usual ? &*usual : nullptr, stated);
+  };
+  for (const Trialled& t : trial.open) {
+    if (is_out(t)) trial.ruled_out.push_back(candidateOf(t, best));
+  }
+  std::erase_if(trial.open, is_out);
 }
 
 /// Moves those without a solution out of the open ones, of which the best then stands first: models
