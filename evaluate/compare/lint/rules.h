@@ -10,11 +10,14 @@
 
 namespace plumbline::lint {
 
-inline constexpr double kMaxBaseline_m = 5;       ///< between cameras, or to the IMU: another unit
-inline constexpr double kMaxLeverArm_m = 2;       ///< from IMU to camera, whatever carries them
-inline constexpr double kDeviceLeverArm_m = 0.1;  ///< within one device (their topics say so), ...
-inline constexpr double kDeviceBaselines = 2;  ///< ... unless so many longest baselines are longer
-inline constexpr double kMaxOffset_s = 0.5;    ///< time offset; more is milliseconds
+/// Between cameras, or from IMU to camera: more is another unit.
+inline constexpr double kMaxBaseline_m = 5;
+inline constexpr double kMaxLeverArm_m = 2;  ///< from IMU to camera, whatever carries them
+/// From IMU to camera within one device (their topics say so), unless this many of its longest
+/// baselines are longer.
+inline constexpr double kDeviceLeverArm_m = 0.1;
+inline constexpr double kDeviceBaselines = 2;
+inline constexpr double kMaxOffset_s = 0.5;         ///< time offset; more is milliseconds
 inline constexpr double kMaxPrincipalShift = 0.15;  ///< off the centre, of the image's size
 inline constexpr double kMaxGyroDensity = 0.05;     ///< [rad/s/sqrt(Hz)]
 inline constexpr double kMaxAccelDensity = 1;       ///< [m/s^2/sqrt(Hz)]
@@ -26,7 +29,8 @@ inline constexpr double kOddFactor = 3;         ///< and this many times their m
 inline constexpr double kRatioTolerance = 0.03;  ///< of ratios that unit mistakes leave, relative
 inline constexpr double kOffsetTolerance_s = 2e-3;     ///< of an offset against the correlation
 inline constexpr double kRotationTolerance_rad = 0.1;  ///< of T_SC0 against the session's rates
-inline constexpr double kNoiseFactor = 5;  ///< of a stated density over what the samples' can be
+/// Of a stated density over what the samples' noise can be at most.
+inline constexpr double kNoiseFactor = 5;
 
 /// A finding's numbers: what was compared with which bound, and in which unit.
 struct Measured {
