@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What a study of trajectories says: its verdict, and its calibrations compared run by run.
 #include "evaluate/metrics/trajectory/verdict.h"
 
 #include <algorithm>
