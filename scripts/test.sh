@@ -25,4 +25,5 @@ if [ ! -d "$data" ]; then
 ************************************************************************************
 EOF
 fi
-ctest --test-dir build --output-on-failure -j "$(nproc)" "${left_out[@]}" "$@"
+# One more at a time than there are processors: some wait for what they started.
+ctest --test-dir build --output-on-failure -j "$(($(nproc) + 1))" "${left_out[@]}" "$@"

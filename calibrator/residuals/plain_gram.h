@@ -138,7 +138,10 @@ void addChunk(const Chunk<N>& c, Sums<N>& sums) {
   double totals[N][N + 1];
   gram::Products<W>::total(&products[0][0], N * (N + 1), &totals[0][0]);
   for (int i = 0; i < N; ++i) {
-    for (int j = i; j < N; ++j) sums.H(i, j) += totals[i][j];
+    for (int j = i; j < N; ++j) {
+      sums.H(i, j) += totals[i][j];
+      sums.H(j, i) = sums.H(i, j);
+    }
     sums.b(i) += totals[i][N];
   }
 }
@@ -186,7 +189,6 @@ auto sumView(const View& view) {
     sums.cost += w.cost;
   }
   flush(view.set, chunk, sums);
-  sums.H.template triangularView<Eigen::StrictlyLower>() = sums.H.transpose();
   return sums;
 }
 
