@@ -11,7 +11,6 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/guidance/guide.h"
-#include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/failure_text.h"

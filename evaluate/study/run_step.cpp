@@ -135,6 +135,8 @@ void judgeEnd(const ProcessEnd& end, const Step& step, const fs::path& log, Step
   result.seconds = end.seconds;
   result.cpu_s = end.cpu_s;
   result.peak_mb = end.peak_mb;
+  // What a study's own command logged may be long, and of a step that is done nobody asks for it.
+  if (end.ok()) return;
   std::string message = lastMessage(log);
   if (end.beyond_time) {
     fail(result, StepStatus::kLost,
@@ -144,7 +146,7 @@ void judgeEnd(const ProcessEnd& end, const Step& step, const fs::path& log, Step
     fail(result, StepStatus::kLost,
          fmt::format("ended by signal {} ({}){}", end.signal, strsignal(end.signal),
                      message.empty() ? "" : ": " + message));
-  } else if (end.exit_code != 0) {
+  } else {
     // 1 and 2 are what this program returns for what it refused or could not do, and it says why:
     // without a word there was no room for its log. A shell's command has its own codes, and all of
     // them count.
