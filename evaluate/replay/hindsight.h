@@ -113,14 +113,15 @@ struct StoppingRuleOptions {
 /// Camera stage: the views kept, and after "finish" those that would have been kept by the same
 /// threshold, are solved in batch for a growing number of them, and scored on frames that were not
 /// kept (only poses move). They are enough from the first number on from which the error stays
-/// within options.held_out_factor of that of all frames' batch.
+/// within options.held_out_factor of that of all frames' batch. Throws InputError for options out
+/// of range.
 StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageResult>& batches,
                           const StoppingRuleOptions& options = {});
 
 /// Camera-IMU stage: the same for the frames since the stage's start, held against T_SC0 and time
 /// offset of the batch over all of them; of a stage that stops by
 /// TrajectoryGuideOptions::stop_reprojection_px, by the points that the IMU predicts, which that
-/// bar is for.
+/// bar is for. Throws InputError for options out of range.
 StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalibration>& cameras,
                              const StageBatches<CameraImuStageResult>& batches,
                              const StoppingRuleOptions& options = {});

@@ -207,6 +207,7 @@ void StoppingRuleOptions::check() const {
 
 StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageResult>& batches,
                           const StoppingRuleOptions& options) {
+  options.check();
   StopAudit audit = auditOf(run, GuideStage::kCamera, batches);
   if (!batches.kept || !batches.full) {
     return notJudged(std::move(audit), batches.problem);
@@ -250,6 +251,7 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
 StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalibration>& cameras,
                              const StageBatches<CameraImuStageResult>& batches,
                              const StoppingRuleOptions& options) {
+  options.check();
   StopAudit audit = auditOf(run, GuideStage::kCameraImu, batches);
   if (!batches.kept || !batches.full) {
     return notJudged(std::move(audit), batches.problem);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "evaluate/replay/hindsight.h"
 #include "tests/evaluate/replay/decided_recording.h"
 
@@ -98,6 +99,13 @@ TEST_F(Stopping, ACameraImuStageThatStopsAtOnceIsEarly) {
   ASSERT_TRUE(audit.enough);
   EXPECT_GT(audit.seconds, 0);
   EXPECT_NEAR(audit.seconds, secondsBetween(*audit.finished, *audit.enough), 1e-9);
+}
+
+TEST_F(Stopping, OptionsOutOfRangeAreRefused) {
+  StoppingRuleOptions options;
+  options.checkpoints = 1;
+  EXPECT_THROW(judgeCameraStop(run(), {}, options), InputError);
+  EXPECT_THROW(judgeCameraImuStop(run(), {}, {}, options), InputError);
 }
 
 // All three must be near: what no two recordings can give in one of them is never enough.
