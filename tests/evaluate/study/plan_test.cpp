@@ -182,6 +182,18 @@ TEST_F(PlanTest, StagesHoldNoStepBeforeWhatItNeeds) {
   EXPECT_EQ(stages[1].size(), 8u);
 }
 
+TEST_F(PlanTest, EveryKindOfStepHasAGuessOfItsTime) {
+  std::vector<Step> steps;
+  for (const char* word : enumWords(StepKind())) {
+    Step& step = steps.emplace_back();
+    step.name = word;
+    step.kind = *enumFrom<StepKind>(word);
+  }
+  const auto seconds = estimateSeconds(root_ / "night", steps);
+  EXPECT_EQ(seconds.size(), steps.size());
+  for (const auto& [name, guess] : seconds) EXPECT_GT(guess, 0) << name;
+}
+
 TEST_F(PlanTest, HashesOfUnchangedFilesAreKept) {
   InputHashes first(root_ / "kept.txt");
   write("old/file", "content");
