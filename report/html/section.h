@@ -61,7 +61,7 @@ std::vector<std::string> distinct(const Rows& rows, const Name& name) {
 }
 
 /// JSON as it may stand in a script element: nothing in it looks like the element's end.
-std::string scriptJson(std::string json);
+std::string scriptJson(const std::string& json);
 
 using internal::base64;
 

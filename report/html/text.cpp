@@ -61,12 +61,19 @@ ReadableUnit readable(const std::string& unit) {
   return {unit, 1};
 }
 
-std::string scriptJson(std::string json) {
-  // As JSON escapes it: "</script" would end the element.
-  for (std::size_t i = 0; (i = json.find('<', i)) != std::string::npos;) {
-    json.replace(i, 1, "\\u003c");
+// Appended: replaced in place, many of them would take the square of the length.
+std::string scriptJson(const std::string& json) {
+  std::string text;
+  text.reserve(json.size());
+  for (const char c : json) {
+    // As JSON escapes it: "</script" would end the element.
+    if (c == '<') {
+      text += "\\u003c";
+    } else {
+      text += c;
+    }
   }
-  return json;
+  return text;
 }
 
 }  // namespace plumbline::html_internal
