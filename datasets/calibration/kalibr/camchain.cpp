@@ -33,7 +33,7 @@ void refuseRollingShutter(const YamlMap& map) {
 
 KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
   KalibrCamera camera;
-  camera.stated = map;
+  camera.stated.emplace(map);
   camera.name = name;
   camera.rostopic = map.textOr("rostopic", "");
   camera.intrinsics = intrinsicsField(map, {"camera_model", "distortion_model"});

@@ -22,7 +22,9 @@ struct KalibrCamera {
   std::optional<Transform> T_cn_cnm1;       ///< the previous camera into this one
   std::optional<double> timeshift_cam_imu;  ///< t_imu = t_cam + shift [s]
   double line_delay_s = 0;                  ///< of a rolling shutter
-  std::optional<YamlMap> stated;            ///< in the file, for faults at its lines
+  /// In the file, for faults at its lines. Constant: a node of YAML that another is assigned to
+  /// would change in every copy.
+  std::optional<const YamlMap> stated;
 };
 
 /// Kalibr's camchain*.yaml; also OpenVINS' kalibr_imucam_chain.yaml, whose T_imu_cam is inverted

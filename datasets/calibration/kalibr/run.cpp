@@ -210,8 +210,8 @@ void readChains(Files& files, const std::string& path, KalibrRun& run) {
   const auto& second = files[cameras_first ? Kind::kCamchainImu : Kind::kCamchain];
   auto chain = chainOf(first, path);
   auto other = chain ? partnerOf(*chain, second, run) : chainOf(second, path);
-  run.cameras = cameras_first ? chain : other;
-  run.camera_imu = cameras_first ? other : chain;
+  run.cameras = std::move(cameras_first ? chain : other);
+  run.camera_imu = std::move(cameras_first ? other : chain);
 }
 
 void addStandardDeviations(Calibration& calibration, const KalibrResults& text) {
