@@ -11,7 +11,6 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
-#include "datasets/files/yaml_map.h"
 #include "datasets/session/session_reader.h"
 
 namespace plumbline {
@@ -73,20 +72,6 @@ void addCamera(FileLines& lines, const std::string& camera) {
   }
   // Beside corners images are not read.
   if (!fs::exists(camera + "/corners.csv")) addSizes(lines, camera + "/data", name + "/data");
-}
-
-/// A study's value as text; empty where it is none.
-std::string studyValue(const YamlMap& file, const std::string& key) {
-  const YAML::Node node = file.node(key);
-  if (node.IsScalar() && !node.Scalar().empty()) return node.Scalar();
-  std::string text;
-  if (node.IsSequence()) {
-    for (const YAML::Node& element : node) {
-      if (!element.IsScalar()) return "";
-      text += (text.empty() ? "" : ",") + element.Scalar();
-    }
-  }
-  return text;
 }
 
 }  // namespace
@@ -163,26 +148,6 @@ std::string inputHash(const std::string& session, const SessionReadOptions& opti
   // A folder is listed in no order.
   std::sort(lines.begin(), lines.end());
   return "xxh64:" + contentHash(fmt::format("{}", fmt::join(lines, "")));
-}
-
-std::vector<std::pair<std::string, std::string>> readStudyDefinition(
-    const std::string& path, const std::vector<std::string>& known) {
-  const YamlMap file = YamlMap::load(path, "a study's definition, e.g. offsets-ms: [100, 10, 1]");
-  std::vector<std::pair<std::string, std::string>> definition;
-  for (const std::string& key : file.keys()) {
-    if (std::find(known.begin(), known.end(), key) == known.end()) {
-      throw file.fault(key, {InputFault::kUnknownWord, fmt::format("unknown name '{}'", key),
-                             fmt::format("one of {}", fmt::join(known, ", "))});
-    }
-    std::string text = studyValue(file, key);
-    if (text.empty()) {
-      throw file.fault(key,
-                       {InputFault::kBadNumber, fmt::format("{} has no value", key),
-                        "a number, a range or a list", "for instance [100, 10, 1] or -500:50:500"});
-    }
-    definition.emplace_back(key, std::move(text));
-  }
-  return definition;
 }
 
 }  // namespace plumbline
