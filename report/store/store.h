@@ -47,7 +47,8 @@ class Store {
   explicit Store(std::filesystem::path path) : path_(std::move(path)) {}
 
   /// Adds a run and returns its id. A new file is written under a temporary name and renamed when
-  /// complete; in a file that exists the run is one transaction. Nothing partial remains.
+  /// complete; in a file that exists the run is one transaction. Nothing partial remains. Here and
+  /// below, `Record` is one of those that RunKind names.
   template <class Record>
   std::int64_t save(const Record& record) const;
 
