@@ -124,6 +124,7 @@ std::optional<Eigen::Vector3d> triangulated(const Window& window, const RigModel
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   double least_cosine = 1;
   for (const LandmarkSighting& s : sightings) {
+    if (window.indexOf(s.frame) < 0) continue;  // it has left
     const Transform T_WC = window.frame(s.frame).state.T_FS * rig.T_SC[s.seen.camera];
     const Eigen::Vector3d ray = T_WC.R * s.seen.f;
     if (first.isZero()) first = ray;
@@ -139,6 +140,7 @@ std::optional<Eigen::Vector3d> triangulated(const Window& window, const RigModel
   // deviations of its sightings.
   const Eigen::Vector3d p = A.ldlt().solve(b);
   for (const LandmarkSighting& s : sightings) {
+    if (window.indexOf(s.frame) < 0) continue;
     const Transform& T_WS = window.frame(s.frame).state.T_FS;
     const auto e = sightingError(s.seen, rig, T_WS, p);
     const double range = (p - T_WS.t).norm();
