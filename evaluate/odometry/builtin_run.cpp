@@ -168,8 +168,8 @@ BuiltinRun runBuiltin(const OdometrySequence& sequence, const Calibration& calib
   }
   const Stopwatch clock;
   OdometryOptions odometry_options = options.odometry;
-  // Of other points, those of tracks.csv, as of images.
-  // A board's corners are found better than features of a scene (0.3 px for 0.7).
+  // A board's corners are found better than features of a scene (0.3 px for 0.7); the points of
+  // tracks.csv are taken for as good as those of images.
   if (sequence.points == PointSource::kCorners) {
     odometry_options.pixel_sigma = options.corner_sigma_px;
   }

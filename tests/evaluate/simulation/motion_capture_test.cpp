@@ -2,9 +2,12 @@
 // What a motion-capture system delivers: stamps, gaps, columns. That its poses are the rig's, by
 // its own clock and worlds, is in study_participants_test.
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
@@ -76,6 +79,21 @@ TEST(MotionCapture, GapsTakePosesAwayAndChangeNoOther) {
   }
 }
 
+TEST(MotionCapture, IsWrittenInEurocsColumns) {
+  const TemporaryFolder folder;
+  const SimulatedSession session = recordedFor(1);
+  const MotionCaptureOptions o;
+  writeMotionCapture(session, o, folder.path(), "seq");
+  std::ifstream file(folder.path("seq/mav0/mocap0/data.csv"));
+  std::string header, row;
+  ASSERT_TRUE(std::getline(file, header) && std::getline(file, row));
+  EXPECT_EQ(header, "#timestamp [ns], p_x [m], p_y [m], p_z [m], q_w [], q_x [], q_y [], q_z []");
+  const StampedPose first = simulateMotionCapture(session, o).trajectory.poses.front();
+  const Eigen::Quaterniond& q = first.q;
+  EXPECT_EQ(row, fmt::format("{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g}", first.t,
+                             first.p.x(), first.p.y(), first.p.z(), q.w(), q.x(), q.y(), q.z()));
+}
+
 TEST(MotionCapture, ItsTruthIsToldBesideIt) {
   const TemporaryFolder folder;
   const SimulatedSession session = recordedFor(2);
@@ -87,10 +105,7 @@ TEST(MotionCapture, ItsTruthIsToldBesideIt) {
   const auto gap = simulateMotionCapture(session, o).gaps_s.front();
   EXPECT_EQ(truth.at("gaps_s").at(0).at(0), gap.first);
   EXPECT_EQ(truth.at("gaps_s").at(0).at(1), gap.second);
-  std::string header;
-  std::getline(std::ifstream(folder.path("sequences/seq01/mav0/mocap0/data.csv")) >> std::ws,
-               header);
-  EXPECT_EQ(header, "#timestamp [ns], p_x [m], p_y [m], p_z [m], q_w [], q_x [], q_y [], q_z []");
+  EXPECT_TRUE(std::filesystem::exists(folder.path("sequences/seq01/mav0/mocap0/data.csv")));
 }
 
 // The first rest is the one before the flight, where there is one.
