@@ -10,6 +10,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
+#include "calibrator/base/option_check.h"
 #include "datasets/images/image_io.h"
 #include "evaluate/replay/replay_session.h"
 #include "evaluate/results/progress.h"
@@ -54,7 +55,13 @@ std::string smallCopy(const ImageFile& file) {
 
 }  // namespace
 
+void GuideFramesOptions::check() const {
+  requireOption(tolerance >= 0, "tolerance", tolerance, "0 or more");
+  requireAtLeast(0, "arrival_s", arrival_s);
+}
+
 std::vector<Frame> pairedFrames(const Session& session, const GuideFramesOptions& options) {
+  options.check();
   FrameOptions pairing;
   pairing.tolerance = options.tolerance;
   // A frame without the target is one that the guide has to answer, too.

@@ -17,6 +17,8 @@ struct GuideFramesOptions {
   /// How long after its stamp an image is there [s]: exposure, transfer, detection. IMU samples
   /// stamped until then arrive with it.
   double arrival_s = 0.05;
+
+  void check() const;  ///< throws InputError naming the field that is out of its range
 };
 
 /// A recording's frames, those without corners as well: one for each that guideFrames() gives.

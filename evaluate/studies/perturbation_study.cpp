@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/option_check.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
@@ -200,9 +201,18 @@ StudyInputs inputsOf(const PerturbRequest& request, const Session& session) {
 
 }  // namespace
 
+void PerturbationStudyOptions::check() const {
+  requireOption(threads >= 1, "threads", threads, "1 or more");
+  for (const Bound& bound : {thresholds.offset_error_s, thresholds.change_sigma}) {
+    requirePositive("thresholds: caution", bound.caution);
+    requireAtLeast(bound.caution, "thresholds: bad", bound.bad);
+  }
+}
+
 Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
                                              const std::vector<Perturbation>& perturbations,
                                              const PerturbationStudyOptions& options) {
+  options.check();
   checkInputs(asked, perturbations);
   StudyInputs inputs = asked;
   const auto base = solveBase(inputs);

@@ -85,6 +85,8 @@ struct PerturbationStudyOptions {
   PerturbationThresholds thresholds;
   /// Told after each case how many are done.
   std::function<void(std::size_t done, std::size_t all)> progress;
+
+  void check() const;  ///< throws InputError naming the field that is out of its range
 };
 
 /// Calibrates the session as it is (the base) and once for every perturbation, each from its own

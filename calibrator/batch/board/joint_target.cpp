@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/option_check.h"
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/halves.h"
@@ -317,12 +318,15 @@ std::optional<BoardSystem> boardSystem(const Session& session, const CameraStage
   return whitened(*normals, ratio, stretchOf(stage, ratio));
 }
 
+void JointTargetOptions::check() const {
+  requireOption(degree == 2 || degree == 4, "degree", degree, "2 or 4");
+  requirePositive("prior_std", prior_std);
+}
+
 JointTarget joinTargets(const std::vector<BoardSystem>& sessions,
                         const JointTargetOptions& options) {
   if (sessions.empty()) throw InputError("no session to estimate a target from");
-  if (options.degree != 2 && options.degree != 4) {
-    throw InputError(fmt::format("degree is {}; expected 2 or 4", options.degree));
-  }
+  options.check();
   const double prior = 1 / (options.prior_std * options.prior_std);
   const Eigen::VectorXd twelve = Eigen::VectorXd::Constant(kBoardTerms, prior);
   JointFit fit = fitUnder(sessions, twelve, prior);

@@ -71,6 +71,8 @@ struct JointTarget {
 struct JointTargetOptions {
   int degree = 4;           ///< highest of the terms; 2 or 4
   double prior_std = 5e-3;  ///< of every term, of degrees 3 and 4 while they are tested [m]
+
+  void check() const;  ///< throws InputError naming the field that is out of its range
 };
 
 /// One board from several recordings of it: the least-squares solution of all their equations

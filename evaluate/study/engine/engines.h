@@ -56,6 +56,8 @@ struct SlurmOptions {
   int rounds = 3;         ///< times that steps are submitted, if they were lost
   std::string options;    ///< further ones of sbatch
   std::time_t since = 0;  ///< of a merging job: when the first round was submitted [s since 1970]
+
+  void check() const;  ///< throws InputError naming the field that is out of its range
 };
 
 /// How a night on the cluster ended, as the job said that merged it.

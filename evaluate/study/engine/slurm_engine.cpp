@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "calibrator/base/option_check.h"
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/workplace.h"
@@ -346,7 +347,14 @@ void refuseWhileUnderWay(const fs::path& night) {
        "wait until it ends, or cancel them (scancel)"});
 }
 
+void SlurmOptions::check() const {
+  requireOption(throttle >= 0, "throttle", throttle, "0 (no limit) or more");
+  requirePositive("pack_s", pack_s);
+  requireOption(rounds >= 1, "rounds", rounds, "1 or more");
+}
+
 SlurmEnd runOnSlurm(PreparedNight night, SlurmOptions options, const NightSink& sink) {
+  options.check();
   // An earlier night's scripts and words: its round_1.json would pass for this one's.
   std::error_code left_there;
   fs::remove_all(night.folder / kFolder, left_there);  // of earlier nights

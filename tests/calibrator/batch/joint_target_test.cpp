@@ -79,6 +79,7 @@ TEST(JointTarget, OneSessionIsItself) {
   EXPECT_EQ(joint.members[0].terms, 0);
   EXPECT_THROW(joinTargets({}), InputError);
   EXPECT_THROW(joinTargets({saying(TargetTerms::Zero(), 1)}, {.degree = 3}), InputError);
+  EXPECT_THROW(joinTargets({saying(TargetTerms::Zero(), 1)}, {.prior_std = 0}), InputError);
 }
 
 TEST(JointTarget, NamesTheDirectionThatNoSessionDetermines) {

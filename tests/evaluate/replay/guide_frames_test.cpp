@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A recording in the order in which it would have arrived.
+#include <limits>
+
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "evaluate/replay/frames.h"
 
@@ -31,6 +34,14 @@ TEST(GuideFrames, EverySampleArrivesOnceAndNotBeforeItsTime) {
     if (sample.t <= frames.back().t + 50'000'000) recorded.push_back(sample.t);
   }
   EXPECT_EQ(arrived, recorded);
+}
+
+TEST(GuideFrames, RefuseOptionsOutOfRange) {
+  const Session session = simulated().session;
+  EXPECT_THROW(guideFrames(session, {.tolerance = -1}), InputError);
+  EXPECT_THROW(guideFrames(session, {.arrival_s = -0.01}), InputError);
+  EXPECT_THROW(guideFrames(session, {.arrival_s = std::numeric_limits<double>::infinity()}),
+               InputError);
 }
 
 TEST(GuideFrames, AFrameWithoutTheTargetIsAFrame) {

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/base/error.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "report/records/documents.h"
 
@@ -65,6 +66,14 @@ double largestChange(const PerturbationRecord& record, const PerturbationCase& c
     largest = std::max(largest, std::abs(c.changes_sigma[i]));
   }
   return largest;
+}
+
+TEST(PerturbationStudy, RefusesOptionsOutOfRange) {
+  EXPECT_THROW(study(true, {}, 0), InputError);
+  PerturbationStudyOptions options;
+  options.thresholds.change_sigma = {1, 0.1};
+  EXPECT_THROW((void)perturbationStudy(inputs(true), {}, options), InputError)
+      << "bad before caution";
 }
 
 TEST(PerturbationStudy, InjectedOffsetsComeBackAndNothingElseMoves) {

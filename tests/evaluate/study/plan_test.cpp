@@ -216,5 +216,12 @@ TEST_F(PlanTest, HashesOfUnchangedFilesAreKept) {
   EXPECT_NE(third.of(root_ / "old").content, hashed.content);
 }
 
+TEST(SlurmOptions, AreRefusedOutOfRange) {
+  EXPECT_NO_THROW(SlurmOptions().check());
+  EXPECT_THROW(SlurmOptions{.throttle = -1}.check(), InputError);
+  EXPECT_THROW(SlurmOptions{.pack_s = 0}.check(), InputError);
+  EXPECT_THROW(SlurmOptions{.rounds = 0}.check(), InputError);
+}
+
 }  // namespace
 }  // namespace plumbline
