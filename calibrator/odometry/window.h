@@ -124,7 +124,7 @@ std::optional<SightingResidual> sightingResidual(const Sighting& seen, const Rig
                                                  const Eigen::Vector3d& p_W);
 
 /// The point nearest to the rays of its sightings, where they meet at `min_angle_rad` at least and
-/// it lies before all cameras, no nearer than `min_depth_m`.
+/// it lies before all cameras, farther than `min_depth_m` and nearer than `max_depth_m` to the IMU.
 struct TriangulationLimits {
   double min_angle_rad = 0.008;
   double min_depth_m = 0.1;

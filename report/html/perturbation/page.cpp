@@ -136,7 +136,7 @@ std::string titleOf(const std::string& kind) {
   return kind;
 }
 
-/// "+10 ms", "×2", with the seed of random ones.
+/// "+10 ms", "x2", with the seed of random ones.
 std::string labelOf(const PerturbationCase& c) {
   std::string label = amountText(c);
   if (c.seed != 0) label += fmt::format(", seed {}", c.seed);

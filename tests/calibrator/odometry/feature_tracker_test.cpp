@@ -9,14 +9,18 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
+#include "tests/calibrator/base/option_refusal.h"
 #include "tests/calibrator/odometry/wall.h"
 
 namespace plumbline {
 namespace {
+
+using ::testing::HasSubstr;
 
 using test::kWall_m;
 using test::onWall;
@@ -172,27 +176,21 @@ TEST(FeatureTracker, FollowsNoMoreThanItIsAskedTo) {
 }
 
 TEST(FeatureTracker, OptionsOutOfRangeAreNamed) {
-  const auto refused = [](auto change) {
-    FeatureTrackerOptions options;
-    change(options);
-    try {
-      options.check();
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  const auto names = [](const std::string& text, const char* field) {
-    return text.find(field) != std::string::npos;
-  };
-  EXPECT_EQ(refused([](auto& o) { o.levels = 8; }), "");
-  EXPECT_TRUE(names(refused([](auto& o) { o.levels = 9; }), "levels"));
-  EXPECT_TRUE(names(refused([](auto& o) { o.max_tracks = 7; }), "max_tracks"));
-  EXPECT_TRUE(names(refused([](auto& o) { o.epipolar_px = 0; }), "epipolar_px"));
-  EXPECT_TRUE(names(refused([](auto& o) { o.ransac_rounds = 0; }), "ransac_rounds"));
-  EXPECT_TRUE(names(refused([](auto& o) { o.nearest_m = NAN; }), "nearest_m"));
-  EXPECT_TRUE(names(refused([](auto& o) { o.corners.cell_px = 7; }), "cell_px"));
-  EXPECT_TRUE(names(refused([](auto& o) { o.patch.min_correlation = 1.5F; }), "min_correlation"));
+  using test::refusalOf;
+  EXPECT_EQ(refusalOf<FeatureTrackerOptions>([](auto& o) { o.levels = 8; }), "");
+  EXPECT_THAT(refusalOf<FeatureTrackerOptions>([](auto& o) { o.levels = 9; }), HasSubstr("levels"));
+  EXPECT_THAT(refusalOf<FeatureTrackerOptions>([](auto& o) { o.max_tracks = 7; }),
+              HasSubstr("max_tracks"));
+  EXPECT_THAT(refusalOf<FeatureTrackerOptions>([](auto& o) { o.epipolar_px = 0; }),
+              HasSubstr("epipolar_px"));
+  EXPECT_THAT(refusalOf<FeatureTrackerOptions>([](auto& o) { o.ransac_rounds = 0; }),
+              HasSubstr("ransac_rounds"));
+  EXPECT_THAT(refusalOf<FeatureTrackerOptions>([](auto& o) { o.nearest_m = NAN; }),
+              HasSubstr("nearest_m"));
+  EXPECT_THAT(refusalOf<FeatureTrackerOptions>([](auto& o) { o.corners.cell_px = 7; }),
+              HasSubstr("cell_px"));
+  EXPECT_THAT(refusalOf<FeatureTrackerOptions>([](auto& o) { o.patch.min_correlation = 1.5F; }),
+              HasSubstr("min_correlation"));
 }
 
 }  // namespace

@@ -8,15 +8,19 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/simulation/simulate_sequence.h"
+#include "tests/calibrator/base/option_refusal.h"
 #include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {
 namespace {
+
+using ::testing::HasSubstr;
 
 SimulatedSession recordedFor(double duration_s) {
   SimulationOptions simulation;
@@ -119,25 +123,18 @@ TEST(RestsInFlight, AreThoseAfterTheFirst) {
 }
 
 TEST(SequenceOptions, NameWhatIsOutOfRange) {
-  const auto refused = [](auto change) {
-    SequenceOptions options;
-    change(options);
-    try {
-      options.check();
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  const auto names = [](const std::string& text, const char* field) {
-    return text.find(field) != std::string::npos;
-  };
-  EXPECT_EQ(refused([](auto&) {}), "");
-  EXPECT_TRUE(names(refused([](auto& o) { o.images.exposure_s = 2; }), "images.exposure_s"));
-  EXPECT_TRUE(names(refused([](auto& o) { o.images.noise_sigma = -1; }), "images.noise_sigma"));
-  EXPECT_TRUE(names(refused([](auto& o) { o.motion_capture.rate_hz = 0; }), "rate_hz"));
-  EXPECT_TRUE(names(refused([](auto& o) { o.motion_capture.noise_m = 2; }), "noise_m"));
-  EXPECT_TRUE(names(refused([](auto& o) { o.motion_capture.drop_outs = -1; }), "drop_outs"));
+  using test::refusalOf;
+  EXPECT_EQ(refusalOf<SequenceOptions>([](auto&) {}), "");
+  EXPECT_THAT(refusalOf<SequenceOptions>([](auto& o) { o.images.exposure_s = 2; }),
+              HasSubstr("images.exposure_s"));
+  EXPECT_THAT(refusalOf<SequenceOptions>([](auto& o) { o.images.noise_sigma = -1; }),
+              HasSubstr("images.noise_sigma"));
+  EXPECT_THAT(refusalOf<SequenceOptions>([](auto& o) { o.motion_capture.rate_hz = 0; }),
+              HasSubstr("rate_hz"));
+  EXPECT_THAT(refusalOf<SequenceOptions>([](auto& o) { o.motion_capture.noise_m = 2; }),
+              HasSubstr("noise_m"));
+  EXPECT_THAT(refusalOf<SequenceOptions>([](auto& o) { o.motion_capture.drop_outs = -1; }),
+              HasSubstr("drop_outs"));
 }
 
 }  // namespace
