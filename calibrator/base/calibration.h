@@ -53,6 +53,9 @@ struct CameraCalibration {
   Transform T_C0Ci;  ///< this camera in camera 0; identity for camera 0
   std::optional<Eigen::VectorXd> intrinsics_std;  ///< of stacked()
   std::optional<Vector6d> T_C0Ci_std;             ///< 3 m, 3 rad, tangent of Transform
+  /// Degrees of freedom of the squares of both, where these were estimated (cluster-robust).
+  std::optional<Eigen::VectorXd> intrinsics_dof = {};
+  std::optional<Vector6d> T_C0Ci_dof = {};
 };
 
 /// t_d of a camera: t_imu = t_cam + t_d.
@@ -88,6 +91,9 @@ struct ImuCalibration {
   std::string rostopic;
   std::optional<Vector6d> T_SC0_std;        ///< 3 m, 3 rad
   std::optional<double> time_offset_std_s;  ///< of camera 0's
+  /// As CameraCalibration::intrinsics_dof.
+  std::optional<Vector6d> T_SC0_dof = {};
+  std::optional<double> time_offset_dof = {};
 
   /// t_d of a camera [s].
   double timeOffset(std::size_t camera = 0) const { return offsetOf(time_offsets, camera); }

@@ -216,29 +216,40 @@ std::optional<ParameterCovariance> camerasCovariance(const YamlMap& file) {
   return std::nullopt;
 }
 
+/// Of a stage's record, one a parameter; `key` is absent in stages without robust deviations.
+std::vector<double> robustNumbers(const YamlMap& record, const char* key, std::size_t parameters) {
+  std::vector<double> values = record.numbers(key, "deviations");
+  if (values.size() != parameters) {
+    throw record.fault(key, {InputFault::kContradiction, "does not fit the stage's parameters",
+                             fmt::format("{} numbers", parameters), "copy the file again"});
+  }
+  if (std::any_of(values.begin(), values.end(), [](double x) { return x < 0; })) {
+    throw record.fault(
+        key, {InputFault::kOutOfRange, "a number is negative", "0 or more", "copy the file again"});
+  }
+  return values;
+}
+
 /// Of one stage: formal ones from its covariance, and robust ones over them.
-void addDeviations(const YamlMap& file, const char* stage, std::map<std::string, double>& out) {
+void addDeviations(const YamlMap& file, const char* stage, StatedDeviations& out) {
   const YamlMap covariances = file.map("covariance", "the stages' covariances");
   if (!covariances.has(stage)) return;
   const ParameterCovariance covariance = covarianceOf(covariances.map(stage, "a covariance"));
   const Eigen::VectorXd formal = covariance.standardDeviations();
-  std::vector<double> values(formal.begin(), formal.end());
+  const std::size_t count = covariance.names.size();
+  std::vector<StatedDeviation> stated;
+  for (const double std : formal) stated.push_back({std});
   const YamlMap stages = file.map("stages", "the calibration's stages");
   if (stages.has(stage)) {
     const YamlMap record = stages.map(stage, "a stage");
-    if (record.has("robust_std")) values = record.numbers("robust_std", "deviations");
-    if (values.size() != covariance.names.size()) {
-      throw record.fault(
-          "robust_std",
-          {InputFault::kContradiction, "does not fit the stage's parameters",
-           fmt::format("{} numbers", covariance.names.size()), "copy the file again"});
-    }
-    if (std::any_of(values.begin(), values.end(), [](double std) { return std < 0; })) {
-      throw record.fault("robust_std", {InputFault::kOutOfRange, "a deviation is negative",
-                                        "0 or more", "copy the file again"});
-    }
+    const bool robust = record.has("robust_std"), with_dof = robust && record.has("robust_dof");
+    std::vector<double> std, dof;
+    if (robust) std = robustNumbers(record, "robust_std", count);
+    if (with_dof) dof = robustNumbers(record, "robust_dof", count);
+    for (std::size_t i = 0; i < std.size(); ++i) stated[i] = {std[i]};
+    for (std::size_t i = 0; i < dof.size(); ++i) stated[i].dof = dof[i];
   }
-  for (std::size_t i = 0; i < values.size(); ++i) out[covariance.names[i]] = values[i];
+  for (std::size_t i = 0; i < count; ++i) out[covariance.names[i]] = stated[i];
 }
 
 }  // namespace
@@ -285,8 +296,8 @@ CalibrationExtras readCalibrationExtras(const std::string& path) {
   return extras;
 }
 
-std::map<std::string, double> readDeviations(const std::string& path) {
-  std::map<std::string, double> out;
+StatedDeviations readDeviations(const std::string& path) {
+  StatedDeviations out;
   const YamlMap file = YamlMap::load(path, "a calibration");
   const bool ours = toolOf(file) == Tool::kPlumbline;
   if (!ours || !file.has("covariance") || !file.has("stages")) return out;

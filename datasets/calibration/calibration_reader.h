@@ -73,9 +73,17 @@ struct CalibrationExtras {
 /// a covariance that is not square or does not fit its list of parameters.
 CalibrationExtras readCalibrationExtras(const std::string& path);
 
-/// Standard deviations that a calibration's file states of its parameters, by name ("cam0.fu",
-/// "T_SC0.tx", "time_offset"): ours, robust where the stage has them (`robust_std`), else formal.
+/// A standard deviation that a file states.
+struct StatedDeviation {
+  double std = 0;  ///< [unit of the parameter]
+  /// Of its square; infinite: a formal one, or a robust one without them.
+  double dof = std::numeric_limits<double>::infinity();
+};
+using StatedDeviations = std::map<std::string, StatedDeviation>;  ///< by name of the parameter
+
+/// What a calibration's file states of its parameters ("cam0.fu", "T_SC0.tx", "time_offset"): ours,
+/// robust where the stage has them (`robust_std`, `robust_dof`), else formal.
 /// Empty for other tools' files. Throws InputError as readCalibrationExtras() does.
-std::map<std::string, double> readDeviations(const std::string& path);
+StatedDeviations readDeviations(const std::string& path);
 
 }  // namespace plumbline

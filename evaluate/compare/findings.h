@@ -36,8 +36,9 @@ inline constexpr struct ComparisonThresholds {
 /// - "time_offset.camI" where a calibration has one for each camera.
 /// Cameras have the names that all calibrations give them; where these differ, "camI" by place.
 /// Differences are to the first calibration (calibrationChange(): tangents for transforms), with
-/// significance where both deviations are known, as if the two estimates were independent. Where a
-/// camera's model differs from the first's, its parameters have values but no difference.
+/// significance where both deviations are known, as if the two estimates were independent: the
+/// normal deviate that is as rare as Student's t with the degrees of freedom of both (sumOf()).
+/// Where a camera's model differs from the first's, its parameters have values but no difference.
 std::vector<ComparedParameter> comparedParameters(const std::vector<Calibration>& calibrations);
 
 /// Takes the time offset of the calibration at this place, which its file does not state, out of

@@ -25,7 +25,7 @@ constexpr std::size_t kFewest = 3;  // of two that differ, neither is the odd on
 struct Estimate {
   std::size_t calibration = 0;
   double difference = 0;  ///< to the first calibration
-  double std = 0;
+  EstimatedVariance variance;
 };
 
 std::vector<Estimate> estimatesOf(const ComparedParameter& p) {
@@ -34,7 +34,7 @@ std::vector<Estimate> estimatesOf(const ComparedParameter& p) {
     if (!p.values[i] || !p.std[i] || !(*p.std[i] > 0)) continue;
     // A value alone is not enough: of another camera model it does not compare.
     if (i > 0 && !p.difference[i]) continue;
-    estimates.push_back({i, i == 0 ? 0 : *p.difference[i], *p.std[i]});
+    estimates.push_back({i, i == 0 ? 0 : *p.difference[i], p.variance(i)});
   }
   // Without the first there is nothing that the others' differences refer to.
   if (estimates.empty() || estimates.front().calibration != 0) return {};
@@ -44,7 +44,7 @@ std::vector<Estimate> estimatesOf(const ComparedParameter& p) {
 /// As if the two estimates were independent; those of one recording share its noise and differ by
 /// less.
 double sigmas(const Estimate& a, const Estimate& b) {
-  return std::abs(a.difference - b.difference) / std::hypot(a.std, b.std);
+  return normalDeviate(a.difference - b.difference, sumOf(a.variance, b.variance));
 }
 
 /// How far the k-th is from the others at least, and these from each other at most.

@@ -13,6 +13,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
+#include "calibrator/batch/two_stages.h"
 #include "evaluate/compare/findings.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/half_width.h"
@@ -27,15 +28,15 @@ using Calibrations = std::vector<Calibration>;
 /// A camera's or the IMU's transform, where the calibration has it.
 using TransformOf = std::function<const Transform*(const Calibration&)>;
 
-/// |difference| / hypot of both deviations; none without both, as for norms, which have no sign.
+/// Of the difference; none without both deviations, as for norms.
 void addSignificance(ComparedParameter& row) {
   for (std::size_t i = 0; i < row.values.size(); ++i) {
     std::optional<double> sigmas;
     if (i > 0 && row.difference[i] && row.std[i] && row.std[0]) {
       // As of independent estimates. Those of one recording share its noise, and what they differ
       // by is more significant than this says.
-      const double std = std::hypot(*row.std[i], *row.std[0]);
-      if (std > 0) sigmas = std::abs(*row.difference[i]) / std;
+      const EstimatedVariance both = sumOf(row.variance(i), row.variance(0));
+      if (both.value > 0) sigmas = normalDeviate(*row.difference[i], both);
     }
     row.significance.push_back(sigmas);
     row.levels.push_back(kThresholds.levelOf(sigmas.value_or(0)));
@@ -58,6 +59,10 @@ std::vector<ComparedParameter> listedRows(const Calibrations& calibrations) {
       const auto* p = findBy(list, &CalibrationParameter::name, row.name);
       row.values.push_back(p ? std::optional(p->value) : std::nullopt);
       row.std.push_back(p ? p->std : std::nullopt);
+      row.dof.push_back(p ? p->dof : std::nullopt);
+    }
+    if (std::none_of(row.dof.begin(), row.dof.end(), [](const auto& d) { return d.has_value(); })) {
+      row.dof.clear();
     }
     row.difference.assign(lists.size(), std::nullopt);
   }
@@ -101,6 +106,7 @@ void meanOffsets(const Calibrations& calibrations, std::vector<ComparedParameter
   });
   // Still of camera 0's offset, the only deviation that files state.
   mean.std = row->std;
+  mean.dof = row->dof;
   *row = mean;
 }
 
@@ -298,6 +304,21 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
   return out;
 }
 
+namespace {
+
+/// Of a stage's parameters, robust where it has them.
+void addDeviations(const StageSummary& stage, StatedDeviations& out) {
+  const Eigen::VectorXd formal = stage.covariance.standardDeviations();
+  for (Eigen::Index i = 0; i < formal.size(); ++i) {
+    StatedDeviation& of = out[stage.covariance.names[static_cast<std::size_t>(i)]];
+    of = {formal[i]};
+    if (stage.robust_std) of.std = (*stage.robust_std)[i];
+    if (stage.robust_std && stage.robust_dof) of.dof = (*stage.robust_dof)[i];
+  }
+}
+
+}  // namespace
+
 SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>& calibrations,
                                 const ScoreOptions& options, TargetMode target) {
   SessionEstimate own;
@@ -315,6 +336,8 @@ SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>&
     return own;
   }
   own.calibration.cameras = cameras->cameras;
+  StatedDeviations deviations;
+  addDeviations(cameras->summary, deviations);
   // As calibrateSession() does: the board that the cameras were estimated with.
   session.target.shape = cameras->target;
   const bool imu = std::any_of(calibrations.begin(), calibrations.end(),
@@ -322,13 +345,19 @@ SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>&
   if (imu && options.use_imu && session.imu) {
     // The camera stage fails where it does not converge; this one returns where it stopped, so it
     // is asked.
-    const auto stage = calibrateCameraImu(session, cameras->cameras, options.camera_imu);
+    auto stage = calibrateCameraImu(session, cameras->cameras, options.camera_imu);
     if (stage && stage->summary.converged) {
       own.calibration.imu = stage->imu;
+      if (auto both = robustDeviationsOfBothStages(*cameras, *stage)) {
+        stage->summary.robust_std = std::move(both->std);
+        stage->summary.robust_dof = std::move(both->dof);
+      }
+      addDeviations(stage->summary, deviations);
     } else {
       own.problem = "camera-IMU: " + problemOf(stage ? notConverged(*stage) : stage.failure());
     }
   }
+  own.calibration = withDeviations(std::move(own.calibration), deviations);
   std::vector<Calibration> all = {own.calibration};
   append(all, calibrations);
   own.parameters = comparedParameters(all);

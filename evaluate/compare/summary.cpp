@@ -37,10 +37,8 @@ std::string valueText(const ComparedParameter& p, std::size_t i) {
 
 std::string differenceText(const ComparedParameter& p, std::size_t i) {
   if (!p.difference[i]) return "-";
-  // Norms of a difference have no sign.
-  const bool norm = p.name.ends_with(".angle") || p.name.ends_with(".lever");
   const double difference = shownUnit(p.unit).factor * *p.difference[i];
-  std::string text = norm ? fmt::format("{:.4g}", difference) : fmt::format("{:+.4g}", difference);
+  std::string text = fmt::format(fmt::runtime(p.hasSign() ? "{:+.4g}" : "{:.4g}"), difference);
   if (p.significance[i]) text += fmt::format(" ({:.1f} sigma)", *p.significance[i]);
   return text;
 }

@@ -84,7 +84,7 @@ struct SensitivitySteps {
 /// Steps by the deviations that the calibration's file states (readDeviations(): robust where they
 /// are known), by name. Empty where it states none.
 std::optional<SensitivitySteps> deviationSteps(const Calibration& calibration,
-                                               const std::map<std::string, double>& deviations);
+                                               const StatedDeviations& deviations);
 
 /// The ATE (RMSE of positions [m]) that the odometry has with a calibration; empty where it fails.
 using AteOfCalibration = std::function<std::optional<double>(const Calibration&)>;

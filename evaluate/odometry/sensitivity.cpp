@@ -90,13 +90,13 @@ ParameterSensitivity changeOf(const CalibrationParameter& parameter, std::size_t
 }  // namespace
 
 std::optional<SensitivitySteps> deviationSteps(const Calibration& calibration,
-                                               const std::map<std::string, double>& deviations) {
+                                               const StatedDeviations& deviations) {
   const std::vector<CalibrationParameter> list = namedParameters(calibration);
   SensitivitySteps steps;
   steps.steps = Eigen::VectorXd::Constant(list.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < list.size(); ++i) {
     const auto found = deviations.find(list[i].name);
-    if (found != deviations.end()) steps.steps[i] = found->second;
+    if (found != deviations.end()) steps.steps[i] = found->second.std;
   }
   if (!steps.steps.array().isFinite().any()) return std::nullopt;
   return steps;

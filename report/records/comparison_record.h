@@ -39,20 +39,32 @@ struct ComparedParameter {
   std::string name;  ///< as in ParameterCovariance; also "T_SC0.angle", "T_C0C1.angle"
   std::string unit;
   std::vector<std::optional<double>> values;      ///< one per calibration
-  std::vector<std::optional<double>> std;         ///< formal, where the calibration carries one
+  std::vector<std::optional<double>> std;         ///< as stated, where the calibration has one
   std::vector<std::optional<double>> difference;  ///< to the first calibration
-  /// |difference| / sqrt(std_i^2 + std_0^2), where both are known.
+  /// |difference| / sqrt(std_i^2 + std_0^2), where both are known, as a normal deviate.
   std::vector<std::optional<double>> significance;
-  std::vector<VerdictLevel> levels = {};  ///< of the significance
+  std::vector<VerdictLevel> levels = {};        ///< of the significance
+  std::vector<std::optional<double>> dof = {};  ///< of std^2, where std is cluster-robust
+
+  /// A difference that is an angle or a distance has none.
+  bool hasSign() const { return !name.ends_with(".angle") && !name.ends_with(".lever"); }
+  /// Of a calibration that states a deviation.
+  EstimatedVariance variance(std::size_t i) const {
+    const std::optional<double> known = i < dof.size() ? dof[i] : std::nullopt;
+    return {*std[i] * *std[i], known.value_or(std::numeric_limits<double>::infinity())};
+  }
 };
 
 void fields(auto& v, ComparedParameter& p) {
   v("name", p.name, "as in a covariance; also `T_SC0.angle`, `T_C0C1.angle`");
   v("unit", p.unit, "its unit");
   v("values", p.values, "one per calibration");
-  v("std", p.std, "formal, where the calibration carries one");
+  v("std", p.std, "as stated: cluster-robust where `dof` is set, else formal");
+  v.ifSet("dof", p.dof, "degrees of freedom of the squares of cluster-robust `std`");
   v("difference", p.difference, "to the first calibration");
-  v("significance", p.significance, "|difference| / sqrt(std^2 + std of the first^2)");
+  v("significance", p.significance,
+    "|difference| / sqrt(std^2 + std of the first^2), by the degrees of freedom as the normal "
+    "deviate that is as rare");
   v("levels", p.levels, "of the significance: `caution` from 2, `bad` from 3 sigma");
 }
 

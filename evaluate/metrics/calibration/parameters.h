@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
+#include "datasets/calibration/calibration_reader.h"
 
 namespace plumbline {
 
@@ -16,7 +17,8 @@ struct CalibrationParameter {
       name;  ///< as in ParameterCovariance: "cam0.fu", "T_C0C1.tx", "T_SC0.rz", "time_offset"
   std::string unit;
   double value = 0;           ///< rotations: component of the rotation vector Log(R) [rad]
-  std::optional<double> std;  ///< formal, where the calibration carries one
+  std::optional<double> std;  ///< where the calibration carries one
+  std::optional<double> dof;  ///< of its square, where it is cluster-robust
 };
 
 /// All parameters: every camera's stacked intrinsics, then every T_C0Ci but the first, then T_SC0
@@ -27,6 +29,10 @@ std::vector<CalibrationParameter> calibrationParameters(const Calibration& calib
 /// The same under the cameras' own names, by which files state their deviations and people know
 /// them: with --only they may not be those of their places.
 std::vector<CalibrationParameter> namedParameters(const Calibration& calibration);
+
+/// The calibration with these deviations in place of those it carries, by the names of
+/// namedParameters(). What is not listed whole (a camera's intrinsics, a transform) keeps its own.
+Calibration withDeviations(Calibration calibration, const StatedDeviations& stated);
 
 /// to - from, in the order of calibrationParameters(): differences of numbers, and for transforms
 /// the tangent boxminus(to, from) [m, rad], so that small rotations do not depend on where Log(R)

@@ -88,7 +88,9 @@ std::vector<Cell> parameterRow(const ComparedParameter& p, std::size_t calibrati
   for (std::size_t k = 1; k < calibrations; ++k) {
     if (shown == Shown::kValues) row.push_back(number(estimateText(p, k, factor)));
     const auto difference = at(p.difference, k);
-    row.push_back(number(difference ? fmt::format("{:+.3g}", factor * *difference) : kDash));
+    const auto* form = p.hasSign() ? "{:+.3g}" : "{:.3g}";
+    row.push_back(
+        number(difference ? fmt::format(fmt::runtime(form), factor * *difference) : kDash));
     row.push_back(significanceCell(p, k));
   }
   return row;
@@ -108,6 +110,27 @@ std::vector<Block> parameterBlocks(const std::vector<ComparedParameter>& paramet
     block->table->rows.push_back(parameterRow(p, labels.size(), shown));
   }
   return blocks;
+}
+
+/// Which calibrations' deviations are robust, and which formal; others state none.
+std::string deviationWords(const std::vector<ComparedParameter>& parameters,
+                           const std::vector<std::string>& labels) {
+  std::string robust, formal;
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    const auto has = [&](const auto& of) {
+      return std::ranges::any_of(
+          parameters, [&](const ComparedParameter& p) { return at(p.*of, k).has_value(); });
+    };
+    if (!has(&ComparedParameter::std)) continue;
+    std::string& list = has(&ComparedParameter::dof) ? robust : formal;
+    list += (list.empty() ? "" : ", ") + labels[k];
+  }
+  std::string text;
+  if (!robust.empty()) text += " Cluster-robust, from blocks of the recording: " + robust + ".";
+  if (!formal.empty()) {
+    text += " Formal, from assumed noise, hence often too small: " + formal + ".";
+  }
+  return text;
 }
 
 std::vector<std::string> labelsOf(const ComparisonRecord& record) {
@@ -204,7 +227,11 @@ Section comparedParametersSection(const ComparisonRecord& record) {
       "In one convention: p_A = T_AB p_B, rotations as rotation vectors, t_imu = t_cam "
       "+ t_d. Significance is |difference| over the combined standard deviation of "
       "both; from 2 \u03c3 it is notable, from 3 \u03c3 the two differ by more than "
-      "their stated noise explains. Without standard deviations of both there is none."};
+      "their stated deviations explain. Few degrees of freedom lower it. Without standard "
+      "deviations of both there is none. Differences of rotations are rotation vectors of the "
+      "rotation from the first to the other, those of angle and lever the angle and distance "
+      "between the two: no differences of the columns."};
+  section.lead += deviationWords(record.parameters, labelsOf(record));
   section.blocks = parameterBlocks(record.parameters, labelsOf(record), Shown::kValues);
   return section;
 }

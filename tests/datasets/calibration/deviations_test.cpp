@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What our calibration.json says beside the calibration: covariances and deviations of its stages.
 #include <cmath>
+#include <map>
 #include <string>
 
 #include <fmt/format.h>
@@ -43,20 +44,39 @@ class Deviations : public testing::Test {
   TemporaryFolder folder_;
 };
 
+/// Without their degrees of freedom.
+std::map<std::string, double> deviationsOf(const std::string& path) {
+  std::map<std::string, double> out;
+  for (const auto& [name, of] : readDeviations(path)) out[name] = of.std;
+  return out;
+}
+
 TEST_F(Deviations, AreRootsOfTheVariances) {
-  EXPECT_THAT(readDeviations(write(file(covariance("T_SC0.ty"), ""))),
+  EXPECT_THAT(deviationsOf(write(file(covariance("T_SC0.ty"), ""))),
               ElementsAre(Pair("T_SC0.tx", 3), Pair("T_SC0.ty", 2), Pair("cam0.fu", 0.5)));
 }
 
 TEST_F(Deviations, AreRobustWhereTheStageHasThem) {
-  EXPECT_THAT(readDeviations(write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7])"))),
+  EXPECT_THAT(deviationsOf(write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7])"))),
               ElementsAre(Pair("T_SC0.tx", 7), Pair("T_SC0.ty", 5), Pair("cam0.fu", 0.5)));
+}
+
+// Formal ones are taken for known, and so are robust ones without degrees of freedom.
+TEST_F(Deviations, HaveTheDegreesOfFreedomOfRobustOnes) {
+  const auto both = readDeviations(
+      write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7], "robust_dof": [4.5, 9])")));
+  EXPECT_EQ(both.at("T_SC0.ty").dof, 4.5);
+  EXPECT_EQ(both.at("T_SC0.tx").dof, 9);
+  EXPECT_TRUE(std::isinf(both.at("cam0.fu").dof));
+  const auto without =
+      readDeviations(write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7])")));
+  EXPECT_TRUE(std::isinf(without.at("T_SC0.ty").dof));
 }
 
 // The camera-IMU stage estimates the cameras again, from more.
 TEST_F(Deviations, OfTwoStagesTheLastCounts) {
   const std::string path = write(file(covariance("cam0.fu"), ""));
-  EXPECT_THAT(readDeviations(path), ElementsAre(Pair("T_SC0.tx", 3), Pair("cam0.fu", 2)));
+  EXPECT_THAT(deviationsOf(path), ElementsAre(Pair("T_SC0.tx", 3), Pair("cam0.fu", 2)));
   const auto cameras = readCalibrationExtras(path).cameras;
   ASSERT_TRUE(cameras);
   EXPECT_EQ(cameras->names.size(), 2U);

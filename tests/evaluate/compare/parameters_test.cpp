@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/calibration/parameters.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -82,6 +84,43 @@ TEST(ComparedParameters, SignificanceNeedsBothDeviations) {
   EXPECT_FALSE(row(comparedParameters({a, b}), "cam0.fu").significance[1].has_value());
   b.cameras[0].intrinsics_std = Eigen::VectorXd::Constant(8, 0.4);
   EXPECT_NEAR(*row(comparedParameters({a, b}), "cam0.fu").significance[1], 0.5 / 0.5, 1e-12);
+}
+
+// A deviation from four degrees of freedom is uncertain itself: three of it are exceeded as often
+// as two of a known one. P(|T_4| > 3) = 0.03994 (tables of Student's t), the normal's at 2.0543.
+TEST(ComparedParameters, FewDegreesOfFreedomLowerTheSignificance) {
+  Calibration a = stereo(), b = stereo();
+  b.cameras[0].intrinsics.projection[0] += 0.9;
+  a.cameras[0].intrinsics_std = Eigen::VectorXd::Constant(8, 0);
+  b.cameras[0].intrinsics_std = Eigen::VectorXd::Constant(8, 0.3);
+  EXPECT_NEAR(*row(comparedParameters({a, b}), "cam0.fu").significance[1], 3, 1e-12);
+  b.cameras[0].intrinsics_dof = Eigen::VectorXd::Constant(8, 4);
+  const auto fu = row(comparedParameters({a, b}), "cam0.fu");
+  EXPECT_NEAR(*fu.significance[1], 2.0543, 1e-4);
+  EXPECT_EQ(fu.levels[1], VerdictLevel::kCaution);
+  EXPECT_FALSE(fu.dof[0].has_value());
+  EXPECT_EQ(fu.dof[1], 4);
+  // Where all are formal no row has degrees of freedom.
+  EXPECT_TRUE(row(comparedParameters({a, b}), "T_SC0.tx").dof.empty());
+}
+
+TEST(ComparedParameters, StatedDeviationsTakeThePlaceOfOthersWhereABlockIsWhole) {
+  Calibration c = stereo();
+  c.cameras[0].name = "left";
+  c.imu->T_SC0_std = Vector6d::Constant(1);
+  StatedDeviations stated = {{"time_offset", {2e-4, 6}}, {"T_SC0.tx", {3e-3, 5}}};
+  for (const ParameterName& p : cameraParameters(c.cameras)) stated[p.name] = {0.25, 4};
+  const auto list = calibrationParameters(withDeviations(c, stated));
+  const auto of = [&](const std::string& name) {
+    return *std::find_if(list.begin(), list.end(), [&](const auto& p) { return p.name == name; });
+  };
+  EXPECT_EQ(of("cam0.fu").std, 0.25);  // stated as left.fu
+  EXPECT_EQ(of("cam0.fu").dof, 4);
+  EXPECT_EQ(of("T_C0C1.rz").std, 0.25);
+  EXPECT_EQ(of("time_offset").std, 2e-4);
+  EXPECT_EQ(of("time_offset").dof, 6);
+  EXPECT_EQ(of("T_SC0.tx").std, 1);  // five of six are missing
+  EXPECT_FALSE(of("T_SC0.tx").dof.has_value());
 }
 
 // Significance is a size: it has no sign. From two deviations on a difference is notable, and from

@@ -148,7 +148,7 @@ TEST(Sensitivity, WithoutRunsForTheNoiseNothingIsAboveChance) {
 
 TEST(Sensitivity, DeviationsAreFoundByName) {
   EXPECT_FALSE(deviationSteps(rig(), {}).has_value());
-  const auto steps = deviationSteps(rig(), {{"T_SC0.ty", 2e-3}, {"time_offset", 1e-4}});
+  const auto steps = deviationSteps(rig(), {{"T_SC0.ty", {2e-3}}, {"time_offset", {1e-4}}});
   ASSERT_TRUE(steps.has_value());
   EXPECT_EQ(steps->steps[indexOf("T_SC0.ty")], 2e-3);
   EXPECT_EQ(steps->steps[indexOf("time_offset")], 1e-4);
@@ -161,7 +161,7 @@ TEST(Sensitivity, DeviationsAreThoseOfTheCamerasNamed) {
   Calibration calibration = rig();
   calibration.cameras[0].name = "cam1";
   calibration.cameras[1].name = "cam2";
-  const auto steps = deviationSteps(calibration, {{"cam1.fu", 0.1}, {"cam2.fu", 0.2}});
+  const auto steps = deviationSteps(calibration, {{"cam1.fu", {0.1}}, {"cam2.fu", {0.2}}});
   ASSERT_TRUE(steps.has_value());
   EXPECT_EQ(steps->steps[indexOf("cam0.fu")], 0.1);  // of the first place
   EXPECT_EQ(steps->steps[indexOf("cam1.fu")], 0.2);
