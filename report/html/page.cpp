@@ -2,9 +2,12 @@
 #include "report/html/page.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -43,16 +46,41 @@ ShownUnit shownUnit(const Finding& f) {
   return {1, plain ? "" : " " + f.unit};
 }
 
+/// Findings are written for terminals; a page has the signs: "0.2 deg (+- 0.1)" is "0.2 \u00b0
+/// (\u00b1 0.1)".
+std::string typeset(const std::string& text) {
+  constexpr std::pair<std::string_view, std::string_view> kSigns[] = {
+      {"+-", "\u00b1"},    {"^2", "\u00b2"},    {"^3", "\u00b3"},
+      {" deg", " \u00b0"}, {" us", " \u00b5s"}, {" sigma", " \u03c3"}};
+  const auto is = [&](std::size_t at, int (*kind)(int)) {
+    return at < text.size() && kind(static_cast<unsigned char>(text[at])) != 0;
+  };
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto* sign = std::ranges::find_if(kSigns, [&](const auto& s) {
+      if (text.compare(at, s.first.size(), s.first) != 0) return false;
+      // Units stand behind a number and are whole words.
+      return s.first[0] != ' ' ||
+             (at > 0 && is(at - 1, std::isdigit) && !is(at + s.first.size(), std::isalpha));
+    });
+    const bool found = sign != std::end(kSigns);
+    out += found ? sign->second : std::string_view(text).substr(at, 1);
+    at += found ? sign->first.size() : 1;
+  }
+  return out;
+}
+
 data findingRow(const Finding& f) {
   // A rule without a unit compares nothing with a threshold (convergence).
   const ShownUnit unit = shownUnit(f);
   const auto shown = [&](double value) {
-    return f.unit.empty() ? "\u2013" : fmt::format("{:.3g}{}", unit.factor * value, unit.name);
+    return f.unit.empty() ? "\u2013"
+                          : typeset(fmt::format("{:.3g}{}", unit.factor * value, unit.name));
   };
   return object({{"rule", f.rule},
                  {"level", toString(f.level)},
-                 {"evidence", f.evidence},
-                 {"advice", f.advice},
+                 {"evidence", typeset(f.evidence)},
+                 {"advice", typeset(f.advice)},
                  {"value", shown(f.value)},
                  {"threshold", shown(f.threshold)},
                  {"first", false}});
@@ -113,7 +141,7 @@ void setVerdict(data& page, const Verdict& verdict, const std::string& good_word
   // A word of its own ("complete") praises nothing, so it is not green.
   page.set("verdict", good && word != "good" ? "neutral" : toString(verdict.level));
   page.set("verdict_word", std::string(1, static_cast<char>(word[0] - 'a' + 'A')) + word.substr(1));
-  page.set("verdict_sentence", sentenceOf(verdict));
+  page.set("verdict_sentence", typeset(sentenceOf(verdict)));
   std::vector<Finding> concerns, holds;
   for (const Finding& finding : verdict.findings) {
     (finding.level == VerdictLevel::kGood ? holds : concerns).push_back(finding);

@@ -115,6 +115,18 @@ TEST(VerdictOfAPage, ASubjectHasItsWorstFindingAndNoneWhereItWasNotJudged) {
   EXPECT_THAT(pageOf({all}), Not(HasSubstr("class=\"chip\""))) << "the badge says all";
 }
 
+// Findings are written for terminals. What only looks like a unit stays.
+TEST(VerdictOfAPage, HasTheSignsOfPrint) {
+  Finding f{"delay", VerdictLevel::kCaution, "0.2 deg (+- 0.1) and 5 us in m/s^2, 4.2 sigma"};
+  f.value = 3;
+  f.unit = "sigma";
+  f.advice = "turn by degrees; let us know; run with a 2 sigmatisme";
+  EXPECT_THAT(pageOf({f}),
+              AllOf(HasSubstr("0.2 \u00b0 (\u00b1 0.1) and 5 \u00b5s in m/s\u00b2, 4.2 \u03c3<"),
+                    HasSubstr(">3 \u03c3<"), HasSubstr("turn by degrees; let us know"),
+                    HasSubstr("2 sigmatisme")));
+}
+
 TEST(VerdictOfAPage, CountsTheRulesThatAreMet) {
   const Finding good{"met", VerdictLevel::kGood}, doubt{"doubt", VerdictLevel::kCaution};
   EXPECT_THAT(pageOf({good, doubt, good}),
