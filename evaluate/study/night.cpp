@@ -133,11 +133,25 @@ Finding calibratedBeforeFinding(const std::vector<std::string>& sessions) {
   return f;
 }
 
+/// What earlier nights say where no figure is worse.
+std::string noneWorse(const StudyRecord& record) {
+  return record.nights.size() > 1 ? "no figure is worse than on the nights before"
+                                  : "no night before has figures to compare with";
+}
+
+/// "7 of 8 sessions are calibrated, 2 of them with a bad verdict".
+std::string calibratedWords(const StudyRecord& record) {
+  const StudyNight& night = record.nights.back();
+  const auto bad = std::ranges::count(record.sessions, VerdictLevel::kBad, &StudySession::verdict);
+  return fmt::format("{} of {} sessions are calibrated{}", night.sessions - night.failed,
+                     night.sessions,
+                     bad == 0 ? "" : fmt::format(", {} of them with a bad verdict", bad));
+}
+
 /// What is known after the merge: regressions against earlier nights, sessions whose data or
 /// options changed and give no calibration any more, and declared endpoints without figures.
 void addFurtherFindings(StudyRecord& record, const std::vector<std::string>& calibrated_before) {
-  Finding finding = countFinding("Regressions", record.alarms.size(),
-                                 "no figure is worse than on the nights before");
+  Finding finding = countFinding("Regressions", record.alarms.size(), noneWorse(record));
   if (!record.alarms.empty()) {
     finding.level = VerdictLevel::kBad;
     finding.evidence =
@@ -155,11 +169,7 @@ void addFurtherFindings(StudyRecord& record, const std::vector<std::string>& cal
   const auto& sentences = record.statistics.sentences;
   const std::string known = sentences.empty() ? "" : sentences.front() + "; ";
   record.verdict.headline =
-      headlineOf(record.verdict,
-                 known + fmt::format("{} of {} sessions are calibrated and no "
-                                     "figure is worse than on the nights before",
-                                     record.nights.back().sessions - record.nights.back().failed,
-                                     record.nights.back().sessions));
+      headlineOf(record.verdict, known + calibratedWords(record) + "; " + noneWorse(record));
 }
 
 // The store is this night's alone: its history is in study.sqlite. Made beside it and renamed,

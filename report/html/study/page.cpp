@@ -53,7 +53,9 @@ std::string renderStudyPage(const StudyRecord& record) {
                     offsetSection(record), perturbationSection(record), spreadSection(record),
                     boardSection(record), othersSection(record), nightsSection(record),
                     failuresSection(record), sessionsSection(record)},
-       .assumptions = {}});
+       .assumptions = {},
+       // That every step is done praises no method.
+       .good_word = "complete"});
 }
 
 }  // namespace plumbline
