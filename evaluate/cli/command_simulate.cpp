@@ -48,15 +48,20 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
   addWithDefault(app, "--seed", s.seed, "Seed of motion and noise: same seed, same bytes")
       ->check(seedFrom(0));
   app.add_flag("--images", o.images, "Render images instead of writing corners");
-  addWithDefault(app, "--duration", s.duration_s, "Length [s]");
-  app.add_option("--camera-rate", s.camera_rate_hz, "Camera rate [Hz] (default: the rig's)");
-  app.add_option("--imu-rate", s.imu_rate_hz, "IMU rate [Hz] (default: the rig's)");
+  addWithDefault(app, "--duration", s.duration_s, "Length [s]")->check(numberWithin(1e-3, 1e5));
+  app.add_option("--camera-rate", s.camera_rate_hz, "Camera rate [Hz] (default: the rig's)")
+      ->check(numberWithin(1e-3, 1e5));
+  app.add_option("--imu-rate", s.imu_rate_hz, "IMU rate [Hz] (default: the rig's)")
+      ->check(numberWithin(1e-3, 1e5));
   app.add_option("--time-offset-ms", o.time_offset_ms,
-                 "t_imu = t_cam + this [ms] (default: the rig's)");
+                 "t_imu = t_cam + this [ms] (default: the rig's)")
+      ->check(numberWithin(-1e6, 1e6));
   addWithDefault(app, "--corner-sigma", s.corner_sigma_px,
-                 "Noise of corners [px] (not with --images)");
+                 "Noise of corners [px] (not with --images)")
+      ->check(numberWithin(0, 1000));
   addWithDefault(app, "--outliers", s.outlier_fraction,
-                 "Fraction of outlier corners (not with --images)");
+                 "Fraction of outlier corners (not with --images)")
+      ->check(numberWithin(0, 1));
   app.add_option("--fault", o.faults,
                  "Inject a fault, e.g. gyro-delay=5ms; repeatable; list: prints all faults")
       ->allow_extra_args(false);
@@ -127,7 +132,7 @@ void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
                  "Number of participants, each with both methods")
       ->check(CLI::Range(1, 1000));
   addWithDefault(app, "--duration", s.duration_s, "Approximate length of a free recording [s]")
-      ->check(CLI::Range(5.0, 600.0));
+      ->check(numberWithin(5, 600));
   addWithDefault(app, "--seed", s.seed,
                  "Seed of participants, motion and noise: same seed, same bytes")
       ->check(seedFrom(0));
@@ -138,7 +143,8 @@ void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
   app.add_flag("--images", s.images, "Render images of the sequences, for odometry");
   addWithDefault(app, "--learning", s.learning,
                  "Learning: errors, reaction and time of the second session relative to the first "
-                 "(1: none)");
+                 "(1: none)")
+      ->check(numberWithin(0.1, 1));
   declareSimulatedBoard(app, s.corner_sigma_px, s.board_bend_mm, o.guide_board);
   addWithDefault(app, "--threads", s.threads, "Threads (0: all cores)")->check(CLI::Range(0, 1024));
 }
@@ -186,22 +192,31 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
   addWithDefault(app, "--seed", s.simulation.seed,
                  "Seed of motion, room, noise and motion capture: same seed, same bytes")
       ->check(seedFrom(0));
-  addWithDefault(app, "--duration", s.simulation.duration_s, "Length [s]");
-  addWithDefault(app, "--pace", s.flight.pace, "Factor on every frequency of the motion");
+  addWithDefault(app, "--duration", s.simulation.duration_s, "Length [s]")
+      ->check(numberWithin(1e-3, 1e5));
+  addWithDefault(app, "--pace", s.flight.pace, "Factor on every frequency of the motion")
+      ->check(numberWithin(0.01, 10));
   addWithDefault(app, "--first-rest", s.flight.first_rest_s,
-                 "Rest before take-off [s] (0: starts in motion)");
+                 "Rest before take-off [s] (0: starts in motion)")
+      ->check(numberWithin(0, 1e4));
   addWithDefault(app, "--rests", s.flight.rests,
-                 "Number of rests during the flight, 1.5 s each, as many as fit");
+                 "Number of rests during the flight, 1.5 s each, as many as fit")
+      ->check(numberWithin(0, 1000));
   addWithDefault(app, "--turns", s.flight.turns,
-                 "Number of fast turns of 80 degrees in 0.9 s, as many as fit");
+                 "Number of fast turns of 80 degrees in 0.9 s, as many as fit")
+      ->check(numberWithin(0, 1000));
   app.add_option("--time-offset-ms", o.time_offset_ms,
-                 "t_imu = t_cam + this [ms] (default: the rig's)");
+                 "t_imu = t_cam + this [ms] (default: the rig's)")
+      ->check(numberWithin(-1e6, 1e6));
   addWithDefault(app, "--tracks", s.tracks.tracks,
-                 "Landmarks tracked at a time (not with --images)");
+                 "Landmarks tracked at a time (not with --images)")
+      ->check(numberWithin(1, 1e5));
   addWithDefault(app, "--track-sigma", s.tracks.sigma_px,
-                 "Noise of tracks [px] (not with --images)");
+                 "Noise of tracks [px] (not with --images)")
+      ->check(numberWithin(0, 100));
   addWithDefault(app, "--outliers", s.tracks.outlier_share,
-                 "Fraction of outlier observations (not with --images)");
+                 "Fraction of outlier observations (not with --images)")
+      ->check(numberWithin(0, 1));
   auto* images =
       app.add_flag("--images", s.images.rendered, "Render images instead of writing tracks");
   // They are of tracks, which images do not have.
@@ -209,9 +224,11 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
     images->excludes(app.get_option(of_tracks));
   }
   addWithDefault(app, "--exposure-ms", o.exposure_ms, "Exposure time of images (motion blur) [ms]")
+      ->check(numberWithin(0, 1000))
       ->needs(images);
   addWithDefault(app, "--drop-outs", s.motion_capture.drop_outs,
-                 "Number of gaps of the motion capture, 0.6 s each");
+                 "Number of gaps of the motion capture, 0.6 s each")
+      ->check(numberWithin(0, 100));
   addWithDefault(app, "--threads", s.images.threads, "Rendering threads (0: all cores)")
       ->check(CLI::Range(0, 1024));
 }

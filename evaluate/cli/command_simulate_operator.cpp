@@ -26,30 +26,34 @@ struct SkillFigure {
   const char* option;
   double OperatorSkill::*figure;
   double unit;
+  double least, most;  ///< within what OperatorSkill::check() takes, in round numbers
   const char* text;
 };
 
 constexpr SkillFigure kFigures[] = {
-    {"--reaction-s", &OperatorSkill::reaction_s, 1, "Reaction time [s]"},
-    {"--speed", &OperatorSkill::speed_m_s, 1, "Speed of the hand [m/s]"},
-    {"--turn", &OperatorSkill::turn_rad_s, kDegree, "Turning speed of the hand [deg/s]"},
-    {"--position-error-mm", &OperatorSkill::position_error_m, 1e-3,
+    {"--reaction-s", &OperatorSkill::reaction_s, 1, 0, 10, "Reaction time [s]"},
+    {"--speed", &OperatorSkill::speed_m_s, 1, 0.001, 10, "Speed of the hand [m/s]"},
+    {"--turn", &OperatorSkill::turn_rad_s, kDegree, 0.06, 572, "Turning speed of the hand [deg/s]"},
+    {"--position-error-mm", &OperatorSkill::position_error_m, 1e-3, 0, 1000,
      "Initial position error at a suggested view, std [mm]"},
-    {"--angle-error", &OperatorSkill::angle_error_rad, kDegree,
+    {"--angle-error", &OperatorSkill::angle_error_rad, kDegree, 0, 57,
      "Initial rotation error at a suggested view, std [deg]"},
-    {"--correction-s", &OperatorSkill::correction_s, 1,
+    {"--correction-s", &OperatorSkill::correction_s, 1, 0.001, 100,
      "Time constant with which errors are corrected [s]"},
-    {"--overshoot", &OperatorSkill::overshoot, 1,
+    {"--overshoot", &OperatorSkill::overshoot, 1, 0, 1,
      "Overshoot of a suggested view, as a fraction of the path"},
-    {"--tremor-mm", &OperatorSkill::tremor_m, 1e-3, "Tremor of the hand: position, std [mm]"},
-    {"--tremor", &OperatorSkill::tremor_rad, kDegree, "Tremor of the hand: rotation, std [deg]"},
-    {"--off-axis", &OperatorSkill::off_axis_rad, kDegree,
+    {"--tremor-mm", &OperatorSkill::tremor_m, 1e-3, 0, 100,
+     "Tremor of the hand: position, std [mm]"},
+    {"--tremor", &OperatorSkill::tremor_rad, kDegree, 0, 5.7,
+     "Tremor of the hand: rotation, std [deg]"},
+    {"--off-axis", &OperatorSkill::off_axis_rad, kDegree, 1.2, 180,
      "Largest angle between the board's centre and the optical axis of camera 0 [deg]"},
-    {"--fatigue", &OperatorSkill::fatigue_per_min, 1,
+    {"--fatigue", &OperatorSkill::fatigue_per_min, 1, 0, 10,
      "Fatigue: growth of tremor and of slowness per minute"},
-    {"--compliance", &OperatorSkill::compliance, 1,
+    {"--compliance", &OperatorSkill::compliance, 1, 0, 1,
      "Fraction of the suggestions that are followed"},
-    {"--patience-s", &OperatorSkill::patience_s, 1, "Time after which the operator gives up [s]"},
+    {"--patience-s", &OperatorSkill::patience_s, 1, 0, 1e5,
+     "Time after which the operator gives up [s]"},
 };
 
 /// Options of the guide that `replay` has under the same names.
@@ -82,12 +86,14 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
                  "expert, practised, novice, or a clumsiness from 0 to 1; the options below set "
                  "single values");
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
-    app.add_option(kFigures[i].option, o.figures[i], kFigures[i].text);
+    const SkillFigure& figure = kFigures[i];
+    app.add_option(figure.option, o.figures[i], figure.text)
+        ->check(numberWithin(figure.least, figure.most));
   }
   declareTrajectoriesAndStops(app, s.guide, o.first_trajectory);
   addWithDefault(app, "--duration", s.duration_s,
                  "Length of an unguided recording, and limit of a guided one [s]")
-      ->check(CLI::Range(5.0, 3600.0));
+      ->check(numberWithin(5, 3600));
   addWithDefault(app, "--trajectories", s.trajectories,
                  "Guided: end after this many trajectories, if the guide has not finished before "
                  "(0: no limit)")

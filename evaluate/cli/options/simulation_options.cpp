@@ -115,11 +115,12 @@ const Word& wordNamed(const std::string& words, const std::string& name) {
 
 void declareSimulatedBoard(CLI::App& app, double& corner_sigma_px, double& board_bend_mm,
                            std::string& guide_board) {
-  addWithDefault(app, "--corner-sigma", corner_sigma_px, "Noise of corners [px]");
+  addWithDefault(app, "--corner-sigma", corner_sigma_px, "Noise of corners [px]")
+      ->check(numberWithin(0, 100));
   addWithDefault(app, "--board-bend-mm", board_bend_mm,
                  "Bow of the board along x, RMS [mm]; along y half of it the other way, and x is "
                  "stretched by 0.1 mm (0: an even board of the size stated)")
-      ->check(CLI::Range(0.0, 20.0));
+      ->check(numberWithin(0, 20));
   addWithDefault(app, "--guide-board", guide_board,
                  "Board shape that the guide assumes: measured (the true one) or flat")
       ->check(CLI::IsMember({"measured", "flat"}));

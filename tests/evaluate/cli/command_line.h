@@ -75,6 +75,24 @@ inline std::string replaced(std::string text, const std::string& from, const std
   return text;
 }
 
+/// A value of `option` (of `simulate sequence`, say) that is out of range is refused by the option
+/// and as it was written; with an end of the range the command goes on to its rig, which is
+/// unknown.
+inline void expectRange(const std::string& command, const std::string& option,
+                        const std::vector<std::string>& ends,
+                        const std::vector<std::string>& outside) {
+  const std::string before = command + " --rig nowhere --out nowhere " + option + " ";
+  for (const std::string& value : outside) {
+    const Outcome refused = plumbline(before + value);
+    EXPECT_EQ(refused.exit_code, 2) << before << value;
+    EXPECT_THAT(refused.text, testing::HasSubstr(option.substr(option.rfind("--")) + ": " + value +
+                                                 ": expected " + ends[0] + " to " + ends[1]));
+  }
+  for (const std::string& value : ends) {
+    EXPECT_THAT(plumbline(before + value).text, testing::HasSubstr("nowhere'")) << before << value;
+  }
+}
+
 /// The names under "Subcommands:" in a help text.
 inline std::vector<std::string> listedCommands(const std::string& help) {
   std::istringstream lines(help);

@@ -176,6 +176,18 @@ TEST_F(CommandLine, EveryCommandExitsWithTwoOnBadInput) {
   }
 }
 
+TEST_F(CommandLine, SimulateNamesTheOptionThatIsOutOfRange) {
+  expectRange("simulate", "--duration", {"0.001", "100000"}, {"0", "nan"});
+  expectRange("simulate", "--camera-rate", {"0.001", "100000"}, {"0", "nan"});
+  expectRange("simulate", "--imu-rate", {"0.001", "100000"}, {"0", "nan"});
+  expectRange("simulate", "--time-offset-ms", {"-1e+06", "1e+06"}, {"-1.1e6", "nan"});
+  expectRange("simulate", "--corner-sigma", {"0", "1000"}, {"-1", "nan"});
+  expectRange("simulate", "--outliers", {"0", "1"}, {"-1", "2"});
+  const std::string study = "simulate study --out " + (scratch() / "out").string();
+  expectRefusal(plumbline(study + " --learning 9"), 2,
+                HasSubstr("--learning: 9: expected 0.1 to 1"));
+}
+
 TEST_F(CommandLine, FaultsAreListedAndMayBeRepeated) {
   const Outcome list = plumbline("simulate --fault list");
   EXPECT_EQ(list.exit_code, 0);

@@ -143,5 +143,28 @@ TEST(CommandSimulateOperator, NamesASkillOutOfItsRange) {
   }
 }
 
+TEST(CommandSimulateOperator, NamesTheOptionAndTheValueAsItWasWritten) {
+  const auto expect = [](const std::string& option, const std::vector<std::string>& ends,
+                         const std::vector<std::string>& outside) {
+    expectRange("simulate operator", option, ends, outside);
+  };
+  expect("--reaction-s", {"0", "10"}, {"-0.1", "nan"});
+  expect("--speed", {"0.001", "10"}, {"0", "11"});
+  expect("--turn", {"0.06", "572"}, {"0", "573"});
+  expect("--position-error-mm", {"0", "1000"}, {"-1", "1001"});
+  expect("--angle-error", {"0", "57"}, {"-1", "58"});
+  expect("--correction-s", {"0.001", "100"}, {"0", "101"});
+  expect("--overshoot", {"0", "1"}, {"-0.1", "1.1"});
+  expect("--tremor-mm", {"0", "100"}, {"-1", "101"});
+  expect("--tremor", {"0", "5.7"}, {"-1", "5.8"});
+  expect("--off-axis", {"1.2", "180"}, {"1", "181"});
+  expect("--fatigue", {"0", "10"}, {"-1", "11"});
+  expect("--compliance", {"0", "1"}, {"-1", "2"});
+  expect("--patience-s", {"0", "100000"}, {"-1", "1000000"});
+  expect("--duration", {"5", "3600"}, {"4", "nan"});
+  expect("--corner-sigma", {"0", "100"}, {"-1", "nan"});
+  expect("--board-bend-mm", {"0", "20"}, {"-1", "nan"});
+}
+
 }  // namespace
 }  // namespace plumbline

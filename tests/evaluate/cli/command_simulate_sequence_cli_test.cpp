@@ -180,10 +180,25 @@ TEST_F(TwoCalibrations, SensitivityNamesWhatCosts) {
 }
 
 TEST_F(SimulatedSequence, BadValuesAreNamed) {
-  const Outcome bad = plumbline("simulate sequence --pace 0 --out " + (folder_ / "x").string());
-  EXPECT_EQ(bad.exit_code, 2);
-  EXPECT_THAT(bad.text, HasSubstr("flight.pace"));
-  // Tracks are points of the scene, numbered from 0.
+  const auto expect = [](const std::string& option, const std::vector<std::string>& ends,
+                         const std::vector<std::string>& outside) {
+    expectRange("simulate sequence", option, ends, outside);
+  };
+  expect("--duration", {"0.001", "100000"}, {"0", "nan"});
+  expect("--pace", {"0.01", "10"}, {"0", "11"});
+  expect("--first-rest", {"0", "10000"}, {"-1", "nan"});
+  expect("--rests", {"0", "1000"}, {"-1", "1001"});
+  expect("--turns", {"0", "1000"}, {"-1", "1001"});
+  expect("--time-offset-ms", {"-1e+06", "1e+06"}, {"-1.1e6", "nan"});
+  expect("--tracks", {"1", "100000"}, {"0", "100001"});
+  expect("--track-sigma", {"0", "100"}, {"-1", "nan"});
+  expect("--outliers", {"0", "1"}, {"-1", "2"});
+  expect("--images --exposure-ms", {"0", "1000"}, {"-1", "1001"});
+  expect("--drop-outs", {"0", "100"}, {"-1", "101"});
+}
+
+TEST_F(SimulatedSequence, TracksArePointsOfTheScene) {
+  // Numbered from 0.
   const fs::path flight = simulate("flight", "--duration 2");
   const fs::path list = flight / "mav0/cam0/tracks.csv";
   std::string text = read(list);
