@@ -23,13 +23,14 @@ constexpr double kStrip = 16;       // [mm], of ruler and text below the target
 constexpr double kRuler = 100;      // [mm]
 constexpr double kRulerLine = 0.3;  // [mm]
 
-constexpr std::array<std::pair<const char*, PaperSize>, 7> kPapers{{{"A4", {210, 297}},
-                                                                    {"A3", {297, 420}},
-                                                                    {"A2", {420, 594}},
-                                                                    {"A1", {594, 841}},
-                                                                    {"A0", {841, 1189}},
-                                                                    {"letter", {215.9, 279.4}},
-                                                                    {"tabloid", {279.4, 431.8}}}};
+constexpr std::array<std::pair<const char*, PaperSize>, 7> kPapers{
+    {{"A4", {210, 297, true}},
+     {"A3", {297, 420, true}},
+     {"A2", {420, 594, true}},
+     {"A1", {594, 841, true}},
+     {"A0", {841, 1189, true}},
+     {"letter", {215.9, 279.4, true}},
+     {"tabloid", {279.4, 431.8, true}}}};
 
 std::optional<double> numberFrom(std::string_view word) {
   double value = 0;
@@ -57,7 +58,7 @@ Layout sized(const AprilGrid& grid) {
   return l;
 }
 
-/// How often the target would fit; upright or turned, whichever is more.
+/// How often the target would fit.
 double room(const Layout& l, const PaperSize& paper) {
   // The ruler may be wider than a small target.
   const double across = std::max(l.width, kRuler);
@@ -65,14 +66,18 @@ double room(const Layout& l, const PaperSize& paper) {
                   (paper.height_mm - 2 * kMargin - kStrip) / l.height);
 }
 
-/// Centred on the paper, turned if it fits better so, with the strip of the ruler kept free below.
+PaperSize turned(const PaperSize& paper) { return {paper.height_mm, paper.width_mm, paper.turns}; }
+
+/// As the paper lies below the target. The strip of the ruler stays at the bottom either way, so
+/// that the two differ even for a square target.
+PaperSize lying(const Layout& l, const PaperSize& paper) {
+  return paper.turns && room(l, turned(paper)) > room(l, paper) ? turned(paper) : paper;
+}
+
+/// Centred on the paper, with the strip of the ruler kept free below.
 Layout layoutOf(const SheetOptions& o) {
   Layout l = sized(o.target);
-  l.paper = o.paper;
-  const PaperSize turned{o.paper.height_mm, o.paper.width_mm};
-  // The strip of the ruler stays at the bottom either way, so that the two differ even for a square
-  // target.
-  if (room(l, turned) > room(l, o.paper)) l.paper = turned;
+  l.paper = lying(l, o.paper);
   l.left = 0.5 * (l.paper.width_mm - l.width) + l.gap;
   l.bottom = 0.5 * (l.paper.height_mm - kStrip + l.height) - l.gap;
   return l;
@@ -192,13 +197,16 @@ void SheetOptions::check() const {
   if (border_bits != 1 && border_bits != 2)
     throw InputError("the tags' border must have 1 or 2 bits");
   const Layout l = sized(target);
-  const double fits = std::max(room(l, paper), room(l, {paper.height_mm, paper.width_mm}));
+  const double fits = room(l, lying(l, paper));
   if (fits >= 1) return;
+  const std::string other =
+      room(l, turned(paper)) < 1
+          ? "larger paper"
+          : fmt::format("paper of {:g} x {:g} mm", paper.height_mm, paper.width_mm);
   throw InputError(fmt::format(
       "the target is {:.0f} x {:.0f} mm with its squares, the paper {:g} x {:g} mm: tags of at "
-      "most "
-      "{:.0f} mm fit, or larger paper (a margin of {:g} mm and {:g} mm for the ruler are kept)",
-      l.width, l.height, paper.width_mm, paper.height_mm, std::floor(l.tag * fits), kMargin,
+      "most {:.0f} mm fit, or {} (a margin of {:g} mm and {:g} mm for the ruler are kept)",
+      l.width, l.height, paper.width_mm, paper.height_mm, std::floor(l.tag * fits), other, kMargin,
       kStrip));
 }
 

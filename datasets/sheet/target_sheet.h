@@ -16,25 +16,27 @@ inline constexpr const char* kSheetMark = "Plumbline target";
 struct PaperSize {
   double width_mm = 0;
   double height_mm = 0;
+  bool turns = false;  ///< may also lie on its side: a name says which sheet, not how it lies
 };
 
-/// "A4" to "A0", "letter", "tabloid", or WIDTHxHEIGHT in millimetres ("900x900"); empty for another
-/// word.
+/// "A4" to "A0", "letter", "tabloid", which may be turned, or WIDTHxHEIGHT in millimetres
+/// ("900x900"), as it lies; empty for another word.
 std::optional<PaperSize> paperSizeFrom(const std::string& word);
 
 /// A sheet with an AprilGrid in its middle, at true size: tags, the squares between them, and below
 /// a ruler of 100 mm with a tick every 10 mm, by which a print that was scaled is found out.
 struct SheetOptions {
   AprilGrid target;  ///< its shape is not printed: the sheet is flat and even
-  PaperSize paper{841, 1189};
+  PaperSize paper{841, 1189, true};
   int border_bits = kKalibrBorderBits;  ///< black border of a tag in cells, 1 or 2
 
   /// Throws InputError where the target has no tags, more than the family, or does not fit on the
-  /// paper either way round: then with the largest tag that does.
+  /// paper, in either way that it may lie: then with the largest tag that does.
   void check() const;
 };
 
-/// The sheet as a PDF of one page, all vectors; the paper lies the way that the target fits.
+/// The sheet as a PDF of one page, all vectors. Paper that may be turned lies the way that the
+/// target fits best.
 std::string targetSheetPdf(const SheetOptions& options);
 
 /// The same drawing as pixels, `pixels_per_mm` of them.

@@ -49,7 +49,9 @@ void declarePrint(CLI::App& app, PrintOptions& o) {
   app.add_option("--tag-size", o.tag_size, "Edge of a tag's black border, e.g. 88mm")->required();
   addWithDefault(app, "--spacing", grid.spacing, "Gap between tags as a ratio of --tag-size")
       ->check(positiveNumber());
-  addWithDefault(app, "--paper", o.paper, "A4 to A0, letter, tabloid, or WIDTHxHEIGHT in mm");
+  addWithDefault(app, "--paper", o.paper,
+                 "A4 to A0, letter or tabloid, turned where the target fits better so, or "
+                 "WIDTHxHEIGHT in mm");
   addWithDefault(app, "--border-bits", o.sheet.border_bits,
                  "Black border of the tags: 2 (Kalibr) or 1")
       ->check(CLI::IsMember({1, 2}));

@@ -89,8 +89,28 @@ TEST(TargetSheet, AWideBoardTurnsThePaper) {
   EXPECT_GT(image.width(), image.height());
 }
 
+TEST(TargetSheet, PaperOfStatedSidesLiesAsItIsStated) {
+  SheetOptions options = april();
+  options.target.tag_size = 0.02;
+  for (const char* word : {"300x200", "200x300"}) {
+    options.paper = *paperSizeFrom(word);
+    const GrayImage image = targetSheetImage(options, 1);
+    EXPECT_EQ(image.width(), options.paper.width_mm);
+    EXPECT_EQ(image.height(), options.paper.height_mm);
+  }
+  options.target.cols = 10;
+  try {
+    options.check();
+    FAIL() << "10 tags of 20 mm side by side on 200 mm";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the paper 200 x 300 mm"));
+    EXPECT_THAT(error.what(), HasSubstr("tags of at most 14 mm fit, or paper of 300 x 200 mm"));
+  }
+}
+
 TEST(TargetSheet, PaperHasNamesOrSides) {
   EXPECT_EQ(paperSizeFrom("A4")->width_mm, 210);
+  EXPECT_TRUE(paperSizeFrom("A4")->turns);
   EXPECT_EQ(paperSizeFrom("900x1200.5")->height_mm, 1200.5);
   for (const char* word : {"", "A9", "900", "x", "900x", "axb", "1x1", "900x1200mm"}) {
     EXPECT_FALSE(paperSizeFrom(word)) << word;
