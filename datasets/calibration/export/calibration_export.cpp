@@ -92,7 +92,8 @@ ExportedFiles exportKalibr(const ExportSource& source) {
   std::vector<std::string> notes{kDirections};
   if (with_imu && !options.offset_known) {
     // The others' shifts are no matter here: this format has one for each camera.
-    out.warnings = offsetWarnings(source, "timeshift_cam_imu is left out.");
+    out.warnings =
+        offsetWarnings(source, "timeshift_cam_imu is left out.", "without --no-time-calibration");
     notes.push_back(out.warnings.front());
   }
   out.files.push_back(

@@ -12,7 +12,8 @@ namespace {
 std::vector<std::string> openVinsWarnings(const ExportSource& source) {
   const Calibration& calibration = source.calibration;
   std::vector<std::string> warnings =
-      offsetWarnings(source, "timeshift_cam_imu is left out, and OpenVINS starts from 0.");
+      offsetWarnings(source, "timeshift_cam_imu is left out, and OpenVINS starts from 0.",
+                     "calib_cam_timeoffset: true");
   warnings.push_back(
       fmt::format("To set in estimator_config.yaml, which is not written here: max_cameras: {}, "
                   "gravity_mag: {}, relative_config_imu: \"kalibr_imu_chain.yaml\", "

@@ -194,14 +194,18 @@ std::string secondsText(double seconds) {
   return fmt::format("{} s ({} ns)", yamlNumber(seconds), nanosecondsOf(seconds));
 }
 
-std::vector<std::string> offsetWarnings(const ExportSource& source, const std::string& instead) {
+std::vector<std::string> offsetWarnings(const ExportSource& source, const std::string& instead,
+                                        const char* estimated_by) {
   const Calibration& calibration = source.calibration;
   std::vector<std::string> warnings;
   if (!calibration.imu) return warnings;
   if (!source.options.offset_known) {
     return {
         "The time offset between camera and IMU is unknown: the calibration does not state it. " +
-        instead + " Estimate it, or let the tool do so where it can."};
+        instead +
+        (estimated_by != nullptr
+             ? fmt::format(" Estimate it, or let {} do so ({}).", source.tool, estimated_by)
+             : fmt::format(" Estimate it first: {} does not do so.", source.tool))};
   }
   for (std::size_t i = 1; i < calibration.cameras.size(); ++i) {
     if (!hasOwnOffset(calibration.imu->time_offsets, i)) continue;

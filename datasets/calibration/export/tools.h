@@ -101,10 +101,12 @@ long long nanosecondsOf(double seconds);
 std::string secondsText(double seconds);
 
 /// What is to be said of time offsets; empty without IMU, and where there is nothing to say. Where
-/// the source states none: that, and what the file has in its place (`instead`, a sentence). Where
-/// cameras have time offsets of their own and the tool takes one for all, camera 0's: by how much
-/// the other cameras' stamps must be moved first, t_d,i - t_d,0.
-std::vector<std::string> offsetWarnings(const ExportSource& source, const std::string& instead);
+/// the source states none: that, what the file has in its place (`instead`, a sentence), and by
+/// which setting the tool estimates it (`estimated_by`; null: it does not). Where cameras have time
+/// offsets of their own and the tool takes one for all, camera 0's: by how much the other cameras'
+/// stamps must be moved first, t_d,i - t_d,0.
+std::vector<std::string> offsetWarnings(const ExportSource& source, const std::string& instead,
+                                        const char* estimated_by = nullptr);
 
 /// The camera's topic, or /NAME/image_raw where it has none that is a plain ROS name.
 std::string topicOf(const CameraCalibration& camera);

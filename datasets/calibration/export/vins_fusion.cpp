@@ -93,7 +93,8 @@ std::string cameraText(const CameraCalibration& camera, const ExportSource& sour
 
 std::vector<std::string> vinsFusionWarnings(const ExportSource& source) {
   if (!source.calibration.imu) return {};
-  std::vector<std::string> warnings = offsetWarnings(source, "td is written as 0.");
+  std::vector<std::string> warnings =
+      offsetWarnings(source, "td is written as 0.", "estimate_td: 1");
   warnings.emplace_back(
       "VINS-Fusion squares acc_n, gyr_n, acc_w and gyr_w and multiplies by dt^2, with no factor of "
       "the rate, so continuous-time densities must not be copied. The values here are the density "

@@ -108,6 +108,10 @@ TEST(ExportRefusals, AnUnknownTimeOffsetIsSaidAndLeftOutWhereItMay) {
     ASSERT_FALSE(files.warnings.empty()) << toString(tool);
     EXPECT_THAT(files.warnings.front(),
                 HasSubstr("The time offset between camera and IMU is unknown"));
+    const bool estimates = tool == ExportTool::kKalibr || tool == ExportTool::kOpenVins ||
+                           tool == ExportTool::kVinsFusion;
+    EXPECT_THAT(files.warnings.front(),
+                HasSubstr(estimates ? "Estimate it, or let " : "Estimate it first: "));
     std::string text;
     for (const ExportFile& file : files.files) text += file.text;
     EXPECT_THAT(text, HasSubstr("The time offset between camera and IMU is unknown"))
