@@ -140,7 +140,8 @@ Fields prepare(const OdometryPlan& plan, const OdometryRequest& request,
     const ExportOptions options{plan.calibration->file.string(),
                                 kVersion,
                                 plan.calibration->noise_known || sequence.noise.has_value(),
-                                {}};
+                                {},
+                                plan.calibration->offset_known};
     for (const ExportFile& file : exportCalibration(calibration, *runner.settings, options).files) {
       writeNewFile(folder, fs::path("settings") / file.name, file.text);
     }

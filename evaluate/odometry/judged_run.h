@@ -21,6 +21,7 @@ struct NamedCalibration {
   std::filesystem::path file;
   Calibration calibration;
   bool noise_known = true;
+  bool offset_known = true;  ///< false: the file states no time offset, and 0 is used
 };
 
 /// One run: a calibration on a sequence, for the `run`-th time.

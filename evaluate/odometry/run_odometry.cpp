@@ -41,7 +41,8 @@ std::vector<NamedCalibration> readCalibrations(const OdometryRequest& request) {
   std::vector<NamedCalibration> list;
   std::set<std::string> names;
   for (const std::string& file : request.calibrations) {
-    NamedCalibration c{nameOfCalibration(file), file, readCalibration(file), statesImuNoise(file)};
+    NamedCalibration c{nameOfCalibration(file), file, readCalibration(file), statesImuNoise(file),
+                       statesTimeOffset(file)};
     if (!c.calibration.imu) {
       throw InputError(file, 0, "has no IMU; odometry needs T_SC0: calibrate with one");
     }
@@ -81,6 +82,12 @@ void addClosure(const std::vector<StampedPose>& poses, OdometryRunRecord& r) {
   r.closure_deg = poses.front().q.angularDistance(poses.back().q) * 180 / std::numbers::pi;
 }
 
+/// Whether it is told a time offset, or its stamps are moved by one: else it reads the
+/// calibration's file itself.
+bool needsOffset(const Runner& runner) {
+  return runner.settings || runner.imu_clock || runner.needs_shifted_imu;
+}
+
 /// An outcome's run against its truth.
 TrajectoryRun judgedPlan(const OdometryPlan& plan, const OdometryOutcome& outcome,
                          const OdometryRequest& request, const std::optional<SequenceTruth>& truth,
@@ -105,6 +112,11 @@ TrajectoryRun judgedPlan(const OdometryPlan& plan, const OdometryOutcome& outcom
   run.odometry->real_time_factor =
       outcome.record.seconds > 0 ? recorded / outcome.record.seconds : 0;
   run.remarks.insert(run.remarks.end(), outcome.remarks.begin(), outcome.remarks.end());
+  if (!plan.calibration->offset_known && (!request.runner || needsOffset(*request.runner))) {
+    run.remarks.emplace_back(
+        "the calibration states no time offset between camera and IMU: 0 was used, and it may be "
+        "any; estimate it");
+  }
   // Last, since an estimate that is accurate does not excuse a run that was lost.
   return outcome.problem.empty() ? run : failedRun(std::move(run), outcome.problem);
 }
@@ -187,7 +199,7 @@ std::string hintText(const TrajectoryRun& run) {
   }
   std::string text = fmt::format("hint of {}:", partName(run));
   if (o.offset_hint_s) {
-    text += fmt::format(" t_d {:.3f}{} ms (calibrated: {:.3f})", 1e3 * *o.offset_hint_s,
+    text += fmt::format(" t_d {:.3f}{} ms (used: {:.3f})", 1e3 * *o.offset_hint_s,
                         within(o.offset_hint_std_s), 1e3 * *o.offset_calibrated_s);
   }
   if (o.T_SC0_hint) {

@@ -28,7 +28,7 @@ TEST(OdometrySummary, OneLineForAHintOrThatThereIsNone) {
             std::string::npos);
   run.odometry->offset_hint_s = 0.0025;
   run.odometry->offset_hint_std_s = 1e-4;
-  EXPECT_NE(odometrySummary(record).find(": t_d 2.500 +- 0.100 ms (calibrated: 2.000)\n"),
+  EXPECT_NE(odometrySummary(record).find(": t_d 2.500 +- 0.100 ms (used: 2.000)\n"),
             std::string::npos);
   Vector6d change = Vector6d::Zero();
   change[1] = -0.012;

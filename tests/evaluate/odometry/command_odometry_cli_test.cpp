@@ -216,6 +216,34 @@ TEST_F(OtherOdometry, OpenVinsIsToldTheCalibrationsCamerasAndGravity) {
               AllOf(HasSubstr("use_stereo: false\n"), HasSubstr("max_cameras: 1\n")));
 }
 
+// As `export` does: the files that may do without have none, and every run says so.
+TEST_F(OtherOdometry, AnUnknownTimeOffsetIsNotToldAsZero) {
+  const fs::path program = folder_ / "vins", told = folder_ / "told.yaml";
+  write(program, "#!/bin/sh\ncp $(dirname \"$1\")/kalibr_imucam_chain.yaml " + told.string() +
+                     "\ncp " + (folder_ / "truth.txt").string() + " \"$3\"\n");
+  fs::permissions(program, fs::perms::owner_all);
+  write(folder_ / "stated.yaml", read(kCalibration));
+  write(folder_ / "unknown.yaml",
+        std::regex_replace(read(kCalibration), std::regex("  timeshift_cam_imu:.*\n"), ""));
+  const auto remarks = [&](const std::string& calibration, const std::string& with) {
+    const Outcome outcome =
+        odometry((folder_ / "seq").string() + " --calibration " + (folder_ / calibration).string() +
+                 " --truth " + (folder_ / "truth.txt").string() + " --with " + with);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    return document()["runs"][0]["remarks"].dump();
+  };
+  const std::string vins = "openvins --executable " + program.string();
+  const std::string none = "states no time offset";
+  EXPECT_THAT(remarks("stated.yaml", vins), testing::Not(HasSubstr(none)));
+  EXPECT_THAT(read(told), HasSubstr("timeshift_cam_imu: 0.0021"));
+  EXPECT_THAT(remarks("unknown.yaml", vins), HasSubstr(none));
+  EXPECT_THAT(read(told), testing::Not(HasSubstr("timeshift_cam_imu:")));
+  // It reads the calibration itself, and we know nothing of what it takes.
+  EXPECT_THAT(remarks("unknown.yaml",
+                      "'cp " + (folder_ / "truth.txt").string() + " {output}/trajectory.txt'"),
+              testing::Not(HasSubstr(none)));
+}
+
 TEST_F(OtherOdometry, ARunnerConvertsClockAndBody) {
   // A body at camera 0 and the IMU's stamps: identical motion once both are converted, so that the
   // errors are those of the conversion alone.
