@@ -96,16 +96,30 @@ BadInput contradictionFault(const KalibrCamchain& chain, std::size_t i,
        suspectText(found.suspect, camera, chain.cameras[i - 1])});
 }
 
-// T_C0Ci from the chain; by T_cam_imu where the chain does not say.
+bool hasImuPlace(const KalibrCamera& camera) { return camera.T_cam_imu.has_value(); }
+bool hasTimeShift(const KalibrCamera& camera) { return camera.timeshift_cam_imu.has_value(); }
+
+// T_C0Ci from the chain; where the chain does not say, by the T_cam_imu of this camera and of one
+// before it.
 Transform placeInRig(const KalibrCamchain& chain, std::size_t i, const Calibration& so_far) {
   if (i == 0) return {};
   const KalibrCamera& camera = chain.cameras[i];
-  // T_C0Ci = T_C0C(i-1) T_CiC(i-1)^-1, along the chain; below T_C0Ci = T_C0S T_CiS^-1.
+  // T_C0Ci = T_C0C(i-1) T_CiC(i-1)^-1, along the chain.
   if (camera.T_cn_cnm1) return so_far.cameras.back().T_C0Ci * camera.T_cn_cnm1->inverse();
-  const auto& T_C0S = chain.cameras.front().T_cam_imu;
-  if (T_C0S && camera.T_cam_imu) return *T_C0S * camera.T_cam_imu->inverse();
+  if (!camera.T_cam_imu) {
+    throw badInput(chain.path, camera.stated->line(),
+                   {InputFault::kMissingKey, "neither T_cn_cnm1 nor T_cam_imu is given",
+                    kMatrixRows, "without one of them this camera's place is unknown"});
+  }
+  const auto other = std::ranges::find_if(chain.cameras, hasImuPlace);
+  const auto j = static_cast<std::size_t>(other - chain.cameras.begin());
+  // T_C0Ci = T_C0Cj T_CjS T_CiS^-1.
+  if (j < i) return so_far.cameras[j].T_C0Ci * *other->T_cam_imu * camera.T_cam_imu->inverse();
+  const char* const key = imuKey(*camera.stated);
   throw badInput(chain.path, camera.stated->line(),
-                 {InputFault::kMissingKey, "neither T_cn_cnm1 nor T_cam_imu is given", kMatrixRows,
+                 {InputFault::kMissingKey,
+                  fmt::format("{} is given without T_cn_cnm1, and no camera before has one", key),
+                  fmt::format("T_cn_cnm1, or {} of cam0 as well", key),
                   "without one of them this camera's place is unknown"});
 }
 
@@ -117,9 +131,6 @@ void refuseFarPlace(const YamlMap& stated, const CameraCalibration& camera) {
   throw stated.fault(stated.has("T_cn_cnm1") ? "T_cn_cnm1" : imuKey(stated),
                      found->complaint("correct the transforms of the cameras up to this one"));
 }
-
-bool hasImuPlace(const KalibrCamera& camera) { return camera.T_cam_imu.has_value(); }
-bool hasTimeShift(const KalibrCamera& camera) { return camera.timeshift_cam_imu.has_value(); }
 
 // A camera without a shift of its own takes that of the first camera that has one. The file does
 // not say which shifts were estimated: those that differ were.

@@ -46,8 +46,8 @@ struct KalibrCamchain {
 /// not finite, transforms that are not rigid, and models whose number of parameters is wrong.
 KalibrCamchain readKalibrCamchain(const std::string& path);
 
-/// The rig that the chain describes. T_C0Ci follows T_cn_cnm1, or T_cam_imu where that is missing;
-/// the first T_cam_imu along the chain is the IMU's place;
+/// The rig that the chain describes. T_C0Ci follows T_cn_cnm1, or where that is missing T_cam_imu
+/// and that of a camera before; the first T_cam_imu along the chain is the IMU's place;
 /// time_offsets has each camera's shift, an own one where it differs from camera 0's
 /// (meanTimeOffset() for their mean); 0 where no camera states one (statesTimeOffset()). The IMU's
 /// noise is not in this file. Throws InputError for a rolling shutter, a camera without a place,

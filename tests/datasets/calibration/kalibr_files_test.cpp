@@ -71,6 +71,27 @@ TEST(KalibrFiles, TheImuIsWhereAnotherCameraThanTheFirstSaysIt) {
   }
 }
 
+// By the IMU, of which two cameras say where it is; one alone does not place itself in the rig.
+TEST(KalibrFiles, ACameraIsPlacedByItsImuAndThatOfACameraBefore) {
+  const TemporaryFolder folder;
+  const Calibration rig = threeCameraRig();
+  std::string text = kalibrCamchainText(rig);
+  const auto erase = [&](std::size_t at) { text.erase(at, text.find("  cam_overlaps", at) - at); };
+  erase(text.rfind("  T_cn_cnm1:"));
+  const std::size_t first = text.find("  T_cam_imu:");
+  erase(first);
+  const Calibration again = readCalibration(folder.write("camchain-imucam.yaml", text));
+  EXPECT_LT(boxminus(again.cameras[2].T_C0Ci, rig.cameras[2].T_C0Ci).norm(), 1e-14);
+  EXPECT_LT(boxminus(again.imu->T_SC0, rig.imu->T_SC0).norm(), 1e-14);
+  const std::size_t second = text.find("  T_cam_imu:");
+  text.erase(second, text.find("  T_cn_cnm1:", second) - second);
+  const auto refused =
+      refusalOf([&] { (void)readCalibration(folder.write("camchain-imucam.yaml", text)); });
+  ASSERT_TRUE(refused);
+  EXPECT_THAT(refused->what(),
+              HasSubstr("T_cam_imu is given without T_cn_cnm1, and no camera before has one"));
+}
+
 TEST(KalibrFiles, TransformsHaveKalibrsDirections) {
   // A camera 10 cm to the right of camera 0, the IMU 5 cm behind camera 0, no rotations.
   Calibration rig = threeCameraRig();
