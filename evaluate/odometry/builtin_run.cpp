@@ -118,12 +118,9 @@ void addHint(const OdometryPlan& plan, const OdometryRequest& request,
   };
   // Several plans already occupy the cores.
   const bool alone = request.sequences.size() * request.calibrations.size() == 1;
-  const auto hint = calibrationHint(request.hint, run, alone ? request.threads : 1);
+  const auto [hint, none] = calibrationHint(request.hint, run, alone ? request.threads : 1);
   if (!hint) {
-    remarks.push_back(fmt::format(
-        "--estimate gives nothing: the innovations have no minimum within 20 ms{} of the "
-        "calibration, or too few seconds are common to all runs",
-        request.hint == HintKind::kExtrinsics ? ", 150 mm and 2.5 deg" : ""));
+    remarks.push_back("--estimate gives nothing: " + none);
     return;
   }
   r.offset_hint_s = *r.offset_calibrated_s + hint->change[0];

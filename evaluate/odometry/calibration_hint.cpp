@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -20,6 +21,7 @@ using Eigen::VectorXd;
 
 constexpr int kRounds = 5;
 constexpr double kFarthestSteps = 2;  // that one round moves
+constexpr double kMostOffset_s = 20e-3, kMostShift_m = 0.15, kMostTurn_rad = 2.5 * kDegree;
 // A step shall raise the mean by this share: far above what a hair's breadth does to an odometry's
 // choice of tracks, and below where gates and the cap of a sighting's error bend the quadratic.
 constexpr double kRise = 0.02;
@@ -165,6 +167,26 @@ std::optional<VectorXd> jackknife(Index n, const std::vector<Block>& blocks, con
   return VectorXd((off.rowwise().squaredNorm() * ((count - 1) / count)).cwiseSqrt());
 }
 
+HintResult none(std::string why) { return {std::nullopt, std::move(why)}; }
+
+std::string fewSecondsText(std::size_t blocks) {
+  return fmt::format(
+      "the runs with changed calibrations predicted frames in only {} common seconds of the {} "
+      "that "
+      "are needed",
+      blocks, kFewestHintBlocks);
+}
+
+std::string farText(HintKind kind) {
+  const std::string pose =
+      kind == HintKind::kExtrinsics
+          ? fmt::format(", {:g} mm or {:g} deg", 1e3 * kMostShift_m, kMostTurn_rad / kDegree)
+          : "";
+  return fmt::format(
+      "the search for a minimum of the innovations led more than {:g} ms{} from the calibration",
+      1e3 * kMostOffset_s, pose);
+}
+
 }  // namespace
 
 Calibration changed(Calibration calibration, const VectorXd& change) {
@@ -188,19 +210,18 @@ std::string tooFewBlocks(const std::vector<FrameInnovation>& innovations, double
                      blocks, kFewestHintBlocks);
 }
 
-std::optional<CalibrationHint> calibrationHint(HintKind kind, const InnovationsAt& run,
-                                               int threads) {
+HintResult calibrationHint(HintKind kind, const InnovationsAt& run, int threads) {
   assert(kind != HintKind::kNone);
-  const VectorXd most = valuesOf(kind, 20e-3, 0.15, 2.5 * kDegree);
+  const VectorXd most = valuesOf(kind, kMostOffset_s, kMostShift_m, kMostTurn_rad);
   VectorXd steps = valuesOf(kind, 3e-3, 0.02, 0.3 * kDegree);
   const Index n = steps.size();
   VectorXd centre = VectorXd::Zero(n);
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<Block> blocks = blocksOf(runsAround(centre, steps, run, threads));
-    if (blocks.size() < kFewestHintBlocks) return std::nullopt;
+    if (blocks.size() < kFewestHintBlocks) return none(fewSecondsText(blocks.size()));
     const Block sum = sumOf(blocks);
     const auto q = quadraticOf(n, sum);
-    if (!q) return std::nullopt;
+    if (!q) return none("a run with a changed calibration saw no landmark that it knew");
     const auto minimum = q->minimum();
     const VectorXd factors = q->stepFactors();
     const bool fits =
@@ -208,17 +229,18 @@ std::optional<CalibrationHint> calibrationHint(HintKind kind, const InnovationsA
     // Only inside the steps is the quadratic that of the innovations, and not extrapolated.
     if (minimum && fits && (minimum->array().abs() <= 1).all()) {
       const auto std = jackknife(n, blocks, sum);
-      if (!std) return std::nullopt;
-      return CalibrationHint{centre + steps.cwiseProduct(*minimum), steps.cwiseProduct(*std)};
+      if (!std) return none("the innovations have a minimum by a single second alone");
+      return {CalibrationHint{centre + steps.cwiseProduct(*minimum), steps.cwiseProduct(*std)}, ""};
     }
     // A quadratic far from its minimum may point anywhere, so no round moves far.
     const VectorXd move = minimum.value_or(q->descent());
     centre += steps.cwiseProduct(VectorXd(move.cwiseMax(-kFarthestSteps).cwiseMin(kFarthestSteps)));
     // Beyond what a calibration may be wrong by something else draws it there.
-    if ((centre.array().abs() > most.array()).any()) return std::nullopt;
+    if ((centre.array().abs() > most.array()).any()) return none(farText(kind));
     steps = steps.cwiseProduct(factors);
   }
-  return std::nullopt;
+  return none(fmt::format("the search for a minimum of the innovations did not settle in {} rounds",
+                          kRounds));
 }
 
 }  // namespace plumbline

@@ -21,6 +21,11 @@ struct CalibrationHint {
   Eigen::VectorXd std;
 };
 
+struct HintResult {
+  std::optional<CalibrationHint> hint;
+  std::string none;  ///< why there is none: a clause
+};
+
 /// What a hint is of.
 enum class HintKind { kNone, kOffset, kExtrinsics };
 constexpr std::array<const char*, 3> enumWords(HintKind /*of*/) {
@@ -50,10 +55,9 @@ std::string tooFewBlocks(const std::vector<FrameInnovation>& innovations, double
 /// the quadratic is moved to its minimum and done again, at most four times, until that lies within
 /// h. The deviations are the jackknife's over blocks of a second, as the innovations of one frame
 /// err together. A hint and no calibration: what is not estimated (the offset alone: extrinsics;
-/// both: intrinsics) moves it. Empty where the innovations have no minimum within 20 ms, 150 mm
-/// and 2.5 degrees, or there are fewer than 8 blocks. `kind` is not kNone.
-/// Threads 0: all cores.
-std::optional<CalibrationHint> calibrationHint(HintKind kind, const InnovationsAt& run,
-                                               int threads = 1);
+/// both: intrinsics) moves it. None where the search leads beyond 20 ms, 150 mm and 2.5 degrees or
+/// does not settle, where all runs have fewer than 8 blocks in common, and where the minimum rests
+/// on one of them. `kind` is not kNone. Threads 0: all cores.
+HintResult calibrationHint(HintKind kind, const InnovationsAt& run, int threads = 1);
 
 }  // namespace plumbline

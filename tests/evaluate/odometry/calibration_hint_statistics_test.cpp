@@ -26,7 +26,7 @@ std::optional<CalibrationHint> hintOf(const RoomFlight& flight, const Calibratio
     for (const FrameTracks& frame : flight.frames) odometry.step(frame);
     return odometry.result().innovations;
   };
-  return calibrationHint(kind, run, 2);
+  return calibrationHint(kind, run, 2).hint;
 }
 
 RoomFlight flightOf(const SimulatedRig& rig, std::uint64_t seed, double duration_s) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
@@ -13,6 +14,7 @@ namespace plumbline {
 namespace {
 
 using Eigen::VectorXd;
+using testing::HasSubstr;
 
 /// Innovations that are a quadratic: in each unit a curvature of its own, the first two correlated.
 std::vector<FrameInnovation> quadratic(const VectorXd& change, const VectorXd& minimum,
@@ -44,8 +46,9 @@ TEST(CalibrationHint, DeviationsAreThoseOfManyTrials) {
     const VectorXd unit = units(kind), minimum = -1.5 * unit;
     VectorXd squares = VectorXd::Zero(unit.size()), stated = squares;
     for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
-      const auto hint = calibrationHint(
-          kind, [&](const VectorXd& change) { return quadratic(change, minimum, unit, seed); });
+      const auto hint = calibrationHint(kind, [&](const VectorXd& change) {
+                          return quadratic(change, minimum, unit, seed);
+                        }).hint;
       ASSERT_TRUE(hint.has_value()) << toString(kind) << seed;
       squares += (hint->change - minimum).cwiseQuotient(unit).cwiseAbs2() / kTrials;
       stated += hint->std.cwiseQuotient(unit).cwiseAbs2() / kTrials;
@@ -60,19 +63,65 @@ TEST(CalibrationHint, DeviationsAreThoseOfManyTrials) {
 TEST(CalibrationHint, DoesNotDependOnThreads) {
   const VectorXd unit = units(HintKind::kExtrinsics);
   const auto run = [&](const VectorXd& change) { return quadratic(change, unit, unit, 3); };
-  const auto one = calibrationHint(HintKind::kExtrinsics, run, 1);
-  const auto two = calibrationHint(HintKind::kExtrinsics, run, 2);
+  const auto one = calibrationHint(HintKind::kExtrinsics, run, 1).hint;
+  const auto two = calibrationHint(HintKind::kExtrinsics, run, 2).hint;
   ASSERT_TRUE(one && two);
   EXPECT_EQ(one->change, two->change);
   EXPECT_EQ(one->std, two->std);
 }
 
-TEST(CalibrationHint, NothingWithoutAMinimum) {
-  const VectorXd unit = units(HintKind::kOffset), far = 50 * unit;
-  const auto nothing = [](const VectorXd&) { return std::vector<FrameInnovation>{}; };
-  EXPECT_FALSE(calibrationHint(HintKind::kOffset, nothing));
-  EXPECT_FALSE(calibrationHint(
-      HintKind::kOffset, [&](const VectorXd& change) { return quadratic(change, far, unit, 1); }));
+// Each reason by itself.
+TEST(CalibrationHint, SaysWhyThereIsNone) {
+  const auto none = [](HintKind kind, const InnovationsAt& run) {
+    const HintResult result = calibrationHint(kind, run);
+    EXPECT_FALSE(result.hint) << result.none;
+    return result.none;
+  };
+  using Frames = std::vector<FrameInnovation>;
+  const VectorXd unit = units(HintKind::kOffset);
+  const auto seen = [&](const VectorXd& change) { return quadratic(change, 0 * unit, unit, 1); };
+  EXPECT_THAT(none(HintKind::kOffset,
+                   [&](const VectorXd& change) {
+                     Frames frames = seen(change);
+                     if (change[0] > 0) frames.resize(60);  // 3 s
+                     return frames;
+                   }),
+              HasSubstr("in only 3 common seconds of the 8 that are needed"));
+  EXPECT_THAT(none(HintKind::kOffset,
+                   [&](const VectorXd& change) {
+                     Frames frames = seen(change);
+                     for (FrameInnovation& f : frames) f.count = change[0] > 0 ? 0 : f.count;
+                     return frames;
+                   }),
+              HasSubstr("saw no landmark"));
+  for (const HintKind kind : {HintKind::kOffset, HintKind::kExtrinsics}) {
+    const VectorXd of_kind = units(kind), far = 50 * of_kind;
+    EXPECT_THAT(
+        none(kind, [&](const VectorXd& change) { return quadratic(change, far, of_kind, 1); }),
+        HasSubstr(kind == HintKind::kOffset ? "led more than 20 ms from the calibration"
+                                            : "led more than 20 ms, 150 mm or 2.5 deg from the"));
+  }
+  // So flat that no step is long enough.
+  EXPECT_THAT(none(HintKind::kOffset,
+                   [](const VectorXd& change) {
+                     Frames frames;
+                     const double x = change[0] / 5, y = x * x;
+                     for (int k = 0; k < 200; ++k)
+                       frames.push_back({50'000'000LL * k, 100 + y, 100});
+                     return frames;
+                   }),
+              HasSubstr("did not settle in 5 rounds"));
+  // A minimum in the first second, and a maximum in all others.
+  EXPECT_THAT(none(HintKind::kOffset,
+                   [](const VectorXd& change) {
+                     Frames frames;
+                     const double x = change[0] / 3e-3, y = x * x;
+                     for (int k = 0; k < 200; ++k) {
+                       frames.push_back({50'000'000LL * k, 100 + (k < 20 ? 30 * y : -y), 100});
+                     }
+                     return frames;
+                   }),
+              HasSubstr("by a single second alone"));
 }
 
 // A flight that is too short is known by its first run.
