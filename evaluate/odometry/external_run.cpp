@@ -213,6 +213,7 @@ ExternalRun runExternal(const OdometryPlan& plan, const OdometryRequest& request
   process.log = folder / "log.txt";
   process.limit_s = request.run_seconds;
   process.limit_mb = request.memory_mb;
+  process.with_descendants = true;  // of a wrapper the program itself may be a child
   const ProcessEnd end = runProcess(process);
   ExternalRun run;
   OdometryOutcome& outcome = run.outcome;

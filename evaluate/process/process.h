@@ -19,6 +19,7 @@ struct ProcessRequest {
   std::map<std::string, std::string> environment;  ///< beside the caller's
   double limit_s = 0;                              ///< wall time; 0: none
   int limit_mb = 0;                                ///< address space (RLIMIT_AS); 0: none
+  bool with_descendants = false;  ///< what it has started ends with it in any case: ChildProcess
 };
 
 /// What a shell says where there is no such program.
@@ -41,8 +42,10 @@ std::string toString(const ProcessEnd& end);
 /// has started itself ends with it where this process ends or reaps it, or where it is this program
 /// (kRunningProgram), which gets SIGTERM and ends in order, and SIGKILL only where it has not
 /// within 10 s; not where SIGKILL ends this process and it is another, nor what leaves its group
-/// (setsid). Its signal mask is empty, it does not ignore SIGTERM, SIGPIPE and SIGXFSZ as this
-/// process may, and it leaves no core file.
+/// (setsid). With with_descendants it does then, too: a process of ours stands between, to which
+/// all that the program leaves becomes a child, and which ends it with the program or with this
+/// process (but where it gets SIGKILL itself). Its signal mask is empty, it does not ignore
+/// SIGTERM, SIGPIPE and SIGXFSZ as this process may, and it leaves no core file.
 class ChildProcess {
  public:
   /// Throws InputError where it cannot be started.

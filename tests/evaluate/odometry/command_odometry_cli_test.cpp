@@ -99,7 +99,7 @@ case $(basename "$1" .yaml) in
   silent) exit 0 ;;
   nan) sed '30s/ [^ ]*/ nan/' "$truth" > "$out" ;;
   cut) head -c 2000 "$truth" > "$out" ;;
-  hangs) echo waiting; sleep 60 & echo $! > "$4"; wait ;;
+  hangs) echo waiting; setsid sleep 60 & echo $! > "$4"; wait ;;
 esac
 )";
 
@@ -143,7 +143,7 @@ TEST_F(OtherOdometry, KeepsEveryEndOfARun) {
   failedAs("hangs", "did not end within 2 s");
   EXPECT_TRUE(fs::exists(folder_ / "out/runs/good/seq_1.txt"));
   EXPECT_TRUE(fs::exists(folder_ / "out/report.html"));
-  // Nothing that it started lives on.
+  // Nothing that it started lives on, though it has left its group.
   const fs::path child = "/proc/" + replaced(read(folder_ / "pid"), "\n", "") + "/stat";
   const auto lives = [&] {  // a zombie that nobody has buried does not
     const std::string state = read(child);

@@ -6,7 +6,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -135,6 +137,54 @@ TEST_F(Process, BeyondItsTimeItIsKilledWithAllItStarted) {
   EXPECT_TRUE(end.beyond_time);
   EXPECT_FALSE(end.ok());
   EXPECT_TRUE(ends(static_cast<pid_t>(std::stol(log()))));
+}
+
+// With descendants: also what has left its group and its parents, whatever its program's end.
+TEST_F(Process, NothingIsLeftOfAProgramThatEndsWithItsDescendants) {
+  ProcessRequest request;
+  request.with_descendants = true;
+  const std::string leaves = "setsid sh -c 'setsid sleep 60 & echo $!; setsid sleep 60 & echo $!' ";
+  const auto left = [&] {
+    std::ifstream file(log_);
+    const std::vector<pid_t> ids{std::istream_iterator<pid_t>(file), {}};
+    std::filesystem::remove(log_);
+    return ids;
+  };
+  EXPECT_EQ(run(leaves + "; exit 3", request).exit_code, 3);
+  std::vector<pid_t> ids = left();
+  EXPECT_EQ(run(leaves + "; kill -SEGV $$", request).signal, SIGSEGV);
+  const std::vector<pid_t> more = left();
+  ids.insert(ids.end(), more.begin(), more.end());
+  request.limit_s = 1;
+  const ProcessEnd late = run(leaves + "& wait; sleep 60", request);
+  EXPECT_TRUE(late.beyond_time);
+  EXPECT_LT(late.seconds, 5);
+  const std::vector<pid_t> last = left();
+  ids.insert(ids.end(), last.begin(), last.end());
+  EXPECT_EQ(ids.size(), 6U);
+  for (const pid_t id : ids) EXPECT_TRUE(ends(id)) << id;
+}
+
+// As a time limit of a cluster ends this process, which can end nothing in order then.
+TEST_F(Process, WhereThisProcessIsKilledDescendantsEndToo) {
+  const std::filesystem::path started = scratch_ / "started";
+  const pid_t killed = fork();
+  if (killed == 0) {
+    ProcessRequest request;
+    request.words = {"sh", "-c",
+                     "sleep 60 & setsid sleep 60 & echo $! > " + started.string() + ".part; mv " +
+                         started.string() + ".part " + started.string() + "; wait"};
+    request.log = log_;
+    request.with_descendants = true;
+    (void)runProcess(request);
+    _exit(0);
+  }
+  while (!std::filesystem::exists(started)) usleep(10'000);
+  kill(killed, SIGKILL);
+  waitpid(killed, nullptr, 0);
+  pid_t left = 0;
+  ASSERT_TRUE(std::ifstream(started) >> left);
+  EXPECT_TRUE(ends(left));
 }
 
 // It alone knows what it runs: SIGKILL at once would leave what the script has started.
