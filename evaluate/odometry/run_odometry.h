@@ -50,8 +50,8 @@ struct OdometrySequence {
 /// images; or points in their place. Its truth is the first of
 /// state_groundtruth_estimate0, vicon0, mocap0 and leica0, or truth/trajectory.csv of a simulated
 /// one. Throws InputError where a part is missing or malformed, where there are no images, and
-/// where fewer than half of camera 0's frames have a partner within 2 ms in another camera: cameras
-/// out of step.
+/// where fewer than half of camera 0's frames have a partner within 2 ms in another camera (of
+/// points: of the frames of whichever sees them in fewer): cameras out of step.
 OdometrySequence readOdometrySequence(const std::string& path);
 
 /// The image of a camera at a stamp, within 2 ms; null where it has none.

@@ -40,6 +40,16 @@ std::optional<ImuNoise> noiseOf(const SessionFolder& folder) {
   return std::nullopt;
 }
 
+/// Of so many frames `paired` have one of the other camera within kSameFrame.
+void requireStep(const std::string& camera, std::size_t paired, std::size_t frames) {
+  // Half, as images may be missing; of cameras that are out of step hardly any has a partner.
+  if (2 * paired >= frames) return;
+  throw InputError(camera, 0,
+                   fmt::format("{} of {} pairs of frames of this camera and the first are within 2 "
+                               "ms; expected cameras that are exposed at the same time",
+                               paired, frames));
+}
+
 void readImages(const SessionFolder& folder, OdometrySequence& sequence) {
   for (const std::string& camera : folder.cameras) {
     // As data.csv lists them, whether they are there or not; without it what lies in data/.
@@ -48,6 +58,11 @@ void readImages(const SessionFolder& folder, OdometrySequence& sequence) {
     if (sequence.images.back().empty() || sequence.images.back().front().path.empty()) {
       throw InputError(camera, 0, "has no images; odometry needs them: camN/data/<ns>.png");
     }
+    std::size_t paired = 0;
+    for (const ImageFile& image : sequence.images[0]) {
+      paired += imageAt(sequence.images.back(), image.t) != nullptr ? 1 : 0;
+    }
+    requireStep(camera, paired, sequence.images[0].size());
   }
 }
 
@@ -63,14 +78,19 @@ std::vector<ImageView> viewsOf(const fs::path& camera, const char* file, CornerL
   return readCorners((camera / file).string(), limits);
 }
 
-/// Views are in the order of time: the first one within kSameFrame of a frame is taken.
-void merge(const std::vector<ImageView>& views, int camera, std::vector<FrameTracks>& frames) {
+/// Views are in the order of time: the first one within kSameFrame of a frame is taken. Returns how
+/// many frames have one.
+std::size_t merge(const std::vector<ImageView>& views, int camera,
+                  std::vector<FrameTracks>& frames) {
+  std::size_t paired = 0;
   auto view = views.begin();
   for (FrameTracks& frame : frames) {
     while (view != views.end() && view->t < frame.t - kSameFrame) ++view;
     if (view == views.end() || std::abs(view->t - frame.t) > kSameFrame) continue;
     for (const Corner& c : view->corners) frame.points.push_back({c.id, camera, c.uv});
+    ++paired;
   }
+  return paired;
 }
 
 int cornerCountOf(const SessionFolder& folder) {
@@ -109,7 +129,9 @@ std::vector<FrameTracks> readPointTracks(const SessionFolder& folder, PointSourc
     if (c == 0) {
       for (const ImageView& view : views) frames.push_back({view.t, {}});
     }
-    merge(views, static_cast<int>(c), frames);
+    const std::size_t paired = merge(views, static_cast<int>(c), frames);
+    // A camera that is in step may see points more rarely than the first.
+    requireStep(folder.cameras[c], paired, std::min(frames.size(), views.size()));
   }
   return frames;
 }
@@ -125,22 +147,6 @@ void readTracks(const SessionFolder& folder, OdometrySequence& sequence) {
     for (std::size_t c = 0; c < seen.size(); ++c) {
       if (seen[c]) sequence.images[c].push_back({frame.t, ""});
     }
-  }
-}
-
-/// In step: at least half of camera 0's frames have a partner within kSameFrame.
-void checkStep(const OdometrySequence& sequence, const std::vector<std::string>& folders) {
-  for (std::size_t c = 1; c < sequence.images.size(); ++c) {
-    std::size_t paired = 0;
-    for (const ImageFile& image : sequence.images[0]) {
-      paired += imageAt(sequence.images[c], image.t) != nullptr ? 1 : 0;
-    }
-    // Half, as images may be missing; of cameras that are out of step hardly any has a partner.
-    if (2 * paired >= sequence.images[0].size()) continue;
-    throw InputError(folders[c], 0,
-                     fmt::format("{} of {} frames of the first camera have an image here within 2 "
-                                 "ms; expected cameras that are exposed at the same time",
-                                 paired, sequence.images[0].size()));
   }
 }
 
@@ -162,7 +168,6 @@ OdometrySequence readOdometrySequence(const std::string& path) {
   sequence.noise = noiseOf(folder);
   // The best there is; --truth takes its place (truthOf()).
   sequence.truth = truthIn(folder.root);
-  checkStep(sequence, folder.cameras);
   return sequence;
 }
 

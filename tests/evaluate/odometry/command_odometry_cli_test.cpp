@@ -446,6 +446,31 @@ TEST_F(Scratch, RenderedImagesAndWhatTheyMayLack) {
   refusedWith(with(truth), "data.csv:");
 }
 
+// In step, though it saw the board in a third of the first one's frames; and 4 ms behind.
+TEST_F(Scratch, ACameraMaySeePointsMoreRarelyThanTheFirst) {
+  const std::string board = (folder_ / "board").string();
+  ASSERT_EQ(plumbline("simulate --duration 3 --seed 3 --out " + board).exit_code, 0);
+  const fs::path list = board + "/mav0/cam1/corners.csv";
+  std::istringstream all(read(list));
+  std::string rarely, late, line, before;
+  for (int frame = -1; std::getline(all, line);) {
+    const std::string stamp = line.substr(0, line.find(','));
+    frame += stamp != before ? 1 : 0;
+    before = stamp;
+    if (frame % 3 == 0) rarely += line + "\n";
+    late += (frame == 0 ? line : replaced(line, "3456789,", "7456789,")) + "\n";
+  }
+  const std::string words =
+      board + " --no-report --calibration " + board + "/truth/camchain-imucam.yaml";
+  write(list, rarely);
+  const Outcome in_step = odometry(words);
+  EXPECT_EQ(in_step.exit_code, 0) << in_step.text;
+  write(list, late);
+  const Outcome behind = odometry(words);
+  EXPECT_EQ(behind.exit_code, 2);
+  EXPECT_THAT(behind.text, AllOf(HasSubstr("0 of "), HasSubstr("exposed at the same time")));
+}
+
 // Nothing but damaged images: more than the two in a hundred that may be skipped.
 TEST_F(OtherOdometry, DamagedImagesEndTheBuiltInOne) {
   const Outcome outcome =
