@@ -328,7 +328,9 @@ void killChildren() {
 
 std::string toString(const ProcessEnd& end) {
   if (end.beyond_time) return fmt::format("did not end within {:.0f} s", end.seconds);
-  if (end.exit_code == kNoProgram) return "could not be started (exit code 127)";
+  if (end.exit_code == kNoProgram) {
+    return "it, or a program that it runs, could not be started (exit code 127)";
+  }
   if (end.signal != 0) {
     return fmt::format("killed by signal {} ({})", end.signal, strsignal(end.signal));
   }
