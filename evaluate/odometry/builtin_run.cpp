@@ -109,7 +109,7 @@ void addHint(const OdometryPlan& plan, const OdometryRequest& request,
   r.offset_calibrated_s = calibration.imu->timeOffset();
   const std::string too_few = tooFewBlocks(innovations, plan.sequence->duration_s());
   if (!too_few.empty()) {
-    remarks.push_back("--estimate gives nothing: " + too_few);
+    remarks.push_back(kNoHint + too_few);
     return;
   }
   const auto run = [&](const Eigen::VectorXd& change) {
@@ -120,7 +120,7 @@ void addHint(const OdometryPlan& plan, const OdometryRequest& request,
   const bool alone = request.sequences.size() * request.calibrations.size() == 1;
   const auto [hint, none] = calibrationHint(request.hint, run, alone ? request.threads : 1);
   if (!hint) {
-    remarks.push_back("--estimate gives nothing: " + none);
+    remarks.push_back(kNoHint + none);
     return;
   }
   r.offset_hint_s = *r.offset_calibrated_s + hint->change[0];
@@ -245,6 +245,13 @@ OdometryOutcome runBuiltinPlan(const OdometryPlan& plan, const OdometryRequest& 
         fmt::format("{} images are missing or damaged and were skipped", run.skipped));
   }
   addOwnOffsets(calibration, request.builtin.cameras, outcome.remarks);
+  if (!plan.calibration->noise_known && !plan.sequence->noise) {
+    const ImuNoise& assumed = calibration.imu->noise;
+    outcome.remarks.push_back(fmt::format(
+        "neither calibration nor sequence states the IMU's noise densities: {:.3g} rad/s/sqrt(Hz) "
+        "and {:.3g} m/s^2/sqrt(Hz) were assumed; give an imu.yaml",
+        assumed.gyro_density, assumed.accel_density));
+  }
   if (run.result.poses.empty()) {
     outcome.problem = "never initialised: images and IMU did not determine the motion";
     return outcome;

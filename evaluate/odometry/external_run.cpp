@@ -263,11 +263,13 @@ void addRefined(const OdometryPlan& plan, const OdometryRequest& request, const 
   const ImuCalibration& used = *plan.calibration->calibration.imu;
   OdometryRunRecord& r = outcome.record;
   r.offset_calibrated_s = used.timeOffset();
-  const bool none = run.offsets_s.empty() && run.T_SC0.empty();
+  const bool extrinsics = request.hint == HintKind::kExtrinsics && !run.T_SC0.empty();
+  const bool none = run.offsets_s.empty() && !extrinsics;
   const std::string& problem = run.outcome.problem;
   if (none || !problem.empty()) {
-    outcome.remarks.push_back(fmt::format("the run with online calibration gave {} calibration{}{}",
-                                          none ? "no" : "a", problem.empty() ? "" : "; ", problem));
+    outcome.remarks.push_back(fmt::format("{}the run with online calibration gave {}{}{}",
+                                          none ? kNoHint : "", none ? "none" : "a calibration",
+                                          problem.empty() ? "" : "; ", problem));
   }
   if (none) return;
   if (!run.offsets_s.empty()) {
@@ -276,7 +278,7 @@ void addRefined(const OdometryPlan& plan, const OdometryRequest& request, const 
     const auto moved = movedAtLast(Eigen::RowVectorXd::Map(run.offsets_s.data(), count));
     if (moved) r.offset_hint_std_s = moved->value();
   }
-  if (run.T_SC0.empty() || request.hint != HintKind::kExtrinsics) return;
+  if (!extrinsics) return;
   Eigen::MatrixXd changes(6, run.T_SC0.size());
   for (Eigen::Index i = 0; i < changes.cols(); ++i) {
     // In the left tangent at what was calibrated, as the built-in odometry's hint.

@@ -39,6 +39,9 @@ struct OdometryOutcome {
   std::vector<StampedPose> poses;
 };
 
+/// How the remark begins that says why there is no hint (OdometryRequest::hint).
+inline constexpr const char* kNoHint = "--estimate gives nothing: ";
+
 /// The noise of a calibration that states none (Kalibr's camchain) is the sequence's.
 Calibration withNoise(const OdometryPlan& plan);
 /// Below the folder of results; sequences and calibrations have a name each, so that no run

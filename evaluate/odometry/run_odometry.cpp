@@ -169,7 +169,8 @@ void checkBuiltinOnly(const OdometryRequest& request,
   if (request.runner && request.hint != HintKind::kNone && !request.runner->online) {
     throw InputError(
         "the runner " + request.runner->name +
-        " does not describe its online calibration; omit --estimate, or add `online` to its file");
+        " does not describe its online calibration; omit --estimate, or give --with a runner's "
+        "file that has `online`");
   }
   if (!request.sensitivity) return;
   if (request.runner) {
@@ -193,7 +194,7 @@ std::string hintText(const TrajectoryRun& run) {
   if (!o.offset_hint_s && !o.T_SC0_hint) {
     const auto why =
         std::find_if(run.remarks.begin(), run.remarks.end(),
-                     [](const std::string& remark) { return remark.starts_with("--estimate"); });
+                     [](const std::string& remark) { return remark.starts_with(kNoHint); });
     return fmt::format("hint of {}: none{}\n", partName(run),
                        why == run.remarks.end() ? "" : "; " + *why);
   }

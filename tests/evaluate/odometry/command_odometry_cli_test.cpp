@@ -337,11 +337,13 @@ TEST_F(OtherOdometry, OnlineCalibrationOfAnotherSystemIsAHint) {
   write(folder_ / "vio.sh", "cp " + (folder_ / "truth.txt").string() +
                                 " $2\ngrep -q 'refine: true' $1 || exit 0\n" + printed(0.02, 0.1) +
                                 "exit 3\n");
-  ASSERT_EQ(runner("refine: false").exit_code, 0);
+  const Outcome without = runner("refine: false");
+  ASSERT_EQ(without.exit_code, 0);
+  EXPECT_THAT(without.text, HasSubstr("none; --estimate gives nothing: the run with online"));
   const json failed = document()["runs"][0];
   EXPECT_TRUE(failed["odometry"].value("offset_hint_s", json()).is_null());
   EXPECT_THAT(failed["remarks"].dump(),
-              AllOf(HasSubstr("gave no calibration"), HasSubstr("exit code 3")));
+              AllOf(HasSubstr("calibration gave none"), HasSubstr("exit code 3")));
   const Outcome wrong = runner("refine: no");
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_THAT(wrong.text, HasSubstr("no file of the runner holds 'refine: no'"));
@@ -463,8 +465,14 @@ TEST_F(Scratch, ACameraMaySeePointsMoreRarelyThanTheFirst) {
   const std::string words =
       board + " --no-report --calibration " + board + "/truth/camchain-imucam.yaml";
   write(list, rarely);
+  fs::rename(board + "/imu.yaml", folder_ / "imu.yaml");
+  fs::remove(board + "/mav0/imu0/sensor.yaml");
   const Outcome in_step = odometry(words);
   EXPECT_EQ(in_step.exit_code, 0) << in_step.text;
+  const std::string assumed = "neither calibration nor sequence states the IMU's noise densities";
+  EXPECT_THAT(document()["runs"][0]["remarks"].dump(), HasSubstr(assumed));
+  EXPECT_EQ(odometry(words + " --imu " + (folder_ / "imu.yaml").string()).exit_code, 0);
+  EXPECT_THAT(document()["runs"][0]["remarks"].dump(), testing::Not(HasSubstr(assumed)));
   write(list, late);
   const Outcome behind = odometry(words);
   EXPECT_EQ(behind.exit_code, 2);
