@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <deque>
 #include <fstream>
@@ -130,6 +131,13 @@ std::string fileText(const Runner& runner, const Calibration& calibration, bool 
   return text;
 }
 
+/// Frames of camera 0 in a second, as a whole number, which ORB-SLAM3 wants.
+double rateOf(const OdometrySequence& sequence) {
+  const auto intervals = static_cast<double>(sequence.images[0].size() - 1);
+  if (!(sequence.duration_s() > 0)) return 1;  // of a single frame
+  return std::max(1.0, std::round(intervals / sequence.duration_s()));
+}
+
 /// Writes what the runner needs below `folder`; the values of its fields.
 Fields prepare(const OdometryPlan& plan, const OdometryRequest& request,
                const Calibration& calibration, bool refine, const fs::path& folder) {
@@ -137,11 +145,9 @@ Fields prepare(const OdometryPlan& plan, const OdometryRequest& request,
   const OdometrySequence& sequence = *plan.sequence;
   fs::create_directories(folder / "settings");
   if (runner.settings) {
-    const ExportOptions options{plan.calibration->file.string(),
-                                kVersion,
+    const ExportOptions options{plan.calibration->file.string(), kVersion,
                                 plan.calibration->noise_known || sequence.noise.has_value(),
-                                {},
-                                plan.calibration->offset_known};
+                                rateOf(sequence), plan.calibration->offset_known};
     for (const ExportFile& file : exportCalibration(calibration, *runner.settings, options).files) {
       writeNewFile(folder, fs::path("settings") / file.name, file.text);
     }

@@ -244,6 +244,26 @@ TEST_F(OtherOdometry, AnUnknownTimeOffsetIsNotToldAsZero) {
               testing::Not(HasSubstr(none)));
 }
 
+TEST_F(OtherOdometry, OrbSlam3IsToldTheRateOfTheImages) {
+  const fs::path program = folder_ / "slam", told = folder_ / "told.yaml";
+  write(program, "#!/bin/sh\ncp \"$2\" " + told.string() + "\ncp " +
+                     (folder_ / "truth.txt").string() + " f_run.txt\n");
+  fs::permissions(program, fs::perms::owner_all);
+  for (const char* camera : {"cam0", "cam1"}) {  // every third image
+    std::istringstream all(read(folder_ / "seq/mav0" / camera / "data.csv"));
+    std::string line, third;
+    for (int i = 0; std::getline(all, line); ++i) third += i % 3 < 1 ? line + "\n" : "";
+    write(folder_ / "seq/mav0" / camera / "data.csv", third);
+  }
+  setenv("ORB_VOCABULARY", "none", 1);
+  const Outcome outcome =
+      odometry((folder_ / "seq").string() + " --runs 1 --calibration " + kCalibration.string() +
+               " --truth " + (folder_ / "truth.txt").string() + " --with orbslam3 --executable " +
+               program.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(read(told), HasSubstr("Camera.fps: 7\n"));
+}
+
 TEST_F(OtherOdometry, ARunnerConvertsClockAndBody) {
   // A body at camera 0 and the IMU's stamps: identical motion once both are converted, so that the
   // errors are those of the conversion alone.
