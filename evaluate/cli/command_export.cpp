@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -47,7 +46,8 @@ void declareExport(CLI::App& app, ExportFilesOptions& o) {
       ->delimiter(',')
       ->allow_extra_args(false);
   app.add_option("--camera-rate", r.camera_rate_hz,
-                 "Frame rate of the cameras [Hz], for tools that need it (orbslam3; default: 20)");
+                 "Frame rate of the cameras [Hz], for tools that need it (orbslam3; default: 20)")
+      ->check(numberWithin(1e-6, 1e6));
   app.add_option("--model", o.model,
                  "Convert the cameras to another lens model by a least-squares fit of the "
                  "projection over the image (refused above 2 px RMS): " +
@@ -61,11 +61,6 @@ ExportRequest exportRequest(const ExportFilesOptions& o) {
   if (!tool) throw InputError(fmt::format("--to {}: expected one of {}", o.to, knownTools()));
   request.tool = *tool;
   if (o.model) request.model = modelFrom("--model", *o.model);
-  // Refused for every tool, also for those that do not need it.
-  const double rate = request.camera_rate_hz.value_or(1);
-  if (!(rate > 0) || !std::isfinite(rate) || rate > 1e6) {
-    throw InputError(fmt::format("--camera-rate {}: expected a positive number of Hz", rate));
-  }
   return request;
 }
 

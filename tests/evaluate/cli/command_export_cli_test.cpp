@@ -113,7 +113,10 @@ TEST_F(CommandExport, OnlyOneCamera) {
 
 TEST_F(CommandExport, RefusalsLeaveNothingBehind) {
   expectRefusal(exportedSource("--to rtabmap"), HasSubstr("vins-fusion"));
-  expectRefusal(exportedSource("--to orbslam3 --camera-rate 0"), HasSubstr("--camera-rate"));
+  for (const std::string rate : {"0", "-5", "nan", "2e6"}) {
+    expectRefusal(exportedSource("--to kalibr --camera-rate " + rate),
+                  HasSubstr("--camera-rate: " + rate + ": expected 1e-06 to 1e+06"));
+  }
   expectRefusal(exportedSource("--to orbslam3 --only cam7"), HasSubstr("cam0, cam1"));
   expectRefusal(exported(root_ / "nowhere.json", "--to kalibr"), HasSubstr("nowhere.json"));
   expectRefusal(exported(kConfigs / "targets/target_6x6.yaml", "--to kalibr"),
