@@ -130,20 +130,6 @@ void addHint(const OdometryPlan& plan, const OdometryRequest& request,
   r.T_SC0_hint_std = Vector6d(hint->std.tail<6>());
 }
 
-/// Of the first `cameras` cameras (0: all), those that the odometry does not use as calibrated.
-void addOwnOffsets(const Calibration& calibration, int cameras, std::vector<std::string>& remarks) {
-  const ImuCalibration& imu = *calibration.imu;
-  for (std::size_t c = 1; c < calibration.cameras.size(); ++c) {
-    if (cameras > 0 && c >= static_cast<std::size_t>(cameras)) break;
-    if (!hasOwnOffset(imu.time_offsets, c)) continue;
-    remarks.push_back(fmt::format(
-        "the calibration's time offset of {} is {:.6f} s more than that of {}; this odometry takes "
-        "all cameras as exposed together",
-        calibration.cameras[c].name, imu.timeOffset(c) - imu.timeOffset(),
-        calibration.cameras[0].name));
-  }
-}
-
 }  // namespace
 
 void BuiltinOptions::check() const {
@@ -244,7 +230,6 @@ OdometryOutcome runBuiltinPlan(const OdometryPlan& plan, const OdometryRequest& 
     outcome.remarks.push_back(
         fmt::format("{} images are missing or damaged and were skipped", run.skipped));
   }
-  addOwnOffsets(calibration, request.builtin.cameras, outcome.remarks);
   if (!plan.calibration->noise_known && !plan.sequence->noise) {
     const ImuNoise& assumed = calibration.imu->noise;
     outcome.remarks.push_back(fmt::format(

@@ -82,6 +82,21 @@ void addClosure(const std::vector<StampedPose>& poses, OdometryRunRecord& r) {
   r.closure_deg = poses.front().q.angularDistance(poses.back().q) * 180 / std::numbers::pi;
 }
 
+/// Of the first `cameras` cameras (0: all), those that an odometry of one time offset does not use
+/// as calibrated.
+void addOwnOffsets(const Calibration& calibration, int cameras, std::vector<std::string>& remarks) {
+  const ImuCalibration& imu = *calibration.imu;
+  for (std::size_t c = 1; c < calibration.cameras.size(); ++c) {
+    if (cameras > 0 && c >= static_cast<std::size_t>(cameras)) break;
+    if (!hasOwnOffset(imu.time_offsets, c)) continue;
+    remarks.push_back(fmt::format(
+        "the calibration's time offset of {} is {:.6f} s more than that of {}; this odometry takes "
+        "all cameras as exposed together",
+        calibration.cameras[c].name, imu.timeOffset(c) - imu.timeOffset(),
+        calibration.cameras[0].name));
+  }
+}
+
 /// Whether it is told a time offset, or its stamps are moved by one: else it reads the
 /// calibration's file itself.
 bool needsOffset(const Runner& runner) {
@@ -112,6 +127,12 @@ TrajectoryRun judgedPlan(const OdometryPlan& plan, const OdometryOutcome& outcom
   run.odometry->real_time_factor =
       outcome.record.seconds > 0 ? recorded / outcome.record.seconds : 0;
   run.remarks.insert(run.remarks.end(), outcome.remarks.begin(), outcome.remarks.end());
+  // Kalibr's files alone have an offset for each camera.
+  if (!request.runner ||
+      (request.runner->settings && *request.runner->settings != ExportTool::kKalibr)) {
+    addOwnOffsets(plan.calibration->calibration, request.runner ? 0 : request.builtin.cameras,
+                  run.remarks);
+  }
   if (!plan.calibration->offset_known && (!request.runner || needsOffset(*request.runner))) {
     run.remarks.emplace_back(
         "the calibration states no time offset between camera and IMU: 0 was used, and it may be "

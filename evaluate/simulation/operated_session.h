@@ -24,7 +24,7 @@ struct OperatedSession {
   std::vector<Decision> decisions;         ///< of the guide, frame by frame, without rounds' scores
   std::vector<Suggestion> suggestions;     ///< shown, in their order; none without a guide
   int reached = 0;                         ///< of them, by the guide's own rule
-  bool finished = true;                    ///< false: the person gave up
+  bool finished = true;                    ///< false: gave up, or the time was over
   double camera_s = 0;                     ///< spent for the cameras ...
   double camera_imu_s = 0;                 ///< ... and for the IMU [s]
 };

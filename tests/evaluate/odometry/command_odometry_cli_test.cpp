@@ -233,6 +233,10 @@ TEST_F(OtherOdometry, AnUnknownTimeOffsetIsNotToldAsZero) {
     return document()["runs"][0]["remarks"].dump();
   };
   const std::string vins = "openvins --executable " + program.string();
+  std::string own = read(kCalibration);
+  own.insert(own.find(' ', own.rfind("timeshift_cam_imu")) + 1, "0.003  # ");
+  write(folder_ / "own.yaml", own);
+  EXPECT_THAT(remarks("own.yaml", vins), HasSubstr("takes all cameras as exposed together"));
   const std::string none = "states no time offset";
   EXPECT_THAT(remarks("stated.yaml", vins), testing::Not(HasSubstr(none)));
   EXPECT_THAT(read(told), HasSubstr("timeshift_cam_imu: 0.0021"));
