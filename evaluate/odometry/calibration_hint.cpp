@@ -167,7 +167,7 @@ std::optional<VectorXd> jackknife(Index n, const std::vector<Block>& blocks, con
   return VectorXd((off.rowwise().squaredNorm() * ((count - 1) / count)).cwiseSqrt());
 }
 
-HintResult none(std::string why) { return {std::nullopt, std::move(why)}; }
+HintResult noHint(std::string why) { return {std::nullopt, std::move(why)}; }
 
 std::string fewSecondsText(std::size_t blocks) {
   return fmt::format(
@@ -218,10 +218,10 @@ HintResult calibrationHint(HintKind kind, const InnovationsAt& run, int threads)
   VectorXd centre = VectorXd::Zero(n);
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<Block> blocks = blocksOf(runsAround(centre, steps, run, threads));
-    if (blocks.size() < kFewestHintBlocks) return none(fewSecondsText(blocks.size()));
+    if (blocks.size() < kFewestHintBlocks) return noHint(fewSecondsText(blocks.size()));
     const Block sum = sumOf(blocks);
     const auto q = quadraticOf(n, sum);
-    if (!q) return none("a run with a changed calibration saw no landmark that it knew");
+    if (!q) return noHint("a run with a changed calibration saw no landmark that it knew");
     const auto minimum = q->minimum();
     const VectorXd factors = q->stepFactors();
     const bool fits =
@@ -229,18 +229,18 @@ HintResult calibrationHint(HintKind kind, const InnovationsAt& run, int threads)
     // Only inside the steps is the quadratic that of the innovations, and not extrapolated.
     if (minimum && fits && (minimum->array().abs() <= 1).all()) {
       const auto std = jackknife(n, blocks, sum);
-      if (!std) return none("the innovations have a minimum by a single second alone");
+      if (!std) return noHint("the innovations have a minimum by a single second alone");
       return {CalibrationHint{centre + steps.cwiseProduct(*minimum), steps.cwiseProduct(*std)}, ""};
     }
     // A quadratic far from its minimum may point anywhere, so no round moves far.
     const VectorXd move = minimum.value_or(q->descent());
     centre += steps.cwiseProduct(VectorXd(move.cwiseMax(-kFarthestSteps).cwiseMin(kFarthestSteps)));
     // Beyond what a calibration may be wrong by something else draws it there.
-    if ((centre.array().abs() > most.array()).any()) return none(farText(kind));
+    if ((centre.array().abs() > most.array()).any()) return noHint(farText(kind));
     steps = steps.cwiseProduct(factors);
   }
-  return none(fmt::format("the search for a minimum of the innovations did not settle in {} rounds",
-                          kRounds));
+  return noHint(fmt::format(
+      "the search for a minimum of the innovations did not settle in {} rounds", kRounds));
 }
 
 }  // namespace plumbline
