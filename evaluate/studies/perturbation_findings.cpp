@@ -25,6 +25,25 @@ std::vector<const PerturbationCase*> solvedCases(const PerturbationRecord& recor
   return cases;
 }
 
+/// "within 1 ms: 3 of 6 tested between -300 and +300 ms; nearest to zero of the others: -200 and
+/// +300 ms".
+std::string recoveredText(const TestedOffsets& tested, double bound_s) {
+  std::string text = fmt::format("within {:g} ms: ", 1e3 * bound_s);
+  text += tested.recovered == tested.count
+              ? fmt::format("all {} tested", tested.count)
+              : fmt::format("{} of {} tested", tested.recovered, tested.count);
+  text += tested.from_ms == tested.to_ms
+              ? fmt::format(" at {:+g} ms", tested.from_ms)
+              : fmt::format(" between {:+g} and {:+g} ms", tested.from_ms, tested.to_ms);
+  const auto& below = tested.lost_below_ms;
+  const auto& above = tested.lost_above_ms;
+  if (!below && !above) return text;
+  text += "; nearest to zero of the others:";
+  if (below) text += fmt::format(" {:+g}", *below);
+  if (above) text += fmt::format("{} {:+g}", below ? " and" : "", *above);
+  return text + " ms";
+}
+
 std::optional<Finding> offsetFinding(const PerturbationRecord& record,
                                      const PerturbationThresholds& bounds) {
   const auto shifts = solvedCases(record, PerturbationKind::kImuShift);
@@ -34,16 +53,15 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
         return further(b->offset_error_s, a->offset_error_s);
       });
   const double error = std::abs(worst.offset_error_s);
-  const ConvergenceBasin basin = convergenceBasin(record, bounds.offset_error_s.bad);
   const VerdictLevel level = levelAbove(error, bounds.offset_error_s);
   return Finding{
       "Injected time offsets recovered",
       level,
-      fmt::format("{} injected offsets; the worst, {:+g} ms, is recovered to {} (recovered - "
-                  "injected - base). Unbroken range around zero: {:+g} to {:+g} ms",
-                  shifts.size(), worst.amount,
+      fmt::format("the worst, {:+g} ms, is recovered to {} (recovered - injected - base); {}",
+                  worst.amount,
                   error < 1e-9 ? "less than 0.001 us" : fmt::format("{:.4g} us", 1e6 * error),
-                  basin.from_ms, basin.to_ms),
+                  recoveredText(testedOffsets(record, bounds.offset_error_s.bad),
+                                bounds.offset_error_s.bad)),
       level == VerdictLevel::kGood ? ""
                                    : "the recording hardly determines the time offset; record "
                                      "faster rotation about all axes",
@@ -198,27 +216,21 @@ Finding failuresFinding(const PerturbationRecord& record) {
 
 }  // namespace
 
-ConvergenceBasin convergenceBasin(const PerturbationRecord& record, double bound_s) {
-  std::vector<const PerturbationCase*> shifts;
+TestedOffsets testedOffsets(const PerturbationRecord& record, double bound_s) {
+  TestedOffsets tested;
   for (const PerturbationCase& c : record.cases) {
-    if (c.kind == toString(PerturbationKind::kImuShift)) shifts.push_back(&c);
+    if (c.kind != toString(PerturbationKind::kImuShift)) continue;
+    tested.from_ms = tested.count == 0 ? c.amount : std::min(tested.from_ms, c.amount);
+    tested.to_ms = tested.count == 0 ? c.amount : std::max(tested.to_ms, c.amount);
+    ++tested.count;
+    if (c.problem.empty() && std::abs(c.offset_error_s) <= bound_s) {
+      ++tested.recovered;
+      continue;
+    }
+    std::optional<double>& lost = c.amount < 0 ? tested.lost_below_ms : tested.lost_above_ms;
+    if (!lost || std::abs(c.amount) < std::abs(*lost)) lost = c.amount;
   }
-  std::sort(shifts.begin(), shifts.end(), [](const PerturbationCase* a, const PerturbationCase* b) {
-    return std::abs(a->amount) < std::abs(b->amount);
-  });
-  ConvergenceBasin basin;
-  bool open_below = true, open_above = true;
-  for (const PerturbationCase* c : shifts) {
-    // From zero outwards, each side for itself: the first offset that is not recovered ends its
-    // side. Zero counts above.
-    bool& open = c->amount < 0 ? open_below : open_above;
-    const bool recovered = c->problem.empty() && std::abs(c->offset_error_s) <= bound_s;
-    open = open && recovered;
-    if (!open) continue;
-    basin.from_ms = std::min(basin.from_ms, c->amount);
-    basin.to_ms = std::max(basin.to_ms, c->amount);
-  }
-  return basin;
+  return tested;
 }
 
 std::vector<Finding> perturbationFindings(const PerturbationRecord& record,

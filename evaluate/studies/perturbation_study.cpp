@@ -26,7 +26,8 @@ struct Solution {
   Calibration calibration;
   StageSummary summary;  ///< of the last stage
   std::vector<TimeNs> frame_stamps;
-  Eigen::MatrixXd by_cameras;  ///< of T_SC0 and the offset, see FaultDiagnosis
+  Eigen::MatrixXd by_cameras;          ///< of T_SC0 and the offset, see FaultDiagnosis
+  Eigen::MatrixXd cameras_covariance;  ///< as of StudyInputs
 };
 
 /// Before any solution: a study of hours must not end by its last case.
@@ -97,7 +98,7 @@ Result<Solution> solve(const StudyInputs& inputs, PerturbedInputs changed) {
   changed.camera_imu.noise_check = false;  // no column of the study
   const Session& session = changed.session ? *changed.session : *inputs.session;
   std::vector<CameraCalibration> cameras = inputs.cameras;
-  Eigen::MatrixXd uncertainty;  // of cameras that were calibrated here; else empty
+  Eigen::MatrixXd uncertainty = inputs.cameras_covariance;
   if (changed.calibrate_cameras) {
     auto camera = solveCameras(session, changed.camera);
     // Without an IMU the cameras are the result.
@@ -108,6 +109,7 @@ Result<Solution> solve(const StudyInputs& inputs, PerturbedInputs changed) {
   auto both = solveCameraImu(session, cameras, changed.camera_imu);
   if (both) {
     addCameraDeviations(uncertainty, both.value().by_cameras, *both.value().calibration.imu);
+    both.value().cameras_covariance = std::move(uncertainty);
   }
   return both;
 }
@@ -176,11 +178,14 @@ PerturbationCase runCase(const StudyInputs& inputs, const Perturbation& p, const
   return c;
 }
 
-/// Its cameras serve every case that leaves them alone.
+/// Its cameras serve every case that leaves them alone, with what they leave open.
 Result<Solution> solveBase(StudyInputs& inputs) {
   PerturbedInputs unchanged{std::nullopt, inputs.camera, inputs.camera_imu, !inputs.cameras_fixed};
   auto base = solve(inputs, std::move(unchanged));
-  if (base) inputs.cameras = base->calibration.cameras;
+  if (base) {
+    inputs.cameras = base->calibration.cameras;
+    inputs.cameras_covariance = base->cameras_covariance;
+  }
   return base;
 }
 

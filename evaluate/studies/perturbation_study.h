@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -58,7 +59,8 @@ struct Perturbation {
 struct StudyInputs {
   const Session* session = nullptr;
   std::vector<CameraCalibration> cameras;  ///< given ones, or those of the base calibration
-  bool cameras_fixed = false;  ///< they were given: no perturbation calibrates them again
+  bool cameras_fixed = false;          ///< they were given: no perturbation calibrates them again
+  Eigen::MatrixXd cameras_covariance;  ///< of `cameras`; empty: they count as exact
   CameraStageOptions camera;
   CameraImuOptions camera_imu;
 };
@@ -122,14 +124,17 @@ struct PerturbRequest {
 Result<PerturbationRecord> perturbSession(const PerturbRequest& request,
                                           const ProgressSink& progress);
 
-/// The injected offsets around zero from which the calibration finds its way back.
-struct ConvergenceBasin {
-  double from_ms = 0;  ///< smallest injected offset of the unbroken range that holds 0
-  double to_ms = 0;
+/// The injected offsets that were tested, and from which of them the calibration finds its way
+/// back. Of offsets between them it says nothing.
+struct TestedOffsets {
+  double from_ms = 0, to_ms = 0;  ///< the smallest and the largest
+  std::size_t count = 0, recovered = 0;
+  /// Nearest to zero, below it and from it on, of those that were not recovered.
+  std::optional<double> lost_below_ms, lost_above_ms;
 };
 
-/// Basin of the cases "imu-shift" with |error| <= `bound_s`.
-ConvergenceBasin convergenceBasin(const PerturbationRecord& record, double bound_s);
+/// The cases "imu-shift"; recovered are those with |error| <= `bound_s`.
+TestedOffsets testedOffsets(const PerturbationRecord& record, double bound_s);
 
 /// What a study says: offsets recovered, everything else unmoved under them; under each other kind
 /// nothing moved by more than first order predicts from the estimate's covariance; cases that

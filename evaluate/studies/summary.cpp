@@ -33,7 +33,8 @@ void addRow(Text& text, const PerturbationRecord& record, const PerturbationCase
   // Cells of a case that failed are empty: its figures would be those of where it stopped, or 0.
   const bool solved = c.problem.empty();
   const OffsetFigures offset = offsetOf(record, c);
-  add(text, "{},{},{},{},{},", c.kind, c.amount, c.unit, c.seed, solved ? "yes" : "no");
+  const std::string seed = c.seed == 0 ? "" : std::to_string(c.seed);  // 0: nothing was drawn
+  add(text, "{},{},{},{},{},", c.kind, c.amount, c.unit, seed, solved ? "yes" : "no");
   add(text, "{}", solved ? fmt::format("{},{},{}", c.rmse_px, c.frames, c.iterations) : ",,");
   add(text, ",{},{},{},{}", cell(offset.value_s), cell(offset.std_s), cell(offset.error_s),
       csvCell(c.problem));

@@ -183,8 +183,9 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
       toSvg(plot, "perturbation-basin"),
       "Each point is one calibration from its own initial guess, with every IMU stamp shifted by "
       "the injected offset. Points far below the standard deviation of the base's offset mean that "
-      "the result does not depend on the initial offset of the clocks; the basin ends where points "
-      "rise above the dashed line of the bound or fail. Errors below 1 ps are drawn there.",
+      "the result does not depend on the initial offset of the clocks there; between the points "
+      "nothing was tested. The basin ends where points rise above the dashed line of the bound or "
+      "fail. Errors below 1 ps are drawn there.",
       true};
 }
 

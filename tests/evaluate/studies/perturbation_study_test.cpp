@@ -163,8 +163,11 @@ TEST(PerturbationStudy, DeviationsHoldWhatTheCamerasLeaveOpen) {
   const auto stdOf = [&](bool cameras_fixed) {
     StudyInputs in = inputs(cameras_fixed);
     in.session = &s.session;
-    const auto record = perturbationStudy(in, {});
+    const auto record = perturbationStudy(in, {{Kind::kNoiseDensities, 1}});
     EXPECT_TRUE(record.ok());
+    // Of the base's cameras as well, where a case leaves them alone.
+    const double of_base = *record->base.time_offset_std_s;
+    EXPECT_NEAR(*record->cases[0].time_offset_std_s, of_base, 1e-9 * of_base);
     return record->base_std[indexOf(*record, "T_SC0.rx")];
   };
   EXPECT_GT(stdOf(false), 2 * stdOf(true));
@@ -193,7 +196,7 @@ TEST(PerturbationStudy, SaysWhatASessionCannotGive) {
   EXPECT_EQ(cameras_only->parameters[8], "cam2.fu");
   // No offset is nothing, not 0.
   EXPECT_THAT(perturbationTable(*cameras_only),
-              ContainsRegex("base,0,,0,yes,[^,]+,[^,]+,[^,]+,,,,,"));
+              ContainsRegex("base,0,,,yes,[^,]+,[^,]+,[^,]+,,,,,"));
   EXPECT_THAT(perturbationSummary(*cameras_only), Not(HasSubstr("0.000000")));
 }
 
@@ -207,13 +210,28 @@ PerturbationCase shift(double amount_ms, double error_s, const std::string& prob
   return c;
 }
 
-TEST(ConvergenceBasin, EndsAtTheFirstOffsetThatIsNotRecovered) {
+TEST(TestedOffsets, AreSaidWithTheNearestThatWereNotRecovered) {
   PerturbationRecord record;
   record.cases = {shift(-300, 0), shift(-200, 0.2), shift(-100, 1e-7),
                   shift(100, 0),  shift(200, 0),    shift(300, 0, "did not converge")};
-  const ConvergenceBasin basin = convergenceBasin(record, 1e-3);
-  EXPECT_EQ(basin.from_ms, -100);
-  EXPECT_EQ(basin.to_ms, 200);
+  const TestedOffsets tested = testedOffsets(record, 1e-3);
+  EXPECT_EQ(tested.from_ms, -300);
+  EXPECT_EQ(tested.to_ms, 300);
+  EXPECT_EQ(tested.count, 6u);
+  EXPECT_EQ(tested.recovered, 4u);
+  EXPECT_EQ(tested.lost_below_ms, -200);
+  EXPECT_EQ(tested.lost_above_ms, 300);
+  EXPECT_THAT(perturbationFindings(record, {}).front().evidence,
+              HasSubstr("within 1 ms: 4 of 6 tested between -300 and +300 ms; nearest to zero of "
+                        "the others: -200 and +300 ms"));
+}
+
+TEST(TestedOffsets, ZeroIsNoneOfThemUnlessItWasTested) {
+  PerturbationRecord record;
+  record.cases = {shift(100, 0), shift(10, 0)};
+  const std::string evidence = perturbationFindings(record, {}).front().evidence;
+  EXPECT_THAT(evidence, HasSubstr("within 1 ms: all 2 tested between +10 and +100 ms"));
+  EXPECT_THAT(evidence, Not(HasSubstr("nearest")));
 }
 
 TEST(PerturbationSummary, AFactorHasNoSignThatAdds) {
@@ -230,7 +248,7 @@ TEST(PerturbationSummary, AFactorHasNoSignThatAdds) {
 TEST(PerturbationTable, HasNoFiguresOfAFailedCase) {
   PerturbationRecord record;
   record.cases = {shift(300, 0, "did not converge")};
-  EXPECT_THAT(perturbationTable(record), HasSubstr("imu-shift,300,ms,0,no,,,,,,,did not converge"));
+  EXPECT_THAT(perturbationTable(record), HasSubstr("imu-shift,300,ms,,no,,,,,,,did not converge"));
 }
 
 }  // namespace
