@@ -356,6 +356,7 @@ Decision CameraImuGuide::step(const GuideFrame& frame) {
 
 bool CameraImuGuide::finished() const { return state_->finished; }
 TimeNs CameraImuGuide::busyUntil() const { return state_->gate.busyUntil(); }
+std::optional<TimeNs> CameraImuGuide::since() const { return state_->gate.since(); }
 int CameraImuGuide::nextSuggestion() const { return state_->next_suggestion; }
 
 Result<CameraImuStageResult> CameraImuGuide::batch() const {

@@ -85,8 +85,9 @@ bool Guide::finished() const {
   return !camera_ || cameraOver();
 }
 
-std::optional<TimeNs> Guide::cameraStageSince() const {
-  return camera_ ? camera_->since() : std::nullopt;
+std::optional<TimeNs> Guide::since() const {
+  if (camera_) return camera_->since();
+  return camera_imu_ ? camera_imu_->since() : std::nullopt;
 }
 
 Result<CameraStageResult> Guide::cameraBatch() const {

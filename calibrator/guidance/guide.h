@@ -78,6 +78,8 @@ class CameraImuGuide {
   Decision step(const GuideFrame& frame);
   bool finished() const;
   TimeNs busyUntil() const;
+  /// As of CameraGuide.
+  std::optional<TimeNs> since() const;
   int nextSuggestion() const;
   /// Batch over the frames kept so far, time offset included.
   Result<CameraImuStageResult> batch() const;
@@ -105,9 +107,9 @@ class Guide {
   bool finished() const;
   /// The camera stage was ended by GuideOptions::camera_stage_s, and did not say stop itself.
   bool cameraStageEnded() const { return camera_ended_; }
-  /// When the camera stage's time began (FrameGate::since()); empty before its first frame, or
-  /// without that stage.
-  std::optional<TimeNs> cameraStageSince() const;
+  /// When the first stage's time began (FrameGate::since()); empty before its first frame, or
+  /// without a stage.
+  std::optional<TimeNs> since() const;
 
   /// The final batch of a stage over the frames that it kept: what the operator is given. Before
   /// the stage finishes: over those kept so far.

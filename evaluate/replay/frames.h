@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "calibrator/base/frames.h"
@@ -72,7 +73,10 @@ struct ReplayRun {
   CameraStageOptions camera;
   CameraImuOptions camera_imu;  ///< likewise
   CameraStageEnd camera_end = CameraStageEnd::kItself;
+  std::optional<TimeNs> since = std::nullopt;  ///< Guide::since()
 
+  /// Where times into the recording count from.
+  TimeNs begin() const { return since.value_or(frames.front().t); }
   /// Positions of the frames that a stage accepted and did not withdraw later, ascending.
   std::vector<int> accepted(GuideStage stage) const;
   /// The decision with which a stage finished, or was ended; null if it went on.

@@ -114,9 +114,8 @@ Finding noStageFinding(bool imu_is_read) {
 /// start, whether it stopped and rightly so, how far its calibration is from that of all frames.
 std::vector<Finding> replayFindings(const ReplayRecord& record, const ReplayRequest& request) {
   std::vector<Finding> findings;
-  const TimeNs begin = record.frames.empty() ? 0 : record.frames.front().t;
   for (const ReplayStageSummary& stage : record.stages) {
-    findings.push_back(startFinding(stage, begin));
+    findings.push_back(startFinding(stage, beginOf(record)));
     for (const StopAudit& audit : record.stop_audits) {
       if (audit.stage != stage.stage || !stage.ran) continue;
       findings.push_back(stopFinding(audit, request.guide, request.audit.tolerance_s));
@@ -185,7 +184,7 @@ Played playBothStages(const ReplayRequest& request, const GuideRig& rig,
   if (!stuck) return played;
   GuideOptions half = request.guide;
   // From where the guide counts, which a wrong stamp of the first frame is not.
-  const TimeNs since = played.guide.cameraStageSince().value_or(frames.front().t);
+  const TimeNs since = played.guide.since().value_or(frames.front().t);
   half.camera_stage_s = 0.5 * secondsBetween(since, frames.back().t);
   if (!(half.camera_stage_s > 0)) return played;
   Played again = playedWith(request, rig, frames, half, given, progress);
@@ -343,6 +342,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   attribute(record, request.provenance, loaded);
   record.target = session.target;
   record.assumptions = assumptionsOf(request.camera, request.camera_imu, &session);
+  record.begin = played.guide.since();
   record.decisions = std::move(played.decisions);
   for (const GuideFrame& frame : frames) record.frames.push_back({frame.t, frame.corners, {}});
   if (request.images) {
@@ -350,9 +350,9 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   }
   // Frames stay as they were played: other stamps than equal ones are of different frames.
   request.camera.frames.tolerance = request.camera_imu.frames.tolerance = 0;
-  const ReplayRun run{session,          frames,         record.decisions,
-                      played.options,   request.camera, request.camera_imu,
-                      played.camera_end};
+  const ReplayRun run{session,           frames,         record.decisions,
+                      played.options,    request.camera, request.camera_imu,
+                      played.camera_end, record.begin};
   Judge(request, run, played.guide, given, suggestions, progress).write(record);
   record.verdict = makeVerdict(replayFindings(record, request));
   record.verdict.headline = headlineOf(record.verdict, stopWords(record));

@@ -87,7 +87,7 @@ std::optional<TimeNs> enoughSince(const ReplayRun& run, const std::vector<int>& 
 }
 
 std::string sinceStart(const ReplayRun& run, TimeNs t) {
-  return fmt::format("{:.1f} s", secondsBetween(run.frames.front().t, t));
+  return fmt::format("{:.1f} s", secondsBetween(run.begin(), t));
 }
 
 /// Until when a guide that did not say stop could have.

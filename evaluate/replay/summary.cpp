@@ -38,11 +38,10 @@ void addStage(Text& text, const ReplayRecord& record, const ReplayStageSummary& 
   if (s.frames_dropped > 0) add(text, ", {} dropped", s.frames_dropped);
   add(text, "; {} suggestions, {} reached", s.suggestions, s.reached);
   if (s.finished) {
-    add(text, "; finished at {:.1f} s", secondsBetween(record.frames.front().t, *s.finished));
+    add(text, "; finished at {:.1f} s", secondsBetween(beginOf(record), *s.finished));
   }
   if (s.ended) {
-    add(text, "; ended at {:.1f} s without a stop",
-        secondsBetween(record.frames.front().t, *s.ended));
+    add(text, "; ended at {:.1f} s without a stop", secondsBetween(beginOf(record), *s.ended));
   }
   add(text, "\n");
   // One entropy by itself says nothing: it depends on the units of its parameters.

@@ -285,7 +285,9 @@ struct ReplayRecord {
   AprilGrid target;
   std::vector<CameraCalibration> cameras;  ///< for drawing: the best that is known at the end
   std::vector<ReplayFrame> frames;         ///< all of the recording
-  std::vector<Decision> decisions;         ///< one per frame
+  /// When the guide's time began: with the first frame, or the one that replaced a wrong stamp.
+  std::optional<TimeNs> begin;
+  std::vector<Decision> decisions;  ///< one per frame
   std::vector<ReplayStageSummary> stages;
   std::vector<SuggestionOutcome> suggestions;
   std::optional<OperatorCompliance> compliance;
@@ -293,11 +295,21 @@ struct ReplayRecord {
   std::optional<Counterfactuals> counterfactuals;
 };
 
+/// Where times into the recording count from; a record that kept no frames has decisions.
+inline TimeNs beginOf(const ReplayRecord& record) {
+  if (record.begin) return *record.begin;
+  if (!record.frames.empty()) return record.frames.front().t;
+  return record.decisions.empty() ? 0 : record.decisions.front().t;
+}
+
 /// replay.json.
 void fields(auto& v, ReplayRecord& r) {
   v.derived("schema", 1, "", "version of this format");
   v("session", r.name, "its name");
   v.derived("frames", r.frames.size(), "1", "of the recording");
+  v("begin_ns", r.begin,
+    "stamp of the first frame, or of the one that replaced a first frame with a wrong stamp: "
+    "where times into the recording count from");
   v("stages", r.stages, "each stage in figures");
   v("stop_audits", r.stop_audits,
     "stopping rule: was the guide's \"finish\" right? By the held-out error");

@@ -132,6 +132,16 @@ TEST(ReplayPage, SaysWhyThereAreNoCounterfactuals) {
   EXPECT_THAT(renderReplayPage(record), HasSubstr("only 9 frames: record more"));
 }
 
+TEST(ReplayData, CountsFromWhereTheGuidesTimeBegan) {
+  ReplayRecord record = replay();
+  record.begin = record.frames[2].t;
+  const auto json = dataOf(record);
+  EXPECT_EQ(json["times"]["start"], std::to_string(*record.begin));
+  const auto offsets = values<double>(json["times"]["offsets"]);
+  EXPECT_LT(offsets[0], 0);
+  EXPECT_EQ(offsets[2], 0);
+}
+
 TEST(ReplayData, HoldsEveryDecision) {
   const auto json = dataOf(replay());
   const auto mi = values<double>(json["table"]["mi"]);

@@ -196,10 +196,10 @@ Json eventsJson(const ReplayRecord& record) {
   return events;
 }
 
-/// Nanoseconds since the first frame; a double holds them exactly for 104 days.
+/// Nanoseconds since beginOf(); a double holds them exactly for 104 days.
 Json timesJson(const ReplayRecord& record, const ByFrame& decisions) {
   std::vector<double> offsets;
-  const TimeNs start = decisions.empty() ? 0 : timeOf(record, decisions, 0);
+  const TimeNs start = beginOf(record);
   for (std::size_t f = 0; f < decisions.size(); ++f) {
     offsets.push_back(static_cast<double>(timeOf(record, decisions, f) - start));
   }

@@ -10,14 +10,8 @@
 namespace plumbline::html_internal {
 namespace {
 
-/// Where the page counts seconds from; a record that kept no frames has decisions.
-TimeNs startOf(const ReplayRecord& record) {
-  if (!record.frames.empty()) return record.frames.front().t;
-  return record.decisions.empty() ? 0 : record.decisions.front().t;
-}
-
 std::string secondsText(const ReplayRecord& record, TimeNs t) {
-  return fmt::format("{:.2f}", secondsBetween(startOf(record), t));
+  return fmt::format("{:.2f}", secondsBetween(beginOf(record), t));
 }
 
 std::string secondsText(const ReplayRecord& record, const std::optional<TimeNs>& t) {
@@ -34,7 +28,7 @@ std::string endText(const ReplayRecord& record, std::optional<TimeNs> finished,
   return ended ? "ended at " + secondsText(record, ended) : secondsText(record, finished);
 }
 
-/// Times count from the first frame.
+/// Times count from beginOf().
 std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary& s) {
   std::vector<Cell> row = {tight(titleOf(s.stage))};
   const auto count = [&row](bool known, int n) {
@@ -161,8 +155,9 @@ Section replayStagesSection(const ReplayRecord& record) {
   Section section{
       "stages", "Stages",
       "Used: in the estimate. Redundant: used, but in hindsight below the threshold; missed: not "
-      "used, but in hindsight above it. Times count from the first frame. Gained after \"finish\": "
-      "information that the rest of the recording would have added."};
+      "used, but in hindsight above it. Times count from the first frame, of which a wrong stamp "
+      "does not count. Gained after \"finish\": information that the rest of the recording would "
+      "have added."};
   if (!record.target.shape.isFlat()) {
     section.remarks.push_back("The board's shape is known and used, so it causes no misfit.");
   }

@@ -72,17 +72,21 @@ TEST(Guide, AWrongStampFarAheadDoesNotEndTheCameraStage) {
   }
 }
 
-TEST(Guide, TheCameraStagesTimeBeginsWithTheFramesThatReplaceAFirstOne) {
-  const test::LiveRig rig("euroc", 1, 0.2);
-  Guide guide(rig.guideRig(), GuideOptions());
-  EXPECT_EQ(guide.cameraStageSince(), std::nullopt);
-  const double stamps_s[] = {-1000, 0, 0.1, 0.2};
-  std::vector<TimeNs> stamps;
-  for (int i = 0; i < 4; ++i) {
-    const GuideFrame frame = rig.frame(i, stamps_s[i], rig.wandering(stamps_s[i]));
-    stamps.push_back(frame.t);
-    guide.step(frame);
-    EXPECT_EQ(guide.cameraStageSince(), stamps[i < 2 ? 0 : 2]) << i;
+TEST(Guide, TimeBeginsWithTheFramesThatReplaceAFirstOneInEitherStage) {
+  const test::LiveRig live("euroc", 1, 0.2);
+  GuideRig rig = live.guideRig();
+  rig.imu.emplace();
+  for (const bool given : {false, true}) {
+    Guide guide(rig, GuideOptions(), given ? std::optional(live.truth()) : std::nullopt);
+    EXPECT_EQ(guide.since(), std::nullopt);
+    const double stamps_s[] = {-1000, 0, 0.1, 0.2};
+    std::vector<TimeNs> stamps;
+    for (int i = 0; i < 4; ++i) {
+      const GuideFrame frame = live.frame(i, stamps_s[i], live.wandering(stamps_s[i]));
+      stamps.push_back(frame.t);
+      guide.step(frame);
+      EXPECT_EQ(guide.since(), stamps[i < 2 ? 0 : 2]) << i << ", given: " << given;
+    }
   }
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `plumbline replay` as a user runs it.
+#include <cstdint>
 #include <functional>
 #include <map>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -95,6 +97,22 @@ class CommandReplay : public CommandLine {
     return folder;
   }
 };
+
+TEST_F(CommandReplay, TimesCountFromTheFirstFrameWhoseStampIsRight) {
+  const fs::path folder = spoiled();
+  const std::string first = "1400000000123456789", wrong = "1400000000";
+  for (const char* file :
+       {"cam0/data.csv", "cam0/corners.csv", "cam1/data.csv", "cam1/corners.csv"}) {
+    const fs::path path = folder / "mav0" / file;
+    write(path, std::regex_replace(read(path), std::regex("\n" + first + ","), "\n" + wrong + ","));
+  }
+  const Outcome run = replay(folder);
+  ASSERT_EQ(run.exit_code, 0) << run.text;
+  const json document = json::parse(read(out() / "replay.json"));
+  EXPECT_EQ(document["begin_ns"].get<std::int64_t>(), std::stoll(first) + 200'000'000);
+  // Of a recording of 12 s none is hours in.
+  EXPECT_THAT(run.text, Not(::testing::ContainsRegex("[0-9]{3,}[.][0-9] s")));
+}
 
 TEST_F(CommandReplay, OneLineAFrameAndAPageFromTheRecordsWhateverTheThreads) {
   const auto before = contents(session());

@@ -96,6 +96,16 @@ TEST(DecisionLog, SuggestionsAndRoundsComeWithTheirFrame) {
   EXPECT_FALSE(json::parse(decisionLine(d))["round"].contains("reach_s")) << "does not count";
 }
 
+TEST(ReplaySummary, TimesCountFromWhereTheGuidesTimeBegan) {
+  ReplayRecord record;
+  record.frames = {{0, {}, {}}, {toNanoseconds(1000), {}, {}}};
+  record.stages.resize(2);
+  record.stages[0].finished = record.stages[1].ended = toNanoseconds(1012);
+  record.begin = toNanoseconds(1000);
+  EXPECT_THAT(replaySummary(record), ::testing::HasSubstr("finished at 12.0 s"));
+  EXPECT_THAT(replaySummary(record), ::testing::HasSubstr("ended at 12.0 s"));
+}
+
 // No time to reach any is stated where none was.
 TEST(ReplaySummary, OfSuggestionsThatWereNotReachedHasNoTime) {
   ReplayRecord record;

@@ -136,6 +136,10 @@ TEST_F(Stopping, ACameraStageThatWasEndedDidNotStop) {
   EXPECT_FALSE(audit.finished.has_value());
   ASSERT_TRUE(audit.ended.has_value());
   EXPECT_THAT(audit.explanation, HasSubstr("ended at half of it, 10.0 s"));
+  // A wrong stamp of the first frame does not count.
+  r.since = frames_[10].t;
+  EXPECT_THAT(judgeCameraStop(r, cameraBatches(r, keptCameras(r))).explanation,
+              HasSubstr("ended at half of it, 9.0 s"));
 }
 
 TEST_F(Stopping, ACameraImuStageThatStopsByPointsIsJudgedByThem) {
