@@ -156,6 +156,9 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
   } else {
     request.lock_wait_s = kSlurmLockWaitS;
     request.number = o.merge_night;
+    request.refuse = [number = o.merge_night, since = o.slurm.since](const auto& folder) {
+      refuseLateMerge(folder, number, since);
+    };
   }
   auto given = givenOptions(app);
   // The definition is the input, which is stated by itself.

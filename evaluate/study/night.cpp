@@ -30,7 +30,7 @@ int nightAfter(const StudyStore& store) {
 }
 
 /// Of a job that Slurm runs once more after its night, say: it would write that night's figures
-/// over the later one's, and take the later one's jobs for its own.
+/// over the later one's.
 void refuseAfterLaterNight(const StudyStore& store, int number, const fs::path& folder) {
   const int last = nightAfter(store) - 1;
   if (last <= number) return;

@@ -110,7 +110,7 @@ struct NightRequest {
   Provenance provenance;
   double lock_wait_s = kNightLockWaitS;
   /// Asked under the lock, before anything in the folder changes; throws where another night is
-  /// under way that does not hold the lock. Empty: not asked.
+  /// under way, or was begun since, that does not hold the lock. Empty: not asked.
   std::function<void(const std::filesystem::path& folder)> refuse;
   int number = 0;  ///< of a night that another process began, and that is the last; 0: the next one
 };

@@ -71,6 +71,10 @@ struct SlurmEnd {
 /// its list of jobs.
 void refuseWhileUnderWay(const std::filesystem::path& night);
 
+/// Asked by a merging job, which Slurm may run once more after its night: throws InputError where
+/// another night was begun on Slurm since, whose jobs and words it would take for its own.
+void refuseLateMerge(const std::filesystem::path& night, int number, std::time_t since);
+
 /// Submits the steps that are not settled as one array for each stage (afterany of the one before),
 /// and a job after all of them that merges; waits for it. Markers in the night's folder say what is
 /// done; sacct is not asked. Steps that were lost with their task are submitted again, `rounds`

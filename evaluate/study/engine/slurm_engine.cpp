@@ -31,8 +31,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFolder = "slurm";
-constexpr const char* kJobsFile = "jobs.txt";  // of a night that is under way
-constexpr double kCommandLimit = 120;          // [s] of sbatch, squeue, scontrol
+constexpr const char* kJobsFile = "jobs.txt";    // of a night that is under way
+constexpr const char* kNightFile = "night.txt";  // whose folder this is: number and since
+constexpr double kCommandLimit = 120;            // [s] of sbatch, squeue, scontrol
 constexpr auto kPollEvery = std::chrono::milliseconds(500);
 // Slurm's own default of MaxArraySize; the largest index is one less.
 constexpr int kDefaultMaxArraySize = 1001;
@@ -347,6 +348,20 @@ void refuseWhileUnderWay(const fs::path& night) {
        "wait until it ends, or cancel them (scancel)"});
 }
 
+void refuseLateMerge(const fs::path& night, int number, std::time_t since) {
+  std::ifstream file(night / kFolder / kNightFile);
+  int last = 0;
+  std::time_t last_since = 0;
+  // Nights of an older program have no such file.
+  if (!(file >> last >> last_since) || (last == number && last_since == since)) return;
+  throw badInput(
+      night.string(), 0,
+      {InputFault::kOther,
+       fmt::format("night {} was begun on Slurm after the one that this job merges ({}); "
+                   "nothing is changed",
+                   last, number)});
+}
+
 void SlurmOptions::check() const {
   requireOption(throttle >= 0, "throttle", throttle, "0 (no limit) or more");
   requirePositive("pack_s", pack_s);
@@ -360,6 +375,8 @@ SlurmEnd runOnSlurm(PreparedNight night, SlurmOptions options, const NightSink& 
   fs::remove_all(night.folder / kFolder, left_there);  // of earlier nights
   makeFoldersIn(night.folder, kFolder);
   options.since = std::time(nullptr);
+  writeFileAtomically((night.folder / kFolder / kNightFile).string(),
+                      fmt::format("{} {}\n", night.number, options.since));
   for (int round = 1; round <= options.rounds; ++round) {
     std::error_code ignored;
     fs::remove(wordFile(night.folder, round), ignored);

@@ -86,6 +86,25 @@ TEST_F(StudySlurm, AMergingJobOfANightBeforeTheLastChangesNothing) {
   EXPECT_EQ(plumbline(words_of_job + " --merge-night 2").exit_code, 0);
 }
 
+// Slurm runs the job of night 1 once more while night 2's are waiting.
+TEST_F(StudySlurm, ALateMergingJobChangesNothingWhileTheNextNightIsUnderWay) {
+  const fs::path night = doneNight();
+  const std::string state = (scratch_ / "state").string(), late = (scratch_ / "late").string();
+  const std::string changes = "find " + night.string() +
+                              " -type f ! -name study.lock ! -name 'tool.*' -printf '%p %T@\\n' "
+                              "| sort >" +
+                              state;
+  const std::string words_of_job =
+      words(root_ / "data", night) + " --engine slurm --merge-round 1 --merge-since 1700000000";
+  mergeAlone("sleep 1; " + changes + "1; " + PLUMBLINE_BINARY + " " + words_of_job +
+             " --merge-night 1 >" + late + " 2>&1; " + changes + "2");
+  const Outcome outcome = slurm(night, "--slurm-rounds 1");
+  EXPECT_THAT(outcome.text, HasSubstr("Night 2: 4 of 4 sessions"));
+  EXPECT_THAT(read(late), HasSubstr("night 2 was begun on Slurm after"));
+  EXPECT_THAT(read(state + "1"), HasSubstr("jobs.txt"));
+  EXPECT_EQ(read(state + "1"), read(state + "2"));
+}
+
 TEST_F(StudySlurm, AStepThatWasKilledIsRecordedAsLostAndRaisesAnAlarm) {
   const fs::path night = doneNight();
   const std::string step = "sessions/p1_free/perturb";
