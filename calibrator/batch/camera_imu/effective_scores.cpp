@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include "calibrator/batch/camera_imu/score_tests.h"
@@ -261,16 +262,22 @@ void addTo(ScoreBlock& block, const LinkTerms& t, const std::vector<ChainRespons
   block.gradient.noalias() += U.transpose() * t.r;
 }
 
-std::vector<ScoreBlock> emptyBlocks(const CameraImuProblem& problem, int size, double block_s) {
+/// Only where views are: what has none says nothing, and is no sample of how scores scatter.
+std::vector<ScoreBlock> emptyBlocks(const CameraImuProblem& problem,
+                                    const std::vector<FaultViewTerms>& views, int size,
+                                    double block_s) {
   const TimeNs begin = problem.frames.front().t;
   const double span = secondsBetween(begin, problem.frames.back().t);
   const auto count = static_cast<std::size_t>(std::max(1.0, std::round(span / block_s)));
   // One nanosecond more than the share, so that the last frame falls into the last block.
   const TimeNs length = (problem.frames.back().t - begin) / static_cast<TimeNs>(count) + 1;
-  std::vector<ScoreBlock> blocks(count);
-  for (std::size_t b = 0; b < count; ++b) {
-    blocks[b] = {begin + static_cast<TimeNs>(b) * length, VectorXd::Zero(size),
-                 MatrixXd::Zero(size, size)};
+  std::set<TimeNs> with_views;
+  for (const FaultViewTerms& v : views) {
+    with_views.insert((problem.frames[v.frame].t - begin) / length);
+  }
+  std::vector<ScoreBlock> blocks;
+  for (const TimeNs b : with_views) {
+    blocks.push_back({begin + b * length, VectorXd::Zero(size), MatrixXd::Zero(size, size)});
   }
   return blocks;
 }
@@ -295,10 +302,13 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   // Now with all columns, jumps included; the border's own information comes from the blocks.
   const auto W = chainResponses(chainOf(problem, views, *links, columns.size), problem.threads);
   if (!W) return std::nullopt;
-  out.blocks = emptyBlocks(problem, columns.size, block_s);
+  out.blocks = emptyBlocks(problem, views, columns.size, block_s);
+  if (out.blocks.empty()) return std::nullopt;
+  // A link from a frame without views belongs to the block before it.
   const auto blockOf = [&](std::size_t frame) -> ScoreBlock& {
     const TimeNs t = problem.frames[frame].t;
-    return *(std::ranges::upper_bound(out.blocks, t, {}, &ScoreBlock::begin) - 1);
+    const auto after = std::ranges::upper_bound(out.blocks, t, {}, &ScoreBlock::begin);
+    return after == out.blocks.begin() ? *after : *(after - 1);
   };
   for (const FaultViewTerms& v : views) addTo(blockOf(v.frame), v, (*W)[v.frame]);
   for (const LinkTerms& t : *links) addTo(blockOf(t.at), t, *W);

@@ -96,8 +96,8 @@ struct EffectiveScores {
   JumpPlaces jumps;
 };
 
-/// In blocks of about `block_s` seconds. Empty where the system has no inverse or samples do not
-/// cover a window.
+/// In blocks of about `block_s` seconds; those in which the target is not seen are left out. Empty
+/// where the system has no inverse or samples do not cover a window.
 std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
                                                const CameraImuSolution& solution,
                                                const FaultColumns& columns, double block_s);

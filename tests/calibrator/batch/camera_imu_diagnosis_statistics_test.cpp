@@ -86,6 +86,27 @@ TEST(CameraImuDiagnosis, ShortCleanRecordingsNameNoFault) {
   }
 }
 
+// Twelve seconds, the board out of view for more than five whole ones: seven blocks are too few.
+TEST(CameraImuDiagnosis, BlocksInWhichTheBoardIsNotSeenDoNotCount) {
+  const SimulatedSession simulated = test::simulate(test::noisyRecording(3, 12));
+  const auto isDiagnosed = [&](double lost_s) {
+    Session session = simulated.session;
+    const TimeNs begin = session.cameras[0].views.front().t;
+    for (CameraStream& camera : session.cameras) {
+      std::erase_if(camera.views, [&](const ImageView& view) {
+        const double t = secondsBetween(begin, view.t);
+        return t > 4 && t < 4 + lost_s;
+      });
+    }
+    const auto result =
+        calibrateCameraImu(session, simulated.truth.cameras, test::matchedOptions(simulated, 0.2));
+    EXPECT_TRUE(result) << lost_s;
+    return result && result->faults.has_value();
+  };
+  EXPECT_TRUE(isDiagnosed(2.9));
+  EXPECT_FALSE(isDiagnosed(6.4));
+}
+
 TEST(CameraImuDiagnosis, CleanRecordingsNameNoFault) {
   for (const char* rig : {"euroc", "tumvi", "d435i"}) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
