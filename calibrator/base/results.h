@@ -27,7 +27,8 @@ enum class UnmodelledFault {
   kGSensitivity,       ///< of the gyroscope, 3 x 3 row by row [rad/s per m/s^2]
   kImuDelay,           ///< by how much the accelerometer is later than the gyroscope [s]
   kClockDrift,         ///< growth of the time offset [s/s]
-  kLineDelay,          ///< readout time of the image's height (rolling shutter) [s]
+  kLineDelay,          ///< readout time of the image's height (rolling shutter), of one camera or
+                       ///< one for all [s]
   kTargetSize,         ///< the target is larger than stated, relative [1]
   kCameraDelay,        ///< by how much a camera's time offset differs from camera 0's [s]
   kImuMoved,           ///< change of T_SC0 from an instant on (3 m, 3 rad)

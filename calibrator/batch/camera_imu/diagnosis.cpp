@@ -74,7 +74,12 @@ std::vector<Candidate> faultCandidates(const FaultColumns& columns,
   add(Fault::kImuDelay, {columns.samples + SampleFaults::kDelay});
   // Of the stamps; an offset of its own in each eighth of the recording.
   add(Fault::kClockDrift, {columns.drift});
+  // One readout time of all cameras, and of each alone.
   add(Fault::kLineDelay, {columns.line_delay});
+  const auto cameras = columns.line_delays.size();
+  for (std::size_t c = 0; c < (cameras > 1 ? cameras : 0); ++c) {
+    add(Fault::kLineDelay, {columns.line_delays[c]}).camera = static_cast<int>(c);
+  }
   add(Fault::kClockStep, {BorderLayout::kOffset}).begins = true;
   add(Fault::kStampsWander, {BorderLayout::kOffset}).changes = 7;
   // Of the target, and an IMU that slipped. Beside the target's shape stands what a calibration of
@@ -237,6 +242,11 @@ bool standsAlone(const FaultTest& test, const FaultDiagnosis& found) {
   constexpr double kShare = 1.0 / 3;
   for (const FaultTest& cause : found.causes) {
     if (isOfClock(test.fault) && isOfClock(cause.fault)) return false;
+    // One camera's readout time and that of all are the same event.
+    if (test.fault == UnmodelledFault::kLineDelay && cause.fault == test.fault &&
+        (test.camera < 0 || cause.camera < 0)) {
+      return false;
+    }
     if (!test.since || !cause.since) continue;
     if (std::abs(secondsBetween(*cause.since, *test.since)) < kSameEvent * kBlock) return false;
   }

@@ -282,6 +282,21 @@ std::vector<ScoreBlock> emptyBlocks(const CameraImuProblem& problem,
   return blocks;
 }
 
+/// One readout time of all cameras moves the views as those of each together do.
+void addCommonReadout(const FaultColumns& columns, ScoreBlock& block) {
+  if (columns.line_delays.size() < 2) return;
+  VectorXd common = VectorXd::Zero(columns.size);
+  for (const int own : columns.line_delays) {
+    block.gradient(columns.line_delay) += block.gradient(own);
+    common += block.information.col(own);
+  }
+  double of_itself = 0;
+  for (const int own : columns.line_delays) of_itself += common(own);
+  common(columns.line_delay) = of_itself;
+  block.information.col(columns.line_delay) = common;
+  block.information.row(columns.line_delay) = common.transpose();
+}
+
 }  // namespace
 
 std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
@@ -312,6 +327,7 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   };
   for (const FaultViewTerms& v : views) addTo(blockOf(v.frame), v, (*W)[v.frame]);
   for (const LinkTerms& t : *links) addTo(blockOf(t.at), t, *W);
+  for (ScoreBlock& block : out.blocks) addCommonReadout(columns, block);
   return out;
 }
 

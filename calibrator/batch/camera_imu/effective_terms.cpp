@@ -42,7 +42,7 @@ class ViewRows {
     const Index k = camera.intrinsics.stacked().size();
     for (Index i_k = 0; i_k < k; ++i_k) out.own.push_back(columns_.intrinsics[c] + i_k);
     for (int term = 0; term < kBoardTerms; ++term) out.own.push_back(columns_.shape + term);
-    out.own.push_back(columns_.line_delay);
+    out.own.push_back(columns_.line_delays[c]);
     out.A_x = chain.A_FS * pose.by_state;
     const PoseColumns moved = poseColumns(pose, chain, c, camera.T_C0Ci.t, twist);
     out.A_B = moved.A;
@@ -244,6 +244,10 @@ FaultColumns::FaultColumns(const CameraImuEstimate& estimate, bool free_cameras)
   line_delay = take(1);
   target_size = take(1);
   shape = take(kBoardTerms);
+  const bool one = estimate.cameras.size() == 1;
+  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
+    line_delays.push_back(one ? line_delay : take(1));
+  }
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     // A fault's column only where the batch does not estimate the camera's offset already.
     const bool own = border.own_offset[c] >= 0;

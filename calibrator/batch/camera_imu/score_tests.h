@@ -23,20 +23,21 @@ namespace plumbline {
 struct FaultColumns {
   FaultColumns(const CameraImuEstimate& estimate, bool free_cameras);
 
-  BorderLayout border;          ///< the calibration's own columns
-  int samples = 0;              ///< first of SampleFaults
-  int drift = 0;                ///< of the IMU's clock: t_d grows by this a second
-  int sway = 0;                 ///< target displaced by a sine, a cosine along x, y, z of F [m]
-  int gyro_jump = 0;            ///< of the gyroscope's bias in one link, 3 [rad/s]
-  int accel_jump = 0;           ///< of the accelerometer's bias in one link, 3 [m/s^2]
-  int target_jump = 0;          ///< of the target in one link, along x, y, z of F [m]
-  int of_links = 0;             ///< links touch no column from here on
-  int line_delay = 0;           ///< readout time of the image's height [s]
-  int target_size = 0;          ///< relative; the target is larger than stated
-  int shape = 0;                ///< kBoardTerms, of TargetBasis [m]
-  std::vector<int> own_offset;  ///< per camera, less camera 0's [s]; -1 for camera 0
-  std::vector<int> T_C0Ci;      ///< per camera, 6; -1 for camera 0
-  std::vector<int> intrinsics;  ///< per camera, first of stacked()
+  BorderLayout border;           ///< the calibration's own columns
+  int samples = 0;               ///< first of SampleFaults
+  int drift = 0;                 ///< of the IMU's clock: t_d grows by this a second
+  int sway = 0;                  ///< target displaced by a sine, a cosine along x, y, z of F [m]
+  int gyro_jump = 0;             ///< of the gyroscope's bias in one link, 3 [rad/s]
+  int accel_jump = 0;            ///< of the accelerometer's bias in one link, 3 [m/s^2]
+  int target_jump = 0;           ///< of the target in one link, along x, y, z of F [m]
+  int of_links = 0;              ///< links touch no column from here on
+  int line_delay = 0;            ///< readout time of the image's height, of all cameras [s]
+  int target_size = 0;           ///< relative; the target is larger than stated
+  int shape = 0;                 ///< kBoardTerms, of TargetBasis [m]
+  std::vector<int> line_delays;  ///< per camera; of the only one, line_delay
+  std::vector<int> own_offset;   ///< per camera, less camera 0's [s]; -1 for camera 0
+  std::vector<int> T_C0Ci;       ///< per camera, 6; -1 for camera 0
+  std::vector<int> intrinsics;   ///< per camera, first of stacked()
   int size = 0;
 };
 

@@ -174,7 +174,11 @@ std::string figures(const std::vector<ShownComponent>& shown) {
 std::string sentence(const FaultTest& test, const CameraImuStageResult& stage) {
   const FaultWords& words = wordsOf(test.fault);
   std::string text = words.what;
-  if (test.camera >= 0) text += " of " + stage.cameras[static_cast<std::size_t>(test.camera)].name;
+  if (test.camera >= 0) {
+    text += " of " + stage.cameras[static_cast<std::size_t>(test.camera)].name;
+  } else if (test.fault == UnmodelledFault::kLineDelay && stage.cameras.size() > 1) {
+    text += ", one estimate for all cameras";
+  }
   if (test.since) {
     text += fmt::format(" from {:.1f} s on", secondsBetween(stage.frames.front().t, *test.since));
   }

@@ -217,8 +217,19 @@ TEST(CameraImuDiagnosis, GivenCamerasThatDoNotSuitTheRecording) {
 }
 
 TEST(CameraImuDiagnosis, RollingShutterAndALateCamera) {
-  expectCause(diagnosisOf({faultOf(FaultKind::kRollingShutter, 10e-3)}),
-              UnmodelledFault::kLineDelay, {10e-3}, 1e-3);
+  Fault rolling = faultOf(FaultKind::kRollingShutter, 10e-3);
+  const FaultDiagnosis of_all = diagnosisOf({rolling});
+  expectCause(of_all, UnmodelledFault::kLineDelay, {10e-3}, 1e-3);
+  EXPECT_EQ(of_all.causes.front().camera, -1);
+  for (const FaultTest& cause : of_all.causes) {
+    EXPECT_EQ(cause.camera, -1) << "the same readout time once more";
+  }
+  for (const int camera : {0, 1}) {
+    rolling.camera = camera;
+    const FaultDiagnosis of_one = diagnosisOf({rolling});
+    expectCause(of_one, UnmodelledFault::kLineDelay, {10e-3}, 1e-3);
+    EXPECT_EQ(of_one.causes.front().camera, camera);
+  }
   Fault late = faultOf(FaultKind::kExposureShift, 1.5e-3);
   late.camera = 1;
   const FaultDiagnosis diagnosis = diagnosisOf({late});

@@ -280,6 +280,28 @@ TEST(Verdict, AFaultIsSaidOfTheCameraByItsName) {
               ::testing::HasSubstr("under equal stamps of cam2: +2 ms"));
 }
 
+TEST(Verdict, AReadoutTimeIsToldOfItsCameraOrAsOneEstimateForAll) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  CameraImuStageResult& stage = record.camera_imu.emplace();
+  stage.frames.push_back({0, {0}});
+  FaultTest test;
+  test.fault = UnmodelledFault::kLineDelay;
+  test.estimate = Eigen::VectorXd::Constant(1, 10e-3);
+  test.std = Eigen::VectorXd::Constant(1, 1e-5);
+  FaultDiagnosis& faults = stage.faults.emplace();
+  faults.formal_std.setConstant(3e-4);
+  const auto evidence = [&](int cameras, int camera) {
+    stage.cameras.resize(cameras);
+    stage.cameras.back().name = "last";
+    test.camera = camera;
+    faults.tests = faults.causes = {test};
+    return findingOf(judge(record), "Unmodelled fault").evidence;
+  };
+  EXPECT_THAT(evidence(1, -1), ::testing::HasSubstr("(rolling shutter): +10 ms"));
+  EXPECT_THAT(evidence(2, -1), ::testing::HasSubstr("shutter), one estimate for all cameras: +10"));
+  EXPECT_THAT(evidence(2, 1), ::testing::HasSubstr("(rolling shutter) of last: +10 ms"));
+}
+
 TEST(Verdict, APosesChangeIsToldInTheUnitOfEachComponent) {
   CalibrationRecord record = cameraRecord(0.3, 0.8);
   CameraImuStageResult& stage = record.camera_imu.emplace();
