@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <optional>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -224,8 +226,11 @@ bool isJudged(const Page& study) {
   return study.verdict && !(study.verdict->findings.empty() && study.verdict->headline.empty());
 }
 
+/// Where they stand: a page's figures take megabytes.
+using SectionList = std::vector<std::reference_wrapper<const Section>>;
+
 /// Entries of the table of contents.
-data contentsOf(const Page& study, const std::vector<Section>& sections) {
+data contentsOf(const Page& study, const SectionList& sections) {
   data entries{data::type::list};
   const auto add = [&](const std::string& id, const std::string& title) {
     entries.push_back(object({{"id", id}, {"title", title}}));
@@ -290,9 +295,10 @@ std::string renderTemplate(const std::string& text, data& page) {
 }
 
 std::string renderPage(const Page& study) {
-  std::vector<Section> sections = study.sections;
-  // Before the table of contents is made of them.
-  std::erase_if(sections, [](const Section& s) { return s.blocks.empty(); });
+  // Those that have something, before the table of contents is made of them.
+  SectionList sections;
+  std::ranges::copy_if(study.sections, std::back_inserter(sections),
+                       [](const Section& s) { return !s.blocks.empty(); });
   const Provenance& p = study.provenance;
   const std::string& viewer = study.player ? study.player->script : study.script;
   data page = object(
