@@ -286,6 +286,10 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
 
 }  // namespace
 
+std::size_t diagnosedBlocks(const std::vector<Frame>& frames) {
+  return std::max(blockBegins(frames, kBlock).size(), kFewestBlocks);
+}
+
 std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
                                              const CameraImuSolution& solution,
                                              bool cameras_given) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <set>
 #include <utility>
 
 #include "calibrator/batch/camera_imu/score_tests.h"
@@ -262,26 +261,6 @@ void addTo(ScoreBlock& block, const LinkTerms& t, const std::vector<ChainRespons
   block.gradient.noalias() += U.transpose() * t.r;
 }
 
-/// Only where views are: what has none says nothing, and is no sample of how scores scatter.
-std::vector<ScoreBlock> emptyBlocks(const CameraImuProblem& problem,
-                                    const std::vector<FaultViewTerms>& views, int size,
-                                    double block_s) {
-  const TimeNs begin = problem.frames.front().t;
-  const double span = secondsBetween(begin, problem.frames.back().t);
-  const auto count = static_cast<std::size_t>(std::max(1.0, std::round(span / block_s)));
-  // One nanosecond more than the share, so that the last frame falls into the last block.
-  const TimeNs length = (problem.frames.back().t - begin) / static_cast<TimeNs>(count) + 1;
-  std::set<TimeNs> with_views;
-  for (const FaultViewTerms& v : views) {
-    with_views.insert((problem.frames[v.frame].t - begin) / length);
-  }
-  std::vector<ScoreBlock> blocks;
-  for (const TimeNs b : with_views) {
-    blocks.push_back({begin + b * length, VectorXd::Zero(size), MatrixXd::Zero(size, size)});
-  }
-  return blocks;
-}
-
 /// One readout time of all cameras moves the views as those of each together do.
 void addCommonReadout(const FaultColumns& columns, ScoreBlock& block) {
   if (columns.line_delays.size() < 2) return;
@@ -298,6 +277,22 @@ void addCommonReadout(const FaultColumns& columns, ScoreBlock& block) {
 }
 
 }  // namespace
+
+// A block without views says nothing, and is no sample of how scores scatter.
+std::vector<TimeNs> blockBegins(const std::vector<Frame>& frames, double block_s) {
+  if (frames.empty()) return {};
+  const TimeNs begin = frames.front().t, span = frames.back().t - begin;
+  const double count = std::max(1.0, std::round(1e-9 * static_cast<double>(span) / block_s));
+  // One nanosecond more than the share, so that the last frame falls into the last block.
+  const TimeNs length = span / static_cast<TimeNs>(count) + 1;
+  std::vector<TimeNs> begins;
+  for (const Frame& frame : frames) {
+    if (std::ranges::all_of(frame.view, [](int view) { return view < 0; })) continue;
+    const TimeNs of_frame = begin + (frame.t - begin) / length * length;
+    if (begins.empty() || begins.back() != of_frame) begins.push_back(of_frame);
+  }
+  return begins;
+}
 
 std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
                                                const CameraImuSolution& solution,
@@ -317,7 +312,10 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   // Now with all columns, jumps included; the border's own information comes from the blocks.
   const auto W = chainResponses(chainOf(problem, views, *links, columns.size), problem.threads);
   if (!W) return std::nullopt;
-  out.blocks = emptyBlocks(problem, views, columns.size, block_s);
+  for (const TimeNs begin : blockBegins(problem.frames, block_s)) {
+    out.blocks.push_back(
+        {begin, VectorXd::Zero(columns.size), MatrixXd::Zero(columns.size, columns.size)});
+  }
   if (out.blocks.empty()) return std::nullopt;
   // A link from a frame without views belongs to the block before it.
   const auto blockOf = [&](std::size_t frame) -> ScoreBlock& {

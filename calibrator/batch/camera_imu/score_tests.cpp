@@ -8,6 +8,7 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
 
+#include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/linear/dense.h"
 

@@ -82,6 +82,9 @@ struct JumpPlaces {
   double target_dispersion = 1;
 };
 
+/// When blocks of about `block_s` seconds begin, of those in which the target is seen.
+std::vector<TimeNs> blockBegins(const std::vector<Frame>& frames, double block_s);
+
 /// Score and information of a piece of the recording about the border's and the faults' columns,
 /// with all states adapting: with J the whitened Jacobian, r the residual, W = dx/dB the response
 /// of the states, J~ = J_B + J_x W:   gradient = sum J~' r,   information = sum J~' J~.
@@ -131,14 +134,6 @@ class Scores {
 
 /// chi2 as a deviate of the normal distribution (Wilson and Hilferty 1931).
 double significanceOf(double chi2, int dof);
-
-/// The significance that by chance is exceeded as seldom as `deviations` (above 0) of a normal
-/// deviate are, where the dispersion is estimated from so many blocks of time (at least 2):
-///   chi2 / dof follows F(dof, 3 (blocks - 1)).
-/// The variances of T_SC0's translation, its rotation and the time offset count as three estimates
-/// of the dispersion (ScoreTests::overdispersion()). `deviations` at least, which it approaches for
-/// many blocks.
-double significanceBound(double deviations, int dof, std::size_t blocks);
 
 /// Score tests beside a model: the calibration's parameters, and faults that were accepted.
 /// The equations are those of diagnoseFaults().

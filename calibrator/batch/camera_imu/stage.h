@@ -176,6 +176,18 @@ void setCovariance(ParameterCovariance covariance, StageSummary& summary);
 /// shift of the stamp takes.
 FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate& estimate);
 
+/// The significance that by chance is exceeded as seldom as `deviations` (above 0) of a normal
+/// deviate are, where the dispersion is estimated from so many blocks of time (at least 2):
+///   chi2 / dof follows F(dof, 3 (blocks - 1)).
+/// The variances of T_SC0's translation, its rotation and the time offset count as three estimates
+/// of the dispersion (ScoreTests::overdispersion()). `deviations` at least, which it approaches for
+/// many blocks.
+double significanceBound(double deviations, int dof, std::size_t blocks);
+
+/// From how many blocks of time diagnoseFaults() estimates the dispersion for these frames, if it
+/// judges at all: below eight it does not.
+std::size_t diagnosedBlocks(const std::vector<Frame>& frames);
+
 /// Score (Lagrange multiplier) tests at the optimum of the camera-IMU batch: one more block of
 /// information for each fault, no new solution. With s the gradient and I the information about a
 /// fault's parameters theta, all states and calibration parameters adapting (effectiveScores()),

@@ -182,6 +182,10 @@ TEST(Verdict, AWrongSizeBelowTheBoundOfACauseIsACaution) {
   EXPECT_EQ(moves.unit, "sigma");
   EXPECT_DOUBLE_EQ(moves.value, 3.5);
   EXPECT_EQ(moves.threshold, 3);
+  // Of few seconds the deviations are known less well.
+  EXPECT_EQ(level(-0.0177, 0.0039, 3.2), VerdictLevel::kGood);
+  for (int s = 1; s <= 60; ++s) record.camera_imu->frames.push_back({toNanoseconds(s), {0}});
+  EXPECT_EQ(level(-0.0177, 0.0039, 3.2), VerdictLevel::kCaution);
   // Where a cause is named, that says it.
   record.camera_imu->faults->causes = {test};
   for (const Finding& finding : judge(record).findings) {
