@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 #include <utility>
 
 #include "calibrator/batch/camera_imu/score_tests.h"
@@ -167,9 +168,13 @@ Tested testedInParts(const Scores& scores, const ScoreTests& tests, const Candid
 Tested testedSince(const Scores& scores, const ScoreTests& tests, const Candidate& candidate) {
   Tested out;
   const ScoreTests changes(scores, withColumns(tests.model(), candidate.columns));
-  const auto n = static_cast<double>(scores.count());
-  const auto edge = static_cast<std::size_t>(std::max(3.0, std::ceil(kEdge * n)));
-  for (std::size_t b = edge; b + edge <= scores.count(); ++b) {
+  const std::size_t n = scores.seen();
+  const auto edge =
+      static_cast<std::size_t>(std::max(3.0, std::ceil(kEdge * static_cast<double>(n))));
+  std::size_t before = 0;
+  for (std::size_t b = 1; b < scores.count(); ++b) {
+    if (scores.isSeen(b - 1)) ++before;
+    if (before < edge || before + edge > n) continue;
     Terms terms = termsOf(candidate.columns, b);
     FaultTest test = changes.test(terms);
     if (!out.terms.empty() && !(test.chi2 > out.test.chi2)) continue;
@@ -267,13 +272,13 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
     for (const Candidate& candidate : all) {
       Tested t = tested(scores, tests, candidate);
       if (round == 0) out.tests.push_back(t.test);
-      if (!isSignificant(t.test, scores.count())) continue;
+      if (!isSignificant(t.test, scores.seen())) continue;
       if (round > 0 && !isKnown(t.test)) continue;
       if (standsAlone(t.test, out)) significant.push_back(std::move(t));
     }
     if (significant.empty()) return;
     std::ranges::sort(significant, std::greater(),
-                      [&](const Tested& t) { return t.evidence(scores.count()); });
+                      [&](const Tested& t) { return t.evidence(scores.seen()); });
     const Tested& first = significant.front();
     out.causes.push_back(first.test);
     if (round == 0 && significant.size() > 1 &&
@@ -287,7 +292,11 @@ void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms m
 }  // namespace
 
 std::size_t diagnosedBlocks(const std::vector<Frame>& frames) {
-  return std::max(blockBegins(frames, kBlock).size(), kFewestBlocks);
+  if (frames.empty()) return kFewestBlocks;
+  const TimeBlocks blocks(frames, kBlock);
+  std::set<std::size_t> seen;
+  for (const Frame& frame : frames) seen.insert(blocks.of(frame.t));
+  return std::max(seen.size(), kFewestBlocks);
 }
 
 std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
@@ -295,8 +304,9 @@ std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
                                              bool cameras_given) {
   const FaultColumns columns(solution.estimate, problem.free_cameras);
   auto found = effectiveScores(problem, solution, columns, kBlock);
-  if (!found || found->blocks.size() < kFewestBlocks) return std::nullopt;
+  if (!found) return std::nullopt;
   const Scores scores(std::move(found->blocks));
+  if (scores.seen() < kFewestBlocks) return std::nullopt;
   const Terms model = termsOf(columnRange(0, columns.border.size));
   FaultDiagnosis out;
   const ScoreTests tests(scores, model);

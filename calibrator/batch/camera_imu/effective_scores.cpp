@@ -251,6 +251,7 @@ void addTo(ScoreBlock& block, const FaultViewTerms& v, const ChainResponse& W) {
   PoseRows T = v.A_x * W;
   addByBorder(v, T);
   addViewGram(v, T, block.information, block.gradient);
+  ++block.views;
 }
 
 void addTo(ScoreBlock& block, const LinkTerms& t, const std::vector<ChainResponse>& W) {
@@ -278,20 +279,11 @@ void addCommonReadout(const FaultColumns& columns, ScoreBlock& block) {
 
 }  // namespace
 
-// A block without views says nothing, and is no sample of how scores scatter.
-std::vector<TimeNs> blockBegins(const std::vector<Frame>& frames, double block_s) {
-  if (frames.empty()) return {};
-  const TimeNs begin = frames.front().t, span = frames.back().t - begin;
-  const double count = std::max(1.0, std::round(1e-9 * static_cast<double>(span) / block_s));
+TimeBlocks::TimeBlocks(const std::vector<Frame>& frames, double block_s) : begin(frames.front().t) {
+  const double span = secondsBetween(begin, frames.back().t);
+  count = static_cast<std::size_t>(std::max(1.0, std::round(span / block_s)));
   // One nanosecond more than the share, so that the last frame falls into the last block.
-  const TimeNs length = span / static_cast<TimeNs>(count) + 1;
-  std::vector<TimeNs> begins;
-  for (const Frame& frame : frames) {
-    if (std::ranges::all_of(frame.view, [](int view) { return view < 0; })) continue;
-    const TimeNs of_frame = begin + (frame.t - begin) / length * length;
-    if (begins.empty() || begins.back() != of_frame) begins.push_back(of_frame);
-  }
-  return begins;
+  length = (frames.back().t - begin) / static_cast<TimeNs>(count) + 1;
 }
 
 std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
@@ -312,16 +304,14 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   // Now with all columns, jumps included; the border's own information comes from the blocks.
   const auto W = chainResponses(chainOf(problem, views, *links, columns.size), problem.threads);
   if (!W) return std::nullopt;
-  for (const TimeNs begin : blockBegins(problem.frames, block_s)) {
-    out.blocks.push_back(
-        {begin, VectorXd::Zero(columns.size), MatrixXd::Zero(columns.size, columns.size)});
+  const TimeBlocks blocks(problem.frames, block_s);
+  for (std::size_t b = 0; b < blocks.count; ++b) {
+    out.blocks.push_back({blocks.begin + static_cast<TimeNs>(b) * blocks.length, 0,
+                          VectorXd::Zero(columns.size),
+                          MatrixXd::Zero(columns.size, columns.size)});
   }
-  if (out.blocks.empty()) return std::nullopt;
-  // A link from a frame without views belongs to the block before it.
   const auto blockOf = [&](std::size_t frame) -> ScoreBlock& {
-    const TimeNs t = problem.frames[frame].t;
-    const auto after = std::ranges::upper_bound(out.blocks, t, {}, &ScoreBlock::begin);
-    return after == out.blocks.begin() ? *after : *(after - 1);
+    return out.blocks[blocks.of(problem.frames[frame].t)];
   };
   for (const FaultViewTerms& v : views) addTo(blockOf(v.frame), v, (*W)[v.frame]);
   for (const LinkTerms& t : *links) addTo(blockOf(t.at), t, *W);

@@ -44,6 +44,7 @@ Eigen::Matrix<double, 7, 1> listed(const VectorXd& model) {
 }  // namespace
 
 Scores::Scores(std::vector<ScoreBlock> blocks) : blocks_(std::move(blocks)), tails_(blocks_) {
+  for (const ScoreBlock& block : blocks_) seen_ += block.views > 0 ? 1 : 0;
   // Once, so that a term that begins at any block costs one look-up.
   for (std::size_t b = tails_.size() - 1; b-- > 0;) {
     tails_[b].gradient += tails_[b + 1].gradient;
@@ -99,7 +100,7 @@ ScoreTests::ScoreTests(const Scores& scores, Terms model)
     const VectorXd s = scoreAtEstimate(b);
     V += s * s.transpose();
   }
-  const auto n = static_cast<double>(scores.count());
+  const auto n = static_cast<double>(scores.seen());
   // At the estimate all scores add up to zero: one of them follows from the others.
   robust_variance_ = n / (n - 1) * (S_ * V * S_).diagonal();
 }
@@ -192,7 +193,7 @@ MatrixXd ScoreTests::scatter(const Terms& fault, const MatrixXd& P,
     const VectorXd s = of_fault - P.transpose() * of_model;
     V += s * s.transpose();
   }
-  const auto n = static_cast<double>(scores_.count());
+  const auto n = static_cast<double>(scores_.seen());
   return n / std::max(1.0, n - 1 - static_cast<double>(fault.size())) * V;
 }
 

@@ -82,14 +82,21 @@ struct JumpPlaces {
   double target_dispersion = 1;
 };
 
-/// When blocks of about `block_s` seconds begin, of those in which the target is seen.
-std::vector<TimeNs> blockBegins(const std::vector<Frame>& frames, double block_s);
+/// Blocks of about `block_s` seconds from the first frame to the last.
+struct TimeBlocks {
+  TimeBlocks(const std::vector<Frame>& frames, double block_s);
+  std::size_t of(TimeNs t) const { return static_cast<std::size_t>((t - begin) / length); }
+
+  TimeNs begin = 0, length = 0;
+  std::size_t count = 0;
+};
 
 /// Score and information of a piece of the recording about the border's and the faults' columns,
 /// with all states adapting: with J the whitened Jacobian, r the residual, W = dx/dB the response
 /// of the states, J~ = J_B + J_x W:   gradient = sum J~' r,   information = sum J~' J~.
 struct ScoreBlock {
   TimeNs begin = 0;
+  int views = 0;  ///< 0: the target is not seen
   Eigen::VectorXd gradient;
   Eigen::MatrixXd information;
 };
@@ -100,8 +107,7 @@ struct EffectiveScores {
   JumpPlaces jumps;
 };
 
-/// In blocks of about `block_s` seconds; those in which the target is not seen are left out. Empty
-/// where the system has no inverse or samples do not cover a window.
+/// In TimeBlocks. Empty where the system has no inverse or samples do not cover a window.
 std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
                                                const CameraImuSolution& solution,
                                                const FaultColumns& columns, double block_s);
@@ -119,6 +125,10 @@ class Scores {
   explicit Scores(std::vector<ScoreBlock> blocks);
 
   std::size_t count() const { return blocks_.size(); }
+  /// Blocks in which the target is seen: the others say nothing, and are no sample of how scores
+  /// scatter.
+  std::size_t seen() const { return seen_; }
+  bool isSeen(std::size_t block) const { return blocks_[block].views > 0; }
   TimeNs begin(std::size_t block) const { return blocks_[block].begin; }
 
   Eigen::VectorXd gradient(const Terms& terms) const;
@@ -130,6 +140,7 @@ class Scores {
  private:
   std::vector<ScoreBlock> blocks_;
   std::vector<ScoreBlock> tails_;  // sums from a block to the end
+  std::size_t seen_ = 0;
 };
 
 /// chi2 as a deviate of the normal distribution (Wilson and Hilferty 1931).

@@ -118,7 +118,7 @@ double movedInDeviations(const FaultTest& test, const FaultDiagnosis& diagnosis)
 // less evidence than the largest of all tests does: where a rig moves gently, a size that is off by
 // 2 or 3 % stays below the bound of a cause, and moves T_SC0 by several deviations. Caution is a
 // size that is surely off by more than the bound, or that moves the calibration so far. "Surely" is
-// three deviations, and more where few blocks estimate them, as of a cause: of 1387 simulated clean
+// three deviations, and more where few blocks estimate them, as of a cause: of 1500 simulated clean
 // recordings of eight seconds nine exceeded a significance of three, and two should.
 std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
                                        const VerdictThresholds& t) {
