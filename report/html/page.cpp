@@ -209,7 +209,8 @@ data sectionData(const Section& section) {
                         {"title", section.title},
                         {"lead", textOrNothing(section.lead)},
                         {"blocks", listOf(section.blocks, blockData)}});
-  setList(values, "remarks", listOf(section.remarks, [](const std::string& r) { return data{r}; }));
+  setList(values, "remarks",
+          listOf(section.remarks, [](const std::string& r) { return data{typeset(r)}; }));
   return values;
 }
 
