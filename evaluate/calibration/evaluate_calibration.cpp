@@ -12,6 +12,7 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/calibration/calibrate_session.h"
+#include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/results/provenance.h"
@@ -107,7 +108,8 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
                                               const ProgressSink& progress) {
   asked.check();
   const std::string label = std::filesystem::path(asked.calibration).filename().string();
-  const Calibration calibration = readCalibration(asked.calibration);
+  const Calibration calibration =
+      withDeviations(readCalibration(asked.calibration), readDeviations(asked.calibration));
   const CalibrationExtras from = readCalibrationExtras(asked.calibration);
   const auto scoredOn = [&](const Session& session) {
     return ScoredCalibration{label, matchCalibration(calibration, asked.calibration, session)};

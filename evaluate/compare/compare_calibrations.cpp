@@ -16,6 +16,7 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr/run.h"
 #include "evaluate/compare/lint.h"
+#include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/session/load_session.h"
 

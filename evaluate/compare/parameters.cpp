@@ -345,14 +345,15 @@ SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>&
   if (imu && options.use_imu && session.imu) {
     // The camera stage fails where it does not converge; this one returns where it stopped, so it
     // is asked.
-    auto stage = calibrateCameraImu(session, cameras->cameras, options.camera_imu);
+    const auto stage = calibrateCameraImu(session, cameras->cameras, options.camera_imu);
     if (stage && stage->summary.converged) {
       own.calibration.imu = stage->imu;
+      StageSummary summary = stage->summary;
       if (auto both = robustDeviationsOfBothStages(*cameras, *stage)) {
-        stage->summary.robust_std = std::move(both->std);
-        stage->summary.robust_dof = std::move(both->dof);
+        summary.robust_std = std::move(both->std);
+        summary.robust_dof = std::move(both->dof);
       }
-      addDeviations(stage->summary, deviations);
+      addDeviations(summary, deviations);
     } else {
       own.problem = "camera-IMU: " + problemOf(stage ? notConverged(*stage) : stage.failure());
     }

@@ -217,14 +217,21 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
   // By formal deviations alone, what the recording's own unmodelled errors do to T_SC0 would be
   // called a contradiction.
   if (estimated->faults) std = std.cwiseMax(estimated->faults->robust_std);
+  // Both are estimates; a file without deviations is taken as exact.
+  Eigen::Matrix<double, 7, 1> stated = Eigen::Matrix<double, 7, 1>::Zero();
+  stated.head<6>() = held.T_SC0_std.value_or(Vector6d(Vector6d::Zero()));
+  stated(6) = held.time_offset_std_s.value_or(0);
+  std = (std.cwiseAbs2() + stated.cwiseAbs2()).cwiseSqrt();
   const double lever_m = (held.T_SC0.t - seen.T_SC0.t).norm();
   const double angle_deg = rotationAngle(held.T_SC0.R.transpose() * seen.T_SC0.R) / kDegree;
   const double offset_ms = 1e3 * std::abs(held.timeOffset() - seen.timeOffset());
-  // Beyond what chance explains, and then by size: a difference may be certain and too small to
-  // matter. A vector's deviation is the root of its components' summed variances, the RMS of its
-  // length.
-  const auto level = [](double off, double deviation, const Bound& bound) {
-    return off > 3 * deviation ? levelAbove(off, bound) : VerdictLevel::kGood;
+  // Beyond what chance explains nothing is good; how bad it is goes by its size. A vector's
+  // deviation is the root of its components' summed variances, the RMS of its length.
+  VerdictLevel by_size = VerdictLevel::kGood;
+  const auto level = [&](double off, double deviation, const Bound& bound) {
+    if (off <= 3 * deviation) return VerdictLevel::kGood;
+    by_size = std::max(by_size, levelAbove(off, bound));
+    return std::max(VerdictLevel::kCaution, levelAbove(off, bound));
   };
   const VerdictLevel of_transform =
       std::max(level(lever_m, std.head<3>().norm(), kUsual.lever_arm_std_m),
@@ -250,7 +257,13 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
           1e3 * seen.timeOffset());
     }
   } else if (f.level != VerdictLevel::kGood) {
-    f.advice = contradictionAdvice(held, *estimated);
+    f.advice = by_size == VerdictLevel::kGood
+                   ? fmt::format(
+                         "More than three deviations, but below {:g} mm, {:g} deg and {:g} "
+                         "ms: calibrate on this recording where that matters",
+                         1e3 * kUsual.lever_arm_std_m.caution, kUsual.rotation_std_deg.caution,
+                         kUsual.offset_std_ms.caution)
+                   : contradictionAdvice(held, *estimated);
   }
   Findings findings = judgeHeldBetween(held, offset, *estimated, std(6));
   findings.insert(findings.begin(), std::move(f));

@@ -120,7 +120,10 @@ TEST(ScoreVerdict, AnExtrinsicOrOffsetThatTheRecordingContradictsIsBadAndTheMist
     held.time_offsets = {{offset_s}};
     return judgeHeldImu(held, HeldOffset::kStated, estimateOf(quarterTurn(), 8e-3)).front();
   };
-  EXPECT_EQ(judged(quarterTurn(), 8.1e-3).level, VerdictLevel::kGood);
+  EXPECT_EQ(judged(quarterTurn(), 8.02e-3).level, VerdictLevel::kGood);  // two deviations
+  // Ten deviations are certain, and so no good result, however small.
+  EXPECT_EQ(judged(quarterTurn(), 8.1e-3).level, VerdictLevel::kCaution);
+  EXPECT_THAT(judged(quarterTurn(), 8.1e-3).advice, HasSubstr("below 5 mm, 0.2 deg and 0.5 ms"));
   EXPECT_EQ(judged(quarterTurn(), 9e-3).level, VerdictLevel::kCaution);
   const Finding inverted = judged(quarterTurn().inverse(), 8e-3);
   EXPECT_EQ(inverted.level, VerdictLevel::kBad);
@@ -133,6 +136,20 @@ TEST(ScoreVerdict, AnExtrinsicOrOffsetThatTheRecordingContradictsIsBadAndTheMist
   EXPECT_THAT(judged(quarterTurn(), -8e-3).advice, HasSubstr("negate timeshift_cam_imu"));
   EXPECT_THAT(judged(quarterTurn(), 8).advice, HasSubstr("divide timeshift_cam_imu by 1000"));
   EXPECT_EQ(judged(quarterTurn(), 8).level, VerdictLevel::kBad);
+}
+
+// Both sides are estimates: what the file itself states as its deviation is no contradiction.
+TEST(ScoreVerdict, TheDeviationsThatTheFileStatesCountToo) {
+  ImuCalibration held;
+  held.T_SC0 = quarterTurn();
+  held.T_SC0.t.x() += 2e-3;
+  held.time_offsets = {{8e-3}};
+  const auto level = [&] {
+    return judgeHeldImu(held, HeldOffset::kStated, estimateOf(quarterTurn(), 8e-3)).front().level;
+  };
+  EXPECT_EQ(level(), VerdictLevel::kCaution);
+  held.T_SC0_std = Vector6d(Vector6d::Constant(5e-4));
+  EXPECT_EQ(level(), VerdictLevel::kGood);
 }
 
 // On a synchronised rig any offset agrees with a thousandth of itself, and nearly with its
