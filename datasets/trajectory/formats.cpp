@@ -2,6 +2,7 @@
 // What all formats share: taking poses, and the unit of their stamps.
 #include "datasets/trajectory/formats.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -36,8 +37,10 @@ std::string gapRemark(const std::vector<StampedPose>& poses) {
 
 bool isFinite(const StampedPose& pose) { return pose.p.allFinite() && pose.q.coeffs().allFinite(); }
 
-constexpr double kEarliest = 6.3e8;                  // 1990 in seconds since 1970
-constexpr double kLatest = 4.2e9;                    // 2103
+constexpr double kEarliest = 6.3e8;  // 1990 in seconds since 1970
+constexpr double kLatest = 4.2e9;    // 2103
+// The range is narrower than the factor between two units: no interval is usual in more than one.
+constexpr double kUsualRateNs[] = {1e6, 5e8};
 constexpr TimeNs kShortestInterval = 200'000;        // 5000 poses a second
 constexpr TimeNs kLongestInterval = 20'000'000'000;  // 20 s
 // An hour, where the unit is certain: a header may state another, and stamps that count from a
@@ -65,6 +68,15 @@ std::optional<int> powerOfEpoch(double stamp) {
   return std::nullopt;
 }
 
+// The unit in which an interval is that of a usual rate.
+std::optional<int> powerOfRate(double interval) {
+  for (const int power : {9, 6, 3, 0}) {
+    const double ns = interval * std::pow(10.0, power);
+    if (ns >= kUsualRateNs[0] && ns <= kUsualRateNs[1]) return power;
+  }
+  return std::nullopt;
+}
+
 std::string headerCure(int power, bool has_header = true) {
   if (!has_header) return "convert them to seconds";
   return fmt::format(
@@ -88,6 +100,48 @@ int powerForLong(TimeNs interval, int power) {
     power -= 3;
   }
   return power;
+}
+
+TimeNs longestInterval(const StampUnit& unit) {
+  return unit.certain ? kLongestRareInterval : kLongestInterval;
+}
+
+void checkInterval(const TrajectorySource& source, TimeNs interval, const StampUnit& unit,
+                   int line) {
+  const int power = unit.power;
+  const TimeNs longest = longestInterval(unit);
+  if (interval >= kShortestInterval && interval <= longest) return;
+  if (interval == 0 && power == 9) {
+    throw source.fault(line, {InputFault::kWrongUnit, "most stamps are equal to the one before",
+                              "stamps with at least six decimals of a second",
+                              "the stamps lost their digits when they were written: export them "
+                              "again with more"});
+  }
+  const bool too_short = interval < kShortestInterval;
+  const int likely = too_short ? powerForShort(interval, power) : powerForLong(interval, power);
+  if (likely == power) {
+    throw source.fault(line, {InputFault::kWrongUnit,
+                              fmt::format("read in {}, the poses are {:.3g} s apart",
+                                          unitOf(power).name, static_cast<double>(interval) * 1e-9),
+                              fmt::format("0.2 ms to {} s between poses", longest / 1'000'000'000),
+                              too_short || unit.certain ? "check the unit of the stamps"
+                                                        : headerCure(power, unit.has_header)});
+  }
+  throw source.fault(
+      line,
+      {InputFault::kWrongUnit,
+       fmt::format("read in {}, the poses are {:.3g} s apart, so the stamps look like {}",
+                   unitOf(power).name, static_cast<double>(interval) * 1e-9, unitOf(likely).name),
+       fmt::format("stamps in {}", unitOf(power).name), headerCure(likely, unit.has_header)});
+}
+
+/// Stamps of a much finer unit than theirs do not fit a TimeNs: the row where they no longer do
+/// would be blamed.
+void refuseLong(const TrajectorySource& source, const FirstStamps& stamps, const StampUnit& unit) {
+  const double interval_ns = *stamps.interval * std::pow(10.0, unit.power);
+  if (!(interval_ns > static_cast<double>(longestInterval(unit)))) return;
+  constexpr double kMost = 4e18;  // a TimeNs has 9.2e18
+  checkInterval(source, static_cast<TimeNs>(std::min(interval_ns, kMost)), unit, stamps.line);
 }
 
 }  // namespace
@@ -163,25 +217,31 @@ TrajectoryFile TrajectoryBuilder::finish() && {
   return std::move(file_);
 }
 
-StampUnit decideStampUnit(const TrajectorySource& source, int line, double first,
+StampUnit decideStampUnit(const TrajectorySource& source, const FirstStamps& stamps,
                           std::optional<int> stated, int usual) {
   const int power = stated.value_or(usual);
-  const std::optional<int> epoch = powerOfEpoch(first);
-  // Without an epoch the stamps count from some start of their own, and nothing speaks against the
-  // unit.
-  if (!epoch || *epoch == power) return {power, {}, stated || epoch};
+  std::optional<int> epoch = powerOfEpoch(stamps.first);
+  const std::optional<int> of_rate = stamps.interval ? powerOfRate(*stamps.interval) : std::nullopt;
+  if (epoch && *epoch != power && of_rate && *of_rate != *epoch) epoch.reset();
+  // Without an epoch the stamps count from some start of their own, and nothing but their intervals
+  // speaks against the unit.
+  if (!epoch || *epoch == power) {
+    const StampUnit unit{power, {}, stated || epoch};
+    if (stamps.interval) refuseLong(source, stamps, unit);
+    return unit;
+  }
   const std::string what = fmt::format(
-      "the stamp {:.17g} is not a time of this century in {}: it looks like {} since 1970", first,
-      unitOf(power).name, unitOf(*epoch).name);
+      "the stamp {:.17g} is not a time of this century in {}: it looks like {} since 1970",
+      stamps.first, unitOf(power).name, unitOf(*epoch).name);
   if (stated) {
-    throw source.fault(line, {InputFault::kWrongUnit, what,
-                              fmt::format("{}, as the header states", unitOf(power).name),
-                              "correct the header's unit or convert the stamps"});
+    throw source.fault(stamps.line, {InputFault::kWrongUnit, what,
+                                     fmt::format("{}, as the header states", unitOf(power).name),
+                                     "correct the header's unit or convert the stamps"});
   }
   // Seconds and nanoseconds are each the unit of one of the formats, and are mixed up between them.
   // Milliseconds and microseconds are neither's, so that somebody has to vouch for them.
   if (*epoch == 3 || *epoch == 6) {
-    throw source.fault(line,
+    throw source.fault(stamps.line,
                        {InputFault::kWrongUnit, what, unitOf(power).name, headerCure(*epoch)});
   }
   return {*epoch,
@@ -193,33 +253,7 @@ StampUnit decideStampUnit(const TrajectorySource& source, int line, double first
 // The second look at the unit, for stamps that no epoch could tell: by the rate of the poses.
 void checkPoseIntervals(const TrajectorySource& source, const std::vector<StampedPose>& poses,
                         const StampUnit& unit, int line) {
-  if (poses.size() < 3) return;
-  const int power = unit.power;
-  const TimeNs interval = medianInterval(poses);
-  const TimeNs longest = unit.certain ? kLongestRareInterval : kLongestInterval;
-  if (interval >= kShortestInterval && interval <= longest) return;
-  if (interval == 0 && power == 9) {
-    throw source.fault(line, {InputFault::kWrongUnit, "most stamps are equal to the one before",
-                              "stamps with at least six decimals of a second",
-                              "the stamps lost their digits when they were written: export them "
-                              "again with more"});
-  }
-  const bool too_short = interval < kShortestInterval;
-  const int likely = too_short ? powerForShort(interval, power) : powerForLong(interval, power);
-  if (likely == power) {
-    throw source.fault(line, {InputFault::kWrongUnit,
-                              fmt::format("read in {}, the poses are {:.3g} s apart",
-                                          unitOf(power).name, static_cast<double>(interval) * 1e-9),
-                              fmt::format("0.2 ms to {} s between poses", longest / 1'000'000'000),
-                              too_short || unit.certain ? "check the unit of the stamps"
-                                                        : headerCure(power, unit.has_header)});
-  }
-  throw source.fault(
-      line,
-      {InputFault::kWrongUnit,
-       fmt::format("read in {}, the poses are {:.3g} s apart, so the stamps look like {}",
-                   unitOf(power).name, static_cast<double>(interval) * 1e-9, unitOf(likely).name),
-       fmt::format("stamps in {}", unitOf(power).name), headerCure(likely, unit.has_header)});
+  if (poses.size() >= 3) checkInterval(source, medianInterval(poses), unit, line);
 }
 
 }  // namespace plumbline

@@ -67,12 +67,22 @@ struct StampUnit {
   bool has_header = true;  ///< whether a header could state it
 };
 
+/// What the first rows of a table show of its stamps, in their own unit.
+struct FirstStamps {
+  int line = 1;  ///< of the first row
+  double first = 0;
+  std::optional<double> interval;  ///< median; nothing where there are fewer than three rows
+};
+
 /// The stated unit, else the format's, else seconds or nanoseconds where only they put the stamp
 /// between 1990 and 2100. Throws InputError where the header is contradicted by that, or the
-/// stamps are milliseconds or microseconds that no header states.
+/// stamps are milliseconds or microseconds that no header states. Stamps whose intervals are a
+/// usual rate (2 Hz to 1 kHz) in another unit than that are not since 1970, but of a clock that
+/// counts from a start of its own: a simulation's, or the time since a sensor was switched on.
+/// Throws also where the interval is far too long, before stamps overflow.
 ///
-/// `first` is the stamp of the first row, in line `line`; the units are powers as StampUnit's.
-StampUnit decideStampUnit(const TrajectorySource& source, int line, double first,
+/// The units are powers as StampUnit's.
+StampUnit decideStampUnit(const TrajectorySource& source, const FirstStamps& stamps,
                           std::optional<int> stated, int usual);
 
 /// Throws InputError where the median interval is no rate of poses (0.2 ms to 20 s, or to an hour

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "datasets/files/numbers.h"
 #include "datasets/files/table.h"
 #include "datasets/trajectory/formats.h"
@@ -272,6 +273,21 @@ void addRow(const TextTable& table, const NumberRow& row, const Layout& layout, 
   if (layout.has_covariance) builder.addCovariance(covarianceOf(table, row, pose));
 }
 
+/// Reads ahead, in a copy of the table that stands at its first row.
+FirstStamps firstStamps(TextTable ahead, const NumberRow& first) {
+  constexpr std::size_t kEnough = 100;
+  FirstStamps stamps{ahead.line(), first.values[0], {}};
+  std::vector<double> intervals;
+  for (double last = stamps.first; intervals.size() < kEnough && ahead.nextRow();) {
+    const double t = ahead.numbers().values[0];
+    if (!std::isfinite(t)) break;
+    intervals.push_back(t - last);
+    last = t;
+  }
+  if (intervals.size() >= 2) stamps.interval = middleOf(std::move(intervals));
+  return stamps;
+}
+
 void remarkOnLayout(const Layout& layout, TrajectoryBuilder& builder) {
   const bool tum = layout.format == TrajectoryFormat::kTum;
   if (tum && layout.columns == kOpenVinsColumns && !layout.has_covariance) {
@@ -311,7 +327,7 @@ TrajectoryFile readPoseTable(const TrajectorySource& source, const TrajectoryRea
   const NumberRow first = table.numbers();
   const Layout layout = layoutOf(first, header, options.format);
   checkLayout(source, table.line(), first, layout);
-  const StampUnit unit = decideStampUnit(source, table.line(), first.values[0], layout.stated_power,
+  const StampUnit unit = decideStampUnit(source, firstStamps(table, first), layout.stated_power,
                                          layout.format == TrajectoryFormat::kEuroc ? 0 : 9);
   TrajectoryBuilder builder(source, layout.format, layout.has_orientation);
   // As many as rows of the first one's length fit.

@@ -124,6 +124,23 @@ TEST(TumTrajectory, AStatedUnitIsTaken) {
   EXPECT_EQ(us.trajectory.poses[0].t, 50'000);
 }
 
+// A simulation's clock, or the time since a sensor was switched on: 1.5 s, a quarter of an hour and
+// 23 days in nanoseconds are seconds, milliseconds and microseconds since 1970 as well.
+TEST(EurocTrajectory, NanosecondsMayCountFromAStartOfTheirOwn) {
+  for (const TimeNs from :
+       {TimeNs{1'500'000'000}, TimeNs{1'000'000'000'000}, TimeNs{2'000'000'000'000'000}}) {
+    for (const TimeNs interval : {TimeNs{5'000'000}, TimeNs{50'000'000}}) {
+      std::string text = "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n";
+      for (int i = 0; i < 4; ++i) {
+        text += fmt::format("{},{},0,0,1,0,0,0\n", from + i * interval, i);
+      }
+      const TrajectoryFile file = read(text);
+      EXPECT_EQ(file.trajectory.poses[3].t, from + 3 * interval);
+      EXPECT_THAT(file.remarks, testing::IsEmpty());
+    }
+  }
+}
+
 // Keyframes may be rare; a median above 20 s is then no other unit.
 TEST(TumTrajectory, RarePosesAreReadWhereTheUnitIsCertain) {
   const std::string since_start =
