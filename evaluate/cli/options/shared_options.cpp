@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <iterator>
 #include <set>
@@ -16,6 +17,8 @@
 
 #include "calibrator/base/enum_words.h"
 #include "calibrator/base/error.h"
+#include "datasets/files/bad_input.h"
+#include "datasets/files/workplace.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/terminal.h"
@@ -25,6 +28,18 @@
 
 namespace plumbline {
 namespace {
+
+void refuseWithinResults(const std::string& file, const std::string& folder) {
+  const auto resolved = [](const std::string& path) {
+    return std::filesystem::weakly_canonical(namedPath(path));
+  };
+  if (file.empty() || !isWithin(resolved(file), resolved(folder))) return;
+  throw badInput(file, {InputFault::kInputInTheWay,
+                        fmt::format("is inside {}, the folder of the results, whose files belong "
+                                    "together and contain the document already",
+                                    folder),
+                        "", "give a name outside of it, or omit --json"});
+}
 
 constexpr int kMostThreads = 1024;
 constexpr const char* kAuto = "auto";  // of --target-shape and --models
@@ -328,8 +343,12 @@ std::optional<OutputFile> JsonOption::reserve(const OutputOptions& output,
                                               const std::string& folder,
                                               const std::string& mark) const {
   if (!file || piped()) return std::nullopt;
-  // No part of the folder of results, and not in its place.
-  if (!folder.empty()) inputs.push_back(folder);
+  // No part of the folder of results, and not in its place. By name too: a folder that is not there
+  // yet would be found out only by finished results, which then could not take their place.
+  if (!folder.empty()) {
+    refuseWithinResults(*file, folder);
+    inputs.push_back(folder);
+  }
   return std::optional<OutputFile>(std::in_place, output.file(*file, std::move(inputs)), mark);
 }
 
