@@ -67,7 +67,8 @@ enum class FailureCode {
   kGyroscopeMirrored,      ///< mirrored, rotated (correlations)
   kGyroscopeInDegrees,     ///< ratio to the camera's rate
   kGyroscopeScale,         ///< ratio to the camera's rate
-  kAccelerometerAxes,      ///< rms [m/s^2]
+  kAccelerometerAxes,      ///< rms [m/s^2]; other_rms, where another order or other signs of its
+                           ///< columns leave less than half of it
   kAccelerometerReversed,  ///< its sign
   kGravityDisagrees,       ///< measured, expected [m/s^2]
   kScaleDisagrees,         ///< scale, scale_std, tag_size [m]

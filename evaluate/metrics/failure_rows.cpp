@@ -59,9 +59,7 @@ const FailureRow kRows[] = {
      "check the gyroscope's units (rad/s), its scale and the stamps' unit (ns); or the cameras' "
      "focal lengths, where they were given"},
     {Code::kAccelerometerAxes,
-     "the accelerometer contradicts the camera's motion by {rms:.2g} m/s^2 (RMS): its axes do not "
-     "fit the gyroscope's",
-     "check order and signs of the accelerometer's columns"},
+     "the accelerometer contradicts the camera's motion by {rms:.2g} m/s^2 (RMS){axes}", "{mend}"},
     {Code::kAccelerometerReversed,
      "the accelerometer measures the camera's motion with reversed sign",
      "negate its three columns: at rest it must read +9.8 m/s^2 upwards; or, where the images are "

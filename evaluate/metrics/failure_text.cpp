@@ -176,6 +176,18 @@ Values ofSamples(const Failure& f) {
           {"norms", fmt::format("the accelerometer's median norm is {:.4g} (expected about {:.2f} "
                                 "m/s^2), the gyroscope's {:.4g}",
                                 f.number("accel"), f.number("gravity"), f.number("gyro"))}};
+    case Code::kAccelerometerAxes:
+      if (f.values.count("other_rms") == 0) {
+        return {{"axes", ", in every order of its columns and with every sign"},
+                {"mend",
+                 "the cause was not tested: look for vibration (near the samples' rate or a "
+                 "multiple of it, it appears slow), an accelerometer that is turned against the "
+                 "gyroscope, wrong samples or stamps"}};
+      }
+      return {{"axes", fmt::format(": its axes do not fit the gyroscope's; in another order or "
+                                   "with other signs of its columns {:.2g} m/s^2 remain",
+                                   f.number("other_rms"))},
+              {"mend", "check order and signs of the accelerometer's columns"}};
     case Code::kGyroscopeScale:
       return {
           {"cut_off", f.values.count("cut_off_at") == 0

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <set>
 
 #include "calibrator/base/parallel.h"
@@ -215,6 +217,29 @@ std::vector<RepeatedView> repeatedIn(const Session& session) {
   return out;
 }
 
+/// The least residual [m/s^2] that alignInertially() leaves with the accelerometer's columns in
+/// another order or with other signs.
+double residualOfOtherAxes(std::span<const CameraPose> poses, std::span<const ImuSample> samples,
+                           const RateAlignment& rates, double offset_s, const ImuNoise& noise) {
+  std::vector<ImuSample> changed(samples.begin(), samples.end());
+  double least = std::numeric_limits<double>::infinity();
+  std::array<int, 3> order = {0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      for (std::size_t i = 0; i < changed.size(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+          const double reading = samples[i].accel(order[static_cast<std::size_t>(k)]);
+          changed[i].accel(k) = (signs >> k) % 2 == 0 ? reading : -reading;
+        }
+      }
+      const auto aligned =
+          alignInertially(poses, changed, rates.R_SC0, rates.gyro_bias, offset_s, noise);
+      if (aligned) least = std::min(least, aligned->residual_rms);
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+  return least;
+}
+
 }  // namespace
 
 std::vector<ImuSample> shiftedSamples(const std::vector<ImuSample>& samples, TimeNs shift) {
@@ -345,7 +370,15 @@ Result<CameraImuStart> startCameraImu(std::span<const CameraPose> poses,
   const auto inertial = alignInertially(poses, samples, alignment.R_SC0, alignment.gyro_bias,
                                         offset->offset_s, options.noise.value_or(ImuNoise()));
   if (!inertial) return start;
-  if (const auto failure = checkInertial(*inertial, target, sanity)) return *failure;
+  if (auto failure = checkInertial(*inertial, target, sanity)) {
+    if (failure->code == FailureCode::kAccelerometerAxes) {
+      const double other = residualOfOtherAxes(poses, samples, alignment, offset->offset_s,
+                                               options.noise.value_or(ImuNoise()));
+      // Noise leaves something; axes are believed that halve what is left.
+      if (other < 0.5 * inertial->residual_rms) failure->values.emplace("other_rms", other);
+    }
+    return *std::move(failure);
+  }
   start.check = {inertial->scale, inertial->scale_std, inertial->gravity_F.norm(),
                  residualRatio(*inertial)};
   start.T_SC0.t = inertial->t_SC0;

@@ -75,6 +75,23 @@ TEST(CameraImuFailures, PermutedAccelerometerAxes) {
               ::testing::AnyOf(FailureCode::kAccelerometerAxes, FailureCode::kGravityDisagrees));
 }
 
+TEST(CameraImuFailures, AxesAreNamedOnlyWhereOthersFit) {
+  const Failure f = withSamples(
+      [](ImuSample& s) { s.accel = Eigen::Vector3d(s.accel.y(), s.accel.z(), s.accel.x()); });
+  EXPECT_EQ(f.code, FailureCode::kAccelerometerAxes);
+  EXPECT_LT(f.number("other_rms"), 0.2 * f.number("rms"));
+  // Samples at 200 Hz show this vibration at 1 Hz.
+  SimulationOptions recording = noisyRecording(1, 6);
+  Fault vibration;
+  vibration.kind = FaultKind::kVibration;
+  vibration.value = 8;
+  vibration.extent = 199;
+  recording.faults = {vibration};
+  const Failure aliased = failureOf(simulate(recording));
+  EXPECT_EQ(aliased.code, FailureCode::kAccelerometerAxes);
+  EXPECT_EQ(aliased.values.count("other_rms"), 0U) << aliased;
+}
+
 TEST(CameraImuFailures, WrongTargetSize) {
   SimulatedSession s = simulate(noisyRecording(2, 8));
   s.session.target.tag_size *= 2;

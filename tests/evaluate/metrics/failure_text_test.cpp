@@ -139,6 +139,18 @@ TEST(FailureText, ASelectionComesBeforeTheCure) {
             "pinhole-equidistant");
 }
 
+TEST(FailureText, BlamesTheAccelerometersAxesOnlyWhereOthersFit) {
+  Failure axes{FailureCode::kAccelerometerAxes, {{"rms", 5.9}}};
+  EXPECT_EQ(textOf(axes).message,
+            "the accelerometer contradicts the camera's motion by 5.9 m/s^2 (RMS), in every order "
+            "of its columns and with every sign");
+  EXPECT_THAT(textOf(axes).cure, HasSubstr("the cause was not tested"));
+  axes.values.emplace("other_rms", 0.12);
+  EXPECT_THAT(textOf(axes).message, HasSubstr("do not fit the gyroscope's; in another order or "
+                                              "with other signs of its columns 0.12 m/s^2"));
+  EXPECT_EQ(textOf(axes).cure, "check order and signs of the accelerometer's columns");
+}
+
 TEST(FailureText, ListsWhatTheMotionLeavesLoose) {
   const Failure loose{FailureCode::kLooseDirections,
                       {{"translation_axis", Eigen::Vector3d(0.6, 0.8, 0)},
