@@ -153,12 +153,12 @@ class Gatherer {
     for (const auto& [id, point] : points) {
       if (id % 4 != 0) continue;
       const int above = id + 4 * grid_.cols;
-      if ((id / 4 + 1) % grid_.cols != 0) addEdge(points, {id, id + 1, id + 4, id + 5});
-      const auto edge = edgeOf(points, {id, id + 3, above, above + 3});
-      if (!edge) continue;
-      ++layout_.pairs_above;
-      if (inLine(*edge)) ++layout_.pairs_in_line;
-      addEdge(points, {id, id + 3, above, above + 3});
+      if ((id / 4 + 1) % grid_.cols != 0) {
+        addEdge(edgeOf(points, {id, id + 1, id + 4, id + 5}), layout_.pairs_beside,
+                layout_.beside_in_line);
+      }
+      addEdge(edgeOf(points, {id, id + 3, above, above + 3}), layout_.pairs_above,
+              layout_.pairs_in_line);
     }
   }
   void see(int corner_id) { layout_.largest_tag = std::max(layout_.largest_tag, corner_id / 4); }
@@ -170,9 +170,11 @@ class Gatherer {
 
  private:
   // Weighted by the square of the edge's length in the image, see Weighted.
-  void addEdge(const Points& points, const std::array<int, 4>& ids) {
-    const auto edge = edgeOf(points, ids);
-    if (!edge || !inLine(*edge)) return;
+  void addEdge(const std::optional<Edge>& edge, int& seen, int& in_line) {
+    if (!edge) return;
+    ++seen;
+    if (!inLine(*edge)) return;
+    ++in_line;
     if (const auto gap = gapOf(*edge)) {
       gaps_.push_back({*gap, ((*edge)[3] - (*edge)[0]).squaredNorm()});
     }

@@ -60,9 +60,11 @@ struct TargetLayout {
   /// Gap between neighbouring tags over their size: median over cross ratios of the four corners in
   /// line along two tags, large ones counting more. Empty without neighbouring tags.
   std::optional<double> spacing;
-  int pairs_above = 0;    ///< tags seen together with the one that the grid puts above them
-  int pairs_in_line = 0;  ///< of them, those whose edges stand in line: few where tagCols is wrong
-  int largest_tag = -1;   ///< of all ids seen; -1 without any
+  int pairs_above = 0;     ///< tags seen together with the one that the grid puts above them
+  int pairs_in_line = 0;   ///< of them, those whose edges stand in line: few where tagCols is wrong
+  int pairs_beside = 0;    ///< tags seen together with the next one in their row
+  int beside_in_line = 0;  ///< of them, those whose edges stand in line
+  int largest_tag = -1;    ///< of all ids seen; -1 without any
 };
 
 /// From about 100 views of each camera, evenly in time. Cross ratios are taken in pixels where

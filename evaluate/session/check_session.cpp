@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <fstream>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -41,16 +44,108 @@ constexpr double kRawTolerance = 0.15;
 // Real boards in order have shown 4 % all the same (EuRoC's imu_april: 0.312 for 0.3).
 constexpr double kTolerance = 0.1;
 
-/// With tagCols wrong the "tag above" is another one: the edges of most pairs then stand beside
-/// each other's line.
-void checkColumns(const TargetLayout& layout, const LoadedSession& loaded) {
-  if (layout.pairs_above < kFewPairs || 2 * layout.pairs_in_line >= layout.pairs_above) return;
+/// Whether so many of the tags that are neighbours by target.yaml stand in line.
+bool standInLine(const TargetLayout& layout, double share) {
+  return layout.pairs_in_line >= share * layout.pairs_above &&
+         layout.beside_in_line >= share * layout.pairs_beside;
+}
+
+constexpr double kHalf = 0.5;
+constexpr double kNearlyAll = 0.8;  // to be believed in place of what is stated
+
+/// The number of columns that puts the tags in line. From few up: rows above the next are in line
+/// as well.
+std::optional<int> columnsInLine(const Session& session,
+                                 const std::vector<CameraCalibration>& cameras, int least,
+                                 int most) {
+  Session other;
+  other.cameras = session.cameras;
+  other.target = session.target;
+  for (other.target.cols = least; other.target.cols <= most; ++other.target.cols) {
+    const TargetLayout layout = shownLayout(other, cameras);
+    if (layout.pairs_above >= kFewPairs && standInLine(layout, kNearlyAll))
+      return other.target.cols;
+  }
+  return std::nullopt;
+}
+
+constexpr const char* kCornerWords[] = {"bottom-left", "bottom-right", "top-right", "top-left"};
+
+/// The other order of a tag's corners in which this camera's tags stand in line.
+std::optional<std::string> orderInLine(Session session,
+                                       const std::vector<CameraCalibration>& cameras) {
+  const std::vector<ImageView> views = session.cameras.front().views;
+  for (int k = 1; k < 8; ++k) {
+    std::array<int, 4> order{};  // ours, of the corners as they are numbered: turned, or reversed
+    for (int i = 0; i < 4; ++i) order[static_cast<std::size_t>(i)] = (k < 4 ? k + i : k - i) % 4;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      for (std::size_t i = 0; i < views[v].corners.size(); ++i) {
+        const int id = views[v].corners[i].id;
+        session.cameras.front().views[v].corners[i].id =
+            id - id % 4 + order[static_cast<std::size_t>(id % 4)];
+      }
+    }
+    if (!standInLine(shownLayout(session, cameras), kNearlyAll)) continue;
+    std::string words;
+    for (const int corner : order)
+      words += (words.empty() ? "" : ", ") + std::string(kCornerWords[corner]);
+    return words;
+  }
+  return std::nullopt;
+}
+
+/// Each camera by itself, for they may come from different detectors.
+void checkCornerOrder(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras) {
+  for (std::size_t c = 0; c < loaded.session.cameras.size(); ++c) {
+    Session alone;
+    alone.target = loaded.session.target;
+    alone.cameras = {loaded.session.cameras[c]};
+    std::vector<CameraCalibration> camera;
+    if (!cameras.empty()) camera = {cameras[c]};
+    const TargetLayout layout = shownLayout(alone, camera);
+    if (layout.pairs_above + layout.pairs_beside < kFewPairs || standInLine(layout, kHalf))
+      continue;
+    if (const auto order = orderInLine(std::move(alone), camera)) {
+      throw InputError(
+          loaded.session.cameras[c].name + "/corners.csv", 0,
+          fmt::format("the corners of each tag are numbered {}; expected {}, {}, {}, {}; renumber "
+                      "them (corner_id = 4 * tag + corner)",
+                      *order, kCornerWords[0], kCornerWords[1], kCornerWords[2], kCornerWords[3]));
+    }
+  }
+}
+
+/// With tagCols wrong the "tag above" is another one, and with corners in another order an edge is
+/// no edge: most then stand beside each other's line. So they do where corners or ids are false,
+/// and so the cause is tried before it is named.
+void checkNeighbours(const TargetLayout& layout, const LoadedSession& loaded,
+                     const std::vector<CameraCalibration>& cameras) {
+  if (layout.pairs_above < kFewPairs || standInLine(layout, kHalf)) return;
   const std::string& path = loaded.target_path;
+  const int stated = loaded.session.target.cols;
+  const auto tryColumns = [&](int least, int most) {
+    const auto columns = columnsInLine(loaded.session, cameras, least, most);
+    if (!columns || *columns == stated) return;
+    throw InputError(
+        path, lineOf("tagCols", path),
+        fmt::format("tagCols is {}, but only {} of {} tags are aligned with the tag that this "
+                    "places above them, and nearly all with {} columns; expected the number of "
+                    "tags in a row; count them",
+                    stated, layout.pairs_in_line, layout.pairs_above, *columns));
+  };
+  constexpr int kMostColumns = 40;
+  tryColumns(2, kMostColumns);
+  checkCornerOrder(loaded, cameras);
+  // Last: a single column has no tags beside each other, and any row does with corners turned.
+  tryColumns(1, 1);
   throw InputError(
-      path, lineOf("tagCols", path),
-      fmt::format("tagCols is {}, but only {} of {} tags are aligned with the tag that this places "
-                  "above them; expected the number of tags in a row; count them",
-                  loaded.session.target.cols, layout.pairs_in_line, layout.pairs_above));
+      path, 0,
+      fmt::format("only {} of {} tags are aligned with the tag above them, and {} of {} with the "
+                  "one beside them, by tagCols {}; neither another number of columns nor another "
+                  "order of each tag's corners aligns them; expected the target of this recording "
+                  "and its corners; look for false corners or ids of tags",
+                  layout.pairs_in_line, layout.pairs_above, layout.beside_in_line,
+                  layout.pairs_beside, stated));
 }
 
 void checkSpacing(double shown, double tolerance, const LoadedSession& loaded) {
@@ -101,7 +196,7 @@ void checkTargetLayout(const LoadedSession& loaded, const std::vector<CameraCali
   // none, from which shownLayout() could tell.
   if (loaded.shown_spacing) checkSpacing(*loaded.shown_spacing, kTolerance, loaded);
   const TargetLayout layout = shownLayout(loaded.session, cameras);
-  checkColumns(layout, loaded);
+  checkNeighbours(layout, loaded, cameras);
   // Pixels still hold the lens' distortion, plane coordinates behind known cameras do not.
   if (layout.spacing) {
     checkSpacing(*layout.spacing, cameras.empty() ? kRawTolerance : kTolerance, loaded);

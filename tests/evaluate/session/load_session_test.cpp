@@ -3,8 +3,10 @@
 // fault, to the line.
 #include "evaluate/session/load_session.h"
 
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -22,6 +24,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 void noProgress(const std::string& /*step*/, double /*fraction*/) {}
 
@@ -195,6 +198,58 @@ std::string spacingRefused(double stated, const std::optional<double>& shown_by_
   return refusalOf([&] {
     checkTargetLayout(x.loaded, with_cameras ? cameras : std::vector<CameraCalibration>());
   });
+}
+
+/// What is said of a session of that camera's corners, changed.
+std::string neighboursRefused(const std::function<void(Session&)>& change) {
+  LocatedSession x;
+  x.loaded.session = recorded();
+  change(x.loaded.session);
+  return refusalOf([&] { checkTargetLayout(x.loaded, {}); });
+}
+
+void renumber(CameraStream& camera, const std::array<int, 4>& numbers) {
+  for (ImageView& view : camera.views) {
+    for (Corner& corner : view.corners) {
+      corner.id = corner.id - corner.id % 4 + numbers[static_cast<std::size_t>(corner.id % 4)];
+    }
+  }
+}
+
+TEST(CheckTargetLayout, TagColsIsBlamedWhereAnotherNumberFits) {
+  for (const int cols : {4, 5, 7, 9}) {
+    EXPECT_THAT(neighboursRefused([&](Session& s) { s.target.cols = cols; }),
+                AllOf(HasSubstr("target.yaml:3: tagCols is " + std::to_string(cols)),
+                      HasSubstr("nearly all with 6 columns")));
+  }
+}
+
+// Other detectors begin at the top left, or turn the other way; of one camera or of all.
+TEST(CheckTargetLayout, AnotherOrderOfTheCornersIsNamed) {
+  const std::array<int, 4> from_top_left = {3, 2, 1, 0}, turned = {1, 2, 3, 0},
+                           reversed = {1, 0, 3, 2};
+  EXPECT_THAT(neighboursRefused([&](Session& s) { renumber(s.cameras[0], from_top_left); }),
+              HasSubstr("cam0/corners.csv: the corners of each tag are numbered top-left, "
+                        "top-right, bottom-right, bottom-left; expected bottom-left, "));
+  for (const auto& numbers : {from_top_left, turned, reversed}) {
+    EXPECT_THAT(neighboursRefused([&](Session& s) {
+                  for (CameraStream& camera : s.cameras) renumber(camera, numbers);
+                }),
+                HasSubstr("are numbered"));
+  }
+}
+
+TEST(CheckTargetLayout, FalseCornersAreNotCalledColumns) {
+  const std::string refusal = neighboursRefused([](Session& s) {
+    int i = 0;
+    for (CameraStream& camera : s.cameras) {
+      for (ImageView& view : camera.views) {
+        for (Corner& corner : view.corners) corner.uv.x() += 40 * (i++ * 7 % 11 % 3);
+      }
+    }
+  });
+  EXPECT_THAT(refusal, AllOf(HasSubstr("neither another number of columns nor another order"),
+                             Not(HasSubstr("tagCols is"))));
 }
 
 // The board was made with gaps of 0.3 tags. Behind known cameras a tenth is the bound, in pixels of
