@@ -92,16 +92,22 @@ Failure explainTooFewPairs(const Trajectory& estimate, const Trajectory& truth,
 std::vector<std::string> remarksOn(const Association& association, const Trajectory& estimate,
                                    const Trajectory& truth, bool clock_is_known);
 
+/// Whether rotation and translation are by least squares over positions.
+bool isFit(const AlignmentRecord& alignment);
+
 /// What is odd about the rotations of aligned poses.
 struct RotationRemark {
   std::string text;  ///< "" where they agree within 15 degrees in the median
   /// The option that makes their differences errors: there is another body frame, or one file maps
-  /// the world into the body. Empty where neither explains them.
+  /// the world into the body, or positions that leave the alignment's rotation free. Empty where
+  /// none explains them.
   std::string cure;
+  bool of_alignment = false;  ///< the latter: relative errors do not stand on it
 };
 
 /// Why the rotations of poses that were aligned by their positions (least squares) disagree widely:
-/// another body frame (a camera against an IMU), or quaternions that one file has inverted. The
+/// positions so near a line or a point that the fit leaves their rotation free, another body frame
+/// (a camera against an IMU), or quaternions that one file has inverted. The
 /// cure is one that the evaluation accepts under `kind`, the alignment that was asked for.
 RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
                                  const AlignmentRecord& alignment, AlignmentKind kind);

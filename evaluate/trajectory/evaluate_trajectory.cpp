@@ -114,6 +114,7 @@ RotationRemark rotationRemark(const std::vector<PosePair>& pairs, const Alignmen
   const Result<AlignmentRecord> alignment = align(pairs, by_positions);
   if (!alignment) return {};
   RotationRemark remark = remarkOnRotations(pairs, *alignment, options.kind);
+  if (remark.of_alignment) return {};  // of the one that is looked at here alone
   // Only a cause with a cure is believed; rotations that differ for no known reason are those of a
   // bad estimate.
   if (!remark.cure.empty()) {
@@ -122,12 +123,14 @@ RotationRemark rotationRemark(const std::vector<PosePair>& pairs, const Alignmen
   return remark;
 }
 
-// `run` without the figures that need the rotations of both.
+// `run` without the figures that need the rotations of both, or those of the alignment.
 TrajectoryRun withoutRotations(TrajectoryRun run, const RotationRemark& why) {
-  run.left_out = why.text + "; rotation errors, relative errors and NEES are not reported";
+  run.left_out = why.text + (why.of_alignment
+                                 ? "; rotation errors and NEES are not reported"
+                                 : "; rotation errors, relative errors and NEES are not reported");
   run.cure = why.cure;
   run.ate_rotation_deg = {};
-  run.rpe.clear();
+  if (!why.of_alignment) run.rpe.clear();
   run.error_deg.clear();
   run.truth_rpy_deg.clear();
   run.estimate_rpy_deg.clear();
@@ -176,13 +179,6 @@ void remarkOnErrors(bool with_rotation, std::size_t deltas, TrajectoryRun& run) 
     run.remarks.push_back(fmt::format(
         "no poses are {} {} apart: no relative error over that distance", rpe.delta, rpe.unit));
   }
-}
-
-/// Rotation and translation by least squares over positions.
-bool isFit(const AlignmentRecord& alignment) {
-  return alignment.kind == toString(AlignmentKind::kSe3) ||
-         alignment.kind == toString(AlignmentKind::kSim3) ||
-         alignment.kind == toString(AlignmentKind::kYaw);
 }
 
 // `run` with the NEES of the pairs, whose covariances are the estimate's.

@@ -77,10 +77,44 @@ const char* whose(bool truth, bool estimate) {
   return !truth ? "estimate" : estimate ? "truth or of the estimate" : "truth";
 }
 
+/// A constant rotation of the world behind the alignment, that the orientations ask for.
+struct WorldRotation {
+  double spread_deg = 0;  ///< median angle that it leaves
+  double fitted_m = 0;    ///< RMS of the positions, as they were aligned
+  double turned_m = 0;    ///< and turned by it about their mean
+};
+
+WorldRotation worldRotation(const AlignedPoses& poses) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d mean_truth = Eigen::Vector3d::Zero(), mean_estimate = Eigen::Vector3d::Zero();
+  const auto n = static_cast<double>(poses.truth.size());
+  for (std::size_t i = 0; i < poses.truth.size(); ++i) {
+    sum += poses.truth[i].R * poses.estimate[i].R.transpose();
+    mean_truth += poses.truth[i].t / n;
+    mean_estimate += poses.estimate[i].t / n;
+  }
+  const Eigen::Matrix3d R = nearestRotation(sum);
+  WorldRotation world;
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < poses.truth.size(); ++i) {
+    const Transform& truth = poses.truth[i];
+    const Transform& estimate = poses.estimate[i];
+    angles.push_back(kDegrees * rotationAngle(truth.R.transpose() * R * estimate.R));
+    const Eigen::Vector3d y = truth.t - mean_truth, x = estimate.t - mean_estimate;
+    world.fitted_m += (y - x).squaredNorm() / n;
+    world.turned_m += (y - R * x).squaredNorm() / n;
+  }
+  world.spread_deg = sampleStatistics(std::move(angles)).median;
+  world.fitted_m = std::sqrt(world.fitted_m);
+  world.turned_m = std::sqrt(world.turned_m);
+  return world;
+}
+
 constexpr double kNoticeableOffset = 1e-3;  // [s]
 constexpr double kManyWithout = 0.05;       // of the estimate's poses
 constexpr double kOtherBodyDeg = 15;        // after alignment, more than an estimator errs
-constexpr double kRigidDeg = 5;             // spread about a body rotation that is believed
+constexpr double kRigidDeg = 5;             // spread about a constant rotation that is believed
+constexpr double kHardlyWorse = 2;          // of positions, as far as a fit's rotation leaves free
 
 std::string row(const std::string& name, const SampleStatistics& s) {
   // No row rather than one of zeros: errors of no poses are none.
@@ -263,6 +297,12 @@ std::vector<std::string> remarksOn(const Association& association, const Traject
   return remarks;
 }
 
+bool isFit(const AlignmentRecord& alignment) {
+  return alignment.kind == toString(AlignmentKind::kSe3) ||
+         alignment.kind == toString(AlignmentKind::kSim3) ||
+         alignment.kind == toString(AlignmentKind::kYaw);
+}
+
 RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
                                  const AlignmentRecord& alignment, AlignmentKind kind) {
   const AlignedPoses poses = alignedPoses(pairs, alignment);
@@ -272,6 +312,15 @@ RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
   const Eigen::Matrix3d& R = alignment.T_truth_estimate.R;
   const std::string start =
       fmt::format("the rotations differ by {:.1f} deg in the median, ", median);
+  const WorldRotation world = worldRotation(poses);
+  if (isFit(alignment) && world.spread_deg < kRigidDeg &&
+      world.turned_m < kHardlyWorse * world.fitted_m) {
+    return {start + fmt::format("as one constant rotation of the world would explain, which the "
+                                "positions hardly determine: their RMS error is {:.3g} m with it "
+                                "and {:.3g} m as aligned",
+                                world.turned_m, world.fitted_m),
+            kind == AlignmentKind::kYaw ? "--align yaw-first" : "--align se3-first", true};
+  }
   // Three readings of the same rotations: as they are, and with those of either side inverted.
   const BodyRotation as_read = bodyRotation(poses, R, false, false);
   const double truth_deg = bodyRotation(poses, R, true, false).spread_deg;

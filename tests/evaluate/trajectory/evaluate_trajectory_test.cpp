@@ -145,6 +145,34 @@ TEST(EvaluateTrajectories, RemarksNameABodyFrameThatDiffers) {
       << "hand-eye needs lengths";
 }
 
+// A straight way with centimetres of noise: the rotation about it is noise of the fit, no error of
+// the estimate, nor another body frame.
+TEST(EvaluateTrajectories, RotationsThatTheFitLeavesFreeAreNoErrors) {
+  Trajectory estimate = spiralFrom(0), truth = estimate;
+  for (std::size_t i = 0; i < truth.poses.size(); ++i) {
+    const auto k = static_cast<double>(i);
+    StampedPose& t = truth.poses[i];
+    t.p = {0.1 * k, 0.001 * std::sin(k), 0};
+    t.q = Eigen::Quaterniond(Eigen::AngleAxisd(std::sin(0.1 * k), Eigen::Vector3d::UnitX()));
+    t.q *= Eigen::Quaterniond(Eigen::AngleAxisd(std::sin(0.17 * k), Eigen::Vector3d::UnitZ()));
+    estimate.poses[i].p = t.p + Eigen::Vector3d(0, 0.01 * std::cos(2 * k), 0.01 * std::sin(k));
+    estimate.poses[i].q = t.q;
+  }
+  TrajectoryMetricOptions options;
+  options.rpe = {{1, RelativeDelta::Unit::kFrames}};
+  const auto result = evaluateTrajectories(estimate, truth, options);
+  EXPECT_THAT(result->left_out, AllOf(HasSubstr("the positions hardly determine"),
+                                      HasSubstr("rotation errors and NEES are not")));
+  EXPECT_EQ(result->cure, "--align se3-first");
+  EXPECT_EQ(result->ate_rotation_deg.n, 0U);
+  ASSERT_FALSE(result->rpe.empty());
+  EXPECT_GT(result->rpe[0].rotation_deg.n, 0U) << "of bodies, whatever their world is";
+  options.alignment.kind = AlignmentKind::kSe3First;
+  const auto cured = evaluateTrajectories(estimate, truth, options);
+  EXPECT_EQ(cured->left_out, "");
+  EXPECT_LT(cured->ate_rotation_deg.rmse, 1e-3);
+}
+
 // The first pose's rotation is that of its body as well: aligned by it, the positions are turned.
 TEST(EvaluateTrajectories, AnotherBodyIsFoundUnderAnAlignmentByTheFirstPose) {
   Trajectory estimate = spiralFrom(0);
