@@ -326,7 +326,11 @@ std::vector<Finding> imuFaults(const LintedCalibration& linted, const Session& s
   std::vector<Finding> found = scatterFault(linted, *session.imu);
   // A translation in other units is a finding of the file alone; what follows would restate it.
   if (linted.calibration.imu->T_SC0.t.norm() > kMaxBaseline_m) return found;
-  const auto poses = posesOf(session, 0, linted.calibration.cameras[0].intrinsics);
+  const Intrinsics& camera = linted.calibration.cameras[0].intrinsics;
+  const auto poses = posesOf(session, 0, camera);
+  // A camera that does not explain the corners has wrong poses, and it is not T_SC0 or the offset
+  // that these contradict. Its error is the verdict's finding.
+  if (reprojectionRms(session, 0, camera, poses) > kPosesFit_px) return found;
   const auto alignment = alignmentOf(poses, session.imu->samples);
   if (!alignment) return found;
   const std::vector<Finding> rates = gyroFault(linted.name, alignment->rates.alignment);

@@ -29,6 +29,9 @@ inline constexpr double kOddFactor = 3;         ///< and this many times their m
 inline constexpr double kRatioTolerance = 0.03;  ///< of ratios that unit mistakes leave, relative
 inline constexpr double kOffsetTolerance_s = 2e-3;     ///< of an offset against the correlation
 inline constexpr double kRotationTolerance_rad = 0.1;  ///< of T_SC0 against the session's rates
+/// RMS of the corners above which poses by a calibration's camera are none to compare the IMU with:
+/// more than a fifth of false corners makes.
+inline constexpr double kPosesFit_px = 5;
 /// Of a stated density over what the samples' noise can be at most.
 inline constexpr double kNoiseFactor = 5;
 

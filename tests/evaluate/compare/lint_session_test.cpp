@@ -43,6 +43,17 @@ TEST(LintSession, TheTruthIsClean) {
   }
 }
 
+// As when a camera matrix was copied row by row: poses by such a camera turn otherwise than the
+// gyroscope, which is no fault of T_SC0.
+TEST(LintSession, ACameraThatDoesNotExplainTheCornersAccusesNoImu) {
+  const auto exchange = [](Calibration& c) {
+    for (CameraCalibration& camera : c.cameras) {
+      std::swap(camera.intrinsics.projection[1], camera.intrinsics.projection[2]);
+    }
+  };
+  EXPECT_EQ(rulesOf(lintWith("euroc", truthOf("euroc"), exchange)), "");
+}
+
 std::vector<LintCase> sessionCases() {
   return {
       {"T_cam_imu inverted", [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); },
