@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "calibrator/base/error.h"
@@ -89,7 +90,13 @@ OperatorCompliance operatorCompliance(const ReplayRun& run,
                                       const std::vector<Suggestion>& suggestions,
                                       const std::vector<CameraCalibration>& cameras);
 
-/// The same of a recording that is not replayed; its suggestions are those that it has beside it.
+/// Throws InputError where none of the file's suggestions was shown within a minute of the frames
+/// of a whole recording: they are another recording's, or of another clock.
+void checkShownWithin(const std::vector<GuideFrame>& frames,
+                      const std::vector<Suggestion>& suggestions, const std::string& path);
+
+/// The compliance in a recording that is not replayed; its suggestions are those that it has beside
+/// it.
 OperatorCompliance operatorCompliance(const Session& session,
                                       const std::vector<Suggestion>& suggestions,
                                       const std::vector<CameraCalibration>& cameras);

@@ -334,6 +334,9 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   arrival.arrival_s = request.arrival_s;
   const std::vector<Frame> paired = pairedFrames(session, arrival);
   const std::vector<GuideFrame> frames = guideFrames(session, arrival);
+  // In a part of a recording there may have been none.
+  const bool whole = request.load.read.from_s == 0 && std::isinf(request.load.read.to_s);
+  if (suggestions && whole) checkShownWithin(frames, *suggestions, *shown);
   std::optional<std::vector<CameraCalibration>> given;
   if (request.cameras_file) given = readCameras(*request.cameras_file, session);
   Played played = playBothStages(request, guideRig(session, models), frames, given, progress);

@@ -2,7 +2,10 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <string>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/guidance/guide_stage.h"
@@ -177,6 +180,27 @@ OperatorCompliance operatorCompliance(const Session& session,
   // Reached by the guide's default rule: whoever recorded it is not known to have had another.
   const std::vector<Decision> none;
   return operatorCompliance(ReplayRun{session, frames, none, {}, {}, {}}, suggestions, cameras);
+}
+
+void checkShownWithin(const std::vector<GuideFrame>& frames,
+                      const std::vector<Suggestion>& suggestions, const std::string& path) {
+  if (frames.empty() || suggestions.empty()) return;
+  // A guide may show one before the first image is there, or behind the last.
+  constexpr TimeNs kMinute = 60'000'000'000;
+  const TimeNs first = frames.front().t, last = frames.back().t;
+  const bool any = std::any_of(suggestions.begin(), suggestions.end(), [&](const Suggestion& s) {
+    return s.t >= first - kMinute && s.t <= last + kMinute;
+  });
+  if (any) return;
+  const TimeNs shown = suggestions.front().t;
+  const std::string where =
+      shown < first ? fmt::format("{:.1f} s before its first frame", secondsBetween(shown, first))
+                    : fmt::format("{:.1f} s after its last frame", secondsBetween(last, shown));
+  throw InputError(path, 0,
+                   fmt::format("none of its {} suggestions was shown during the recording, the "
+                               "first {}; expected stamps of the recording's clock; give this "
+                               "recording's file (--suggestions)",
+                               suggestions.size(), where));
 }
 
 }  // namespace plumbline

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How suggestions ended, and how an operator followed those of a guided recording.
+#include <string>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/simulate_session.h"
@@ -30,6 +33,27 @@ class Following : public ::testing::Test {
   std::vector<GuideFrame> frames_ = guideFrames(recording_.session);
   std::vector<Decision> decisions_{frames_.size()};
 };
+
+// They were left out, and it was said that none had been shown.
+TEST_F(Following, SuggestionsOfAnotherRecordingAreRefused) {
+  const auto refusal = [&](TimeNs t) -> std::string {
+    Suggestion shown;
+    shown.t = t;
+    try {
+      checkShownWithin(frames_, {shown}, "suggestions.csv");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  constexpr TimeNs kHour = 3'600'000'000'000;
+  EXPECT_EQ(refusal(at(20)), "");
+  EXPECT_EQ(refusal(frames_.front().t - 2'000'000'000), "");
+  EXPECT_THAT(refusal(frames_.front().t - kHour),
+              testing::HasSubstr("the first 3600.0 s before its first frame"));
+  EXPECT_THAT(refusal(frames_.back().t + kHour),
+              testing::HasSubstr("the first 3600.0 s after its last frame"));
+}
 
 TEST_F(Following, AnOperatorWhoGoesThereReachesIt) {
   // Asked at the start for where the camera will be at frame 40, then for a place it never sees.
