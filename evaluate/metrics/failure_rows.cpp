@@ -250,8 +250,7 @@ const FailureRow kRows[] = {
     {Code::kTooFewPartners,
      "{found} within {max_dt_s} s, three are needed; the nearest stamps are {nearest_s:.6f} s "
      "apart",
-     "allow more with --max-dt, shift the estimate with --time-offset, or use --association "
-     "interpolate"},
+     "{mend}"},
     {Code::kQuaternionsWFirst,
      "the quaternions of the {which} are w-first where w-last was expected: as read, the rotation "
      "between estimate and truth varies by {as_read_deg:.1f} deg (median), in the other order by "

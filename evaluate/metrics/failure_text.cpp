@@ -139,6 +139,14 @@ std::string partnersFound(const Failure& f) {
                      f.number("truth"));
 }
 
+/// Stamps are blamed only where there are poses enough for three pairs.
+const char* morePartners(const Failure& f) {
+  if (f.number("poses") < 3) return "use an estimate of three poses and more";
+  if (f.number("truth") < 3) return "use a truth of three poses and more";
+  return "allow more with --max-dt, shift the estimate with --time-offset, or use --association "
+         "interpolate";
+}
+
 // What some sentences say beyond the values as they stand; of each failure at most one of these has
 // something.
 using Values = std::map<std::string, FailureValue>;
@@ -314,8 +322,9 @@ Values ofTrajectory(const Failure& f) {
       return {{"likely", likelyCause(f.number("estimate_from_s") - f.number("given_s"),
                                      f.number("truth_from_s"))}};
     case Code::kPartnersInGaps:
-    case Code::kTooFewPartners:
       return {{"found", partnersFound(f)}};
+    case Code::kTooFewPartners:
+      return {{"found", partnersFound(f)}, {"mend", morePartners(f)}};
     case Code::kQuaternionsWFirst: {
       const std::string which = wordOf(f, "which");
       return {{"option", which == "truth"      ? "--truth-w-first"

@@ -161,6 +161,14 @@ TEST(FailureText, ListsWhatTheMotionLeavesLoose) {
             "(standard deviation 0.25 m), the time offset (standard deviation 0.5 s)");
 }
 
+TEST(FailureText, StampsAreNotBlamedForTooFewPoses) {
+  Failure few{FailureCode::kTooFewPartners,
+              {{"pairs", 2}, {"poses", 2}, {"truth", 100}, {"max_dt_s", 0.02}, {"nearest_s", 0.0}}};
+  EXPECT_EQ(textOf(few).cure, "use an estimate of three poses and more");
+  few.values.at("poses") = 50;
+  EXPECT_THAT(textOf(few).cure, HasSubstr("--max-dt"));
+}
+
 TEST(FailureText, NamesBothOptionsWhereEitherFileMayBeWFirst) {
   Failure order{
       FailureCode::kQuaternionsWFirst,

@@ -110,6 +110,14 @@ const Case kImuCases[] = {
      [](Cameras&, Imu& s) { s.imu_summary.noise.accel.factor = 3; }},
 };
 
+// Of a simulation without noise: 0.003 px is what integrating its samples leaves.
+TEST(VerdictRules, CornersWithoutNoiseDoNotAccuseTheImu) {
+  CalibrationRecord record = bothStages();
+  record.camera_imu->frame_errors.emplace().free_rmse_px = 4e-4;
+  record.camera_imu->imu_summary.noise.pose_pixel_sigma = 3e-3;
+  EXPECT_EQ(judge(record).level, VerdictLevel::kGood);
+}
+
 void expectItsFindingAlone(const Case& c) {
   CalibrationRecord record = bothStages();
   c.disorder(*record.camera, *record.camera_imu);
