@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "calibrator/base/option_check.h"
@@ -82,15 +83,28 @@ double rmsAboutMean(const std::vector<CameraRate>& rates) {
 // Both bodies' rates over one interval, and how the truth's changes with the offset.
 struct RateTriple {
   Eigen::Vector3d truth, slope, estimate;
+  std::optional<Eigen::Vector3d> estimate_slope;  // of the neighbours' rates, where there are both
 };
+
+// Of the rates before and after, none across a pause.
+std::optional<Eigen::Vector3d> slopeAt(const std::vector<CameraRate>& rates, std::size_t i) {
+  if (i == 0 || i + 1 >= rates.size()) return std::nullopt;
+  const CameraRate& before = rates[i - 1];
+  const CameraRate& after = rates[i + 1];
+  if (before.to != rates[i].from || after.from != rates[i].to) return std::nullopt;
+  const double dt =
+      0.5 * (secondsBetween(before.from, after.from) + secondsBetween(before.to, after.to));
+  return Eigen::Vector3d((after.rate_C - before.rate_C) / dt);
+}
 
 // Intervals that the truth does not cover, with kSlope to either side, are left out.
 std::vector<RateTriple> triplesAt(const std::vector<CameraRate>& estimate,
                                   const GyroIntegral& truth, double offset_s) {
   std::vector<RateTriple> triples;
-  for (const CameraRate& e : estimate) {
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    const CameraRate& e = estimate[i];
     const auto at = truth.meanRateSlope(e.from, e.to, offset_s, kSlope);
-    if (at) triples.push_back({at->rate, at->slope, e.rate_C});
+    if (at) triples.push_back({at->rate, at->slope, e.rate_C, slopeAt(estimate, i)});
   }
   return triples;
 }
@@ -141,11 +155,32 @@ Model improved(Model model, const std::vector<RateTriple>& rates) {
   return model;
 }
 
+// How much of the slopes' squares is noise of the truth: in gentle motion most of it, which tells
+// nothing of the clocks. The estimate's slopes have the same motion and noise of their own, so that
+// their products with the truth's have none on average.
+double noiseOfSlopes(const std::vector<RateTriple>& rates, const Model& model) {
+  double squares = 0, products = 0;
+  for (const RateTriple& rate : rates) {
+    if (!rate.estimate_slope) continue;
+    squares += rate.slope.squaredNorm();
+    products += rate.slope.dot(model.R * *rate.estimate_slope);
+  }
+  return squares > 0 ? std::clamp(1 - products / squares, 0.0, 1.0) : 0;
+}
+
+// By how much more a score moves the offset than the noisy slopes say. At most a hundredfold: that
+// is no result any more.
+double inflationOf(const Matrix7d& A, const Matrix7d& inverse, double noise) {
+  const double schur = 1 / inverse(6, 6);
+  return schur / std::max(schur - noise * A(6, 6), 0.01 * schur);
+}
+
 // Standard deviation of the offset from its scores, summed over segments of time (sandwich): row 6
 // of (J'J)^-1 times a segment's score is what the segment moves the offset by. The scores of all
 // segments add up to zero at the optimum, hence kSegments - 1.
 double offsetStd(const std::vector<RateTriple>& rates, const Model& model) {
-  const Matrix7d inverse = pseudoInverse(normalMatrix(rates, model));
+  const Matrix7d A = normalMatrix(rates, model);
+  const Matrix7d inverse = pseudoInverse(A);
   double variance = 0;
   for (std::size_t k = 0; k < kSegments; ++k) {
     double sum = 0;
@@ -157,7 +192,8 @@ double offsetStd(const std::vector<RateTriple>& rates, const Model& model) {
     }
     variance += sum * sum;
   }
-  return std::sqrt(variance * kSegments / (kSegments - 1.0));
+  return inflationOf(A, inverse, noiseOfSlopes(rates, model)) *
+         std::sqrt(variance * kSegments / (kSegments - 1.0));
 }
 
 // An offset, and whether it is a maximum within the range: else it says only where to search on.

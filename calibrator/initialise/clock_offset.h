@@ -46,7 +46,8 @@ struct ClockOffset {
 /// std_s is that of the least-squares estimate with the scores summed over 16 segments of time,
 /// whose sums are taken as independent; so rates whose errors correlate within a segment (pose
 /// noise, which makes neighbouring rates err against each other; an estimator's smooth errors) are
-/// accounted for. It stands on 15 degrees of freedom: itself known to a fifth.
+/// accounted for. It stands on 15 degrees of freedom: itself known to a fifth. What noise of the
+/// truth adds to the rates' slopes is no information: products with the estimate's slopes tell it.
 ///
 /// Fails with kNotObservable where the rates do not vary or do not correlate (static, another
 /// motion, an offset beyond the range) or correlate best at the range's edge, and where the least

@@ -81,6 +81,23 @@ TEST(ClockOffset, ErrorsAreWhatTheStandardDeviationSays) {
   EXPECT_GT(squares / kSeeds, 0.25);
 }
 
+// In gentle motion most of what the truth's rates change by is its noise: that is no information.
+TEST(ClockOffset, TheDeviationHoldsInGentleMotion) {
+  TrajectoryOptions gentle;
+  gentle.pace = 0.2;
+  const AnalyticTrajectory slow(AprilGrid{}, simulatedRig("euroc"), gentle);
+  constexpr int kSeeds = 16;
+  double squares = 0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    const double offset = 0.02 * seed - 0.3;
+    const auto clock =
+        found(sampled(slow, ours(seed, 2e-3)), sampled(slow, theirs(seed, offset, 1e-3)));
+    ASSERT_TRUE(clock.ok());
+    squares += std::pow((clock->offset_s - offset) / clock->std_s, 2);
+  }
+  EXPECT_LT(std::sqrt(squares / kSeeds), 1.7);
+}
+
 TEST(ClockOffset, InvertedQuaternionsLeaveTheMagnitudes) {
   Trajectory truth = sampled(motion(), theirs(1, 0.25, 1e-4));
   for (StampedPose& pose : truth.poses) pose.q = pose.q.conjugate();
