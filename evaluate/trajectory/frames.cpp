@@ -73,6 +73,16 @@ Result<HandEyeRecord> handEyeOf(const Trajectory& estimate, const Trajectory& tr
   return recordOf(*found);
 }
 
+/// The deviation with what an uncertain clock offset adds: `later` is the same under an offset that
+/// is one of its deviations larger. On a way with few turns it is the larger part, for a clock that
+/// is off moves the truth along its way.
+HandEyeRecord withClock(HandEyeRecord record, const HandEyeRecord& later) {
+  const Vector6d moved = boxminus(later.T_SM, record.T_SM);
+  record.T_SM_covariance += moved * moved.transpose();
+  record.T_SM_std = record.T_SM_covariance.diagonal().cwiseSqrt();
+  return record;
+}
+
 std::string handEyeRemark(const HandEyeRecord& r) {
   const Eigen::Vector3d& t = r.T_SM.t;
   const Vector6d& s = r.T_SM_std;
@@ -121,8 +131,13 @@ Result<CommonFrames> commonFrames(const Trajectory& estimate, const Trajectory& 
   const auto hand_eye = handEyeOf(estimate, truth, options, frames.time_offset_s);
   if (!hand_eye) return hand_eye.failure();
   frames.hand_eye = *hand_eye;
+  if (frames.clock_offset) {
+    const auto later =
+        handEyeOf(estimate, truth, options, frames.time_offset_s + frames.clock_offset->std_s);
+    if (later) frames.hand_eye = withClock(*hand_eye, *later);
+  }
   frames.truth_S = movedToS(truth, hand_eye->T_SM);
-  frames.remarks.push_back(handEyeRemark(*hand_eye));
+  frames.remarks.push_back(handEyeRemark(*frames.hand_eye));
   return frames;
 }
 

@@ -72,6 +72,31 @@ TEST(TrajectoryFrames, ClockAndHandEyeLeaveTheNoise) {
   EXPECT_THAT(documentOf(SingleTrajectory{*with, {}, {}}), HasSubstr("\"hand_eye\""));
 }
 
+// In gentle motion the offset is uncertain by milliseconds, which move the lever arm by more than
+// the noise of the poses does.
+TEST(TrajectoryFrames, TheMarkersDeviationHoldsTheClocks) {
+  TrajectoryOptions gentle;
+  gentle.pace = 0.2;
+  const AnalyticTrajectory slow(AprilGrid{}, simulatedRig("euroc"), gentle);
+  TrajectoryMetricOptions options;
+  options.clock = ClockOffsetOptions{};
+  options.hand_eye = true;
+  SamplingOptions noisy;
+  noisy.to_s = 42;
+  noisy.rate_hz = 100;
+  noisy.clock_s = 0.31;
+  noisy.T_SB = kT_SM;
+  noisy.sigma_m = 2e-4;
+  noisy.sigma_rad = 1e-3;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    noisy.seed = 100 + seed;
+    const auto found = evaluateTrajectories(estimate(slow, seed), sampled(slow, noisy), options);
+    ASSERT_TRUE(found.ok()) << found.failure();
+    const Vector6d error = boxminus(found->hand_eye->T_SM, kT_SM);
+    EXPECT_LT(error.cwiseQuotient(found->hand_eye->T_SM_std).cwiseAbs().maxCoeff(), 5) << seed;
+  }
+}
+
 TEST(TrajectoryFrames, ASearchIsAboutTheOffsetThatIsGiven) {
   TrajectoryMetricOptions options;
   options.clock = ClockOffsetOptions{};
