@@ -36,7 +36,7 @@ bool isSame(const struct stat& a, const struct stat& b) {
 // Whether `path` is `folder` or lies in it, however either is written.
 // By device and inode at every level upwards: names would not tell of links.
 bool isWithinExisting(const fs::path& path, const struct stat& folder) {
-  for (fs::path at = fs::weakly_canonical(fs::absolute(path));; at = at.parent_path()) {
+  for (fs::path at = resolvedAsFar(path);; at = at.parent_path()) {
     const auto status = statusOf(at);
     if (status && isSame(*status, folder)) return true;
     if (!at.has_relative_path()) return false;
@@ -52,8 +52,8 @@ void refuseHolding(const OutputRequest& request, const fs::path& final_path,
                    const std::string& input) {
   const auto output = statusOf(final_path);
   // One that is not there yet holds nothing but by name.
-  const bool holds = output ? isWithinExisting(input, *output)
-                            : isWithin(fs::weakly_canonical(fs::absolute(input)), final_path);
+  const bool holds =
+      output ? isWithinExisting(input, *output) : isWithin(resolvedAsFar(input), final_path);
   if (!holds) return;
   throw refusal(InputFault::kInputInTheWay, request.path,
                 fmt::format("contains {}, an input or a cache, which is never removed", input));

@@ -215,6 +215,13 @@ bool isWithin(const fs::path& path, const fs::path& folder) {
   return std::ranges::mismatch(folder, path).in1 == folder.end();
 }
 
+fs::path resolvedAsFar(const fs::path& path) {
+  const fs::path named = fs::absolute(path);
+  std::error_code error;
+  fs::path resolved = fs::weakly_canonical(named, error);
+  return error ? named.lexically_normal() : resolved;
+}
+
 void removeDeadWorkplaces(const fs::path& final_path) {
   const std::string prefix = prefixOf(final_path);
   std::vector<fs::path> found;

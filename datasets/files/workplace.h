@@ -18,6 +18,10 @@ std::string utcText(std::time_t seconds);
 /// are absolute or both relative to the same folder.
 bool isWithin(const std::filesystem::path& path, const std::filesystem::path& folder);
 
+/// Absolute, with links resolved as far as they can be: what cannot be reached, such as another
+/// user's cache, is left to who reads it.
+std::filesystem::path resolvedAsFar(const std::filesystem::path& path);
+
 /// Where an output is made before it takes its final name: a hidden folder beside it,
 ///   PARENT/.NAME.partial-XXXXXX/lock     held (flock) as long as the process lives, or a program
 ///                                        that it ran: its id, host and start, and NAME

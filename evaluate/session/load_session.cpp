@@ -59,8 +59,7 @@ CameraCounts countsOf(const CameraStream& camera) {
 
 /// Links resolved, `path` itself included.
 bool isInside(const std::filesystem::path& path, const std::filesystem::path& folder) {
-  return isWithin(std::filesystem::weakly_canonical(path),
-                  std::filesystem::weakly_canonical(folder));
+  return isWithin(resolvedAsFar(path), resolvedAsFar(folder));
 }
 
 // The cache, unless it cannot be made and the work may go on without.

@@ -30,10 +30,7 @@ namespace plumbline {
 namespace {
 
 void refuseWithinResults(const std::string& file, const std::string& folder) {
-  const auto resolved = [](const std::string& path) {
-    return std::filesystem::weakly_canonical(namedPath(path));
-  };
-  if (file.empty() || !isWithin(resolved(file), resolved(folder))) return;
+  if (file.empty() || !isWithin(resolvedAsFar(file), resolvedAsFar(namedPath(folder)))) return;
   throw badInput(file, {InputFault::kInputInTheWay,
                         fmt::format("is inside {}, the folder of the results, whose files belong "
                                     "together and contain the document already",

@@ -272,6 +272,9 @@ TEST_F(Output, InputsAreNeverWrittenOver) {
   EXPECT_EQ(refusal(cached), F::kInputInTheWay);
   cached.kept = {folder_.path()};
   EXPECT_EQ(refusal(cached), std::nullopt);
+  // One that cannot be reached, as in another user's home (here: by its name): nobody may need it.
+  cached.kept = {folder_.path(std::string(300, 'x') + "/cache")};
+  EXPECT_EQ(refusal(cached), std::nullopt);
 }
 
 TEST_F(Output, ALinkToAFolderIsFollowed) {
