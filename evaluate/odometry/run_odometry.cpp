@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <mutex>
 #include <numbers>
 #include <set>
 
@@ -332,14 +331,10 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
   checkBuiltinOnly(request, calibrations);
   const std::vector<OdometryPlan> plans = plansOf(sequences, calibrations, runsOf(request));
   std::vector<TrajectoryRun> runs(plans.size());
-  std::mutex telling;
-  std::size_t done = 0;
-  parallelFor(plans.size(), request.threads, [&](int, std::size_t i) {
+  parallelFor(plans.size(), request.threads, "odometry", progress, [&](int, std::size_t i) {
     const OdometryOutcome outcome = request.runner ? runExternalPlan(plans[i], request, out)
                                                    : runBuiltinPlan(plans[i], request, out);
     runs[i] = judgedPlan(plans[i], outcome, request, truths.at(plans[i].sequence->name), out);
-    const std::lock_guard<std::mutex> lock(telling);
-    progress("odometry", static_cast<double>(++done) / static_cast<double>(plans.size()));
   });
   TrajectoryStudy study = studyOf(std::move(runs));
   if (request.sensitivity) {

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <random>
 #include <utility>
 
@@ -125,16 +124,10 @@ CalibrationSensitivity sensitivityOf(const Calibration& calibration, const Sensi
                                      const ProgressSink& progress) {
   const Moves moves(steps);
   Ates ates(moves.all.size());
-  std::mutex telling;
-  std::size_t done = 0;
-  parallelFor(ates.size(), threads, [&](int, std::size_t i) {
+  parallelFor(ates.size(), threads, "sensitivity", progress, [&](int, std::size_t i) {
     // The sum of all moves is no calibration that anyone has where they go both ways.
     const bool needed = i != Moves::kWhole || !steps.both_ways;
     if (needed) ates[i] = ate(changedBy(calibration, moves.all[i]));
-    const std::lock_guard<std::mutex> lock(telling);
-    if (progress) {
-      progress("sensitivity", static_cast<double>(++done) / static_cast<double>(ates.size()));
-    }
   });
   CalibrationSensitivity out;
   if (!ates[0]) return out;

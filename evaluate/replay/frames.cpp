@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
-#include <mutex>
 #include <numeric>
 #include <set>
 
@@ -183,9 +182,7 @@ void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
   const bool any = std::any_of(loaded.images.begin(), loaded.images.end(),
                                [](const auto& images) { return !images.empty(); });
   if (!any) return;
-  std::mutex telling;
-  std::size_t done = 0;
-  parallelFor(frames.size(), threads, [&](int, std::size_t i) {
+  parallelFor(frames.size(), threads, "copying images", progress, [&](int, std::size_t i) {
     ReplayFrame& frame = frames[i];
     frame.jpeg.resize(loaded.images.size());
     for (std::size_t c = 0; c < loaded.images.size(); ++c) {
@@ -193,9 +190,6 @@ void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
       if (view < 0 || loaded.images[c].empty()) continue;
       frame.jpeg[c] = smallCopy(loaded.images[c][view]);
     }
-    // Sinks are called from one thread at a time.
-    const std::lock_guard<std::mutex> lock(telling);
-    progress("copying images", static_cast<double>(++done) / static_cast<double>(frames.size()));
   });
 }
 

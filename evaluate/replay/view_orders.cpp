@@ -20,11 +20,11 @@ namespace {
 constexpr double kWeakPrior = 1000;  // standard deviations over those that all views leave
 
 /// Views by the largest gain that they can still have, the earlier one first in a tie.
-struct Bound {
+struct GainBound {
   double gain = 0;
   int view = 0;
   int computed_at = 0;  ///< views used when the gain was computed
-  bool operator<(const Bound& other) const {
+  bool operator<(const GainBound& other) const {
     return gain != other.gain ? gain < other.gain : view > other.view;
   }
 };
@@ -50,11 +50,11 @@ class GreedyOrder {
   // Minoux' accelerated greedy algorithm (1978): a view whose gain is of now and still leads is the
   // best, for the bounds of the others only fall.
   std::vector<int> run() {
-    std::priority_queue<Bound> queue;
+    std::priority_queue<GainBound> queue;
     for (int v = 0; v < static_cast<int>(scaled_.size()); ++v) queue.push({gain(v), v, 0});
     std::vector<int> order;
     while (!queue.empty()) {
-      Bound best = queue.top();
+      GainBound best = queue.top();
       queue.pop();
       const int used = static_cast<int>(order.size());
       if (best.computed_at < used) {

@@ -62,4 +62,17 @@ void parallelFor(std::size_t count, int threads,
   failure.rethrow();
 }
 
+void parallelFor(std::size_t count, int threads, const std::string& step,
+                 const ProgressSink& progress, const std::function<void(int, std::size_t)>& body) {
+  std::mutex telling;
+  std::size_t done = 0;
+  parallelFor(count, threads, [&](int worker, std::size_t i) {
+    body(worker, i);
+    // Counted under the lock as well: the shares told ascend.
+    const std::lock_guard lock(telling);
+    ++done;
+    if (progress) progress(step, static_cast<double>(done) / static_cast<double>(count));
+  });
+}
+
 }  // namespace plumbline

@@ -17,6 +17,11 @@ using ProgressSink = std::function<void(const std::string& step, double fraction
 void parallelFor(std::size_t count, int threads,
                  const std::function<void(int worker, std::size_t index)>& body);
 
+/// The same work, of which `progress`, if there is one, is told as `step` after each index.
+void parallelFor(std::size_t count, int threads, const std::string& step,
+                 const ProgressSink& progress,
+                 const std::function<void(int worker, std::size_t index)>& body);
+
 /// The number of threads that `threads` stands for.
 int threadCount(int threads);
 

@@ -2,16 +2,15 @@
 #include "evaluate/results/provenance.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "datasets/files/file_io.h"
+#include "datasets/files/numbers.h"
 #include "datasets/files/workplace.h"
 #include "generated/commit.h"
 #include "generated/version.h"
@@ -34,11 +33,6 @@ std::string nowUtc() {
 std::vector<std::string>& keptArguments() {
   static std::vector<std::string> arguments;
   return arguments;
-}
-
-bool isPlain(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-         std::string_view("_-./:=,+@%^").find(c) != std::string_view::npos;
 }
 
 bool isImage(const fs::path& file) {
@@ -89,10 +83,11 @@ void keepCommandLine(std::vector<std::string> arguments) {
 }
 
 std::string shellWords(const std::vector<std::string>& arguments) {
+  const auto plain = [](char c) { return isPlain(c, "_-./:=,+@%^"); };
   std::string line;
   for (const std::string& argument : arguments) {
     if (!line.empty()) line += ' ';
-    if (!argument.empty() && std::all_of(argument.begin(), argument.end(), isPlain)) {
+    if (!argument.empty() && std::all_of(argument.begin(), argument.end(), plain)) {
       line += argument;
       continue;
     }

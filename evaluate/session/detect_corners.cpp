@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -88,10 +87,8 @@ std::optional<double> detectCorners(Recording& recording, const LoadRequest& req
   std::optional<CornerCache> cache;
   if (cache_folder) cache.emplace(*cache_folder, recording.session.target, request.detector);
   std::vector<std::unique_ptr<Worker>> workers(threadCount(request.threads));
-  std::vector<double> spacings;  // as shown by the images, one each
-  std::mutex mutex;
-  std::size_t done = 0;
-  parallelFor(tasks.size(), request.threads, [&](int worker, std::size_t i) {
+  std::vector<std::optional<double>> shown(tasks.size());  // spacing, by the images
+  const auto detect = [&](int worker, std::size_t i) {
     // Made on the thread that uses it, and only there: a detector has memory of its own.
     auto& mine = workers[worker];
     if (!mine) {
@@ -102,10 +99,13 @@ std::optional<double> detectCorners(Recording& recording, const LoadRequest& req
     CameraStream& camera = recording.session.cameras[c];
     Detection found = mine->detect(recording.images[c][v].path, camera);
     camera.views[v].corners = std::move(found.corners);
-    const std::lock_guard lock(mutex);
-    if (found.spacing) spacings.push_back(*found.spacing);
-    progress("finding corners", static_cast<double>(++done) / static_cast<double>(tasks.size()));
-  });
+    shown[i] = found.spacing;
+  };
+  parallelFor(tasks.size(), request.threads, "finding corners", progress, detect);
+  std::vector<double> spacings;
+  for (const std::optional<double>& spacing : shown) {
+    if (spacing) spacings.push_back(*spacing);
+  }
   if (spacings.size() < kFewSpacings) return std::nullopt;
   return median(std::move(spacings));
 }

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <iterator>
-#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
@@ -277,11 +276,9 @@ StudySimulationSummary simulateStudy(const StudySimulationOptions& o, const fs::
   const auto sequences = static_cast<std::size_t>(o.sequences);
   std::vector<Json> captures(sequences);
   const std::size_t all = visits.size() + held_out + sequences;
-  std::mutex mutex;
-  std::size_t done = 0;
   // Every part has its seed and its place, so that the order in which threads take them leaves no
   // trace.
-  parallelFor(all, o.threads, [&](int /*worker*/, std::size_t i) {
+  parallelFor(all, o.threads, "simulating", progress, [&](int /*worker*/, std::size_t i) {
     const std::size_t k = i - std::min(i, visits.size());
     // Not of the participants' random numbers: the same recordings whoever takes part.
     const std::uint64_t seed = std::rotl(o.seed, 16) + 1 + k;
@@ -293,8 +290,6 @@ StudySimulationSummary simulateStudy(const StudySimulationOptions& o, const fs::
       captures[k - held_out] =
           makeSequence(rig, o, seed, fs::path("sequences") / numbered("seq", k - held_out), folder);
     }
-    const std::lock_guard lock(mutex);
-    if (progress) progress("simulating", static_cast<double>(++done) / static_cast<double>(all));
   });
   writeFileAtomically((folder / "STUDY.yaml").string(), studyYaml(o, visits));
   writeFileAtomically((folder / "truth.json").string(), truthOf(rig, o, visits, captures));

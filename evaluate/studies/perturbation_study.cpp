@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/studies/perturbation_study.h"
 
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
@@ -224,14 +222,10 @@ Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
   if (!base) return base.failure();
   PerturbationRecord record = startRecord(inputs, *base);
   record.cases.resize(perturbations.size());
-  std::atomic<std::size_t> done = 0;
-  std::mutex telling;
-  parallelFor(perturbations.size(), options.threads, [&](int, std::size_t i) {
-    record.cases[i] = runCase(inputs, perturbations[i], *base, record.base_std);
-    // Counted under the lock as well: the numbers told ascend.
-    const std::scoped_lock lock(telling);
-    if (options.progress) options.progress(++done, perturbations.size());
-  });
+  parallelFor(perturbations.size(), options.threads, "calibrating perturbed sessions",
+              options.progress, [&](int, std::size_t i) {
+                record.cases[i] = runCase(inputs, perturbations[i], *base, record.base_std);
+              });
   record.offset_bound_s = options.thresholds.offset_error_s.bad;
   record.verdict = makeVerdict(perturbationFindings(record, options.thresholds));
   record.verdict.headline =
@@ -256,10 +250,7 @@ Result<PerturbationRecord> perturbSession(const PerturbRequest& asked,
   PerturbationStudyOptions options;
   options.threads = threadCount(request.threads);
   options.thresholds = request.thresholds;
-  options.progress = [&](std::size_t done, std::size_t all) {
-    progress("calibrating perturbed sessions",
-             static_cast<double>(done) / static_cast<double>(all));
-  };
+  options.progress = progress;
   progress("calibrating the unperturbed session", -1);
   auto record = perturbationStudy(inputs, request.perturbations, options);
   if (!record) return record;

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -85,8 +84,7 @@ struct PerturbationThresholds {
 struct PerturbationStudyOptions {
   int threads = 1;  ///< cases that run at once; results do not depend on it
   PerturbationThresholds thresholds;
-  /// Told after each case how many are done.
-  std::function<void(std::size_t done, std::size_t all)> progress;
+  ProgressSink progress;  ///< told after each case
 
   void check() const;  ///< throws InputError naming the field that is out of its range
 };
