@@ -94,7 +94,7 @@ struct ViewGuideOptions : ViewErrorOptions, ReachRule {
   double stop_excess = 0.02;
   int stop_views = 8;
   /// Whatever the criterion: if positive, the stage is over when, and only when, the projections of
-  /// the worst camera are predicted to be off by no more than this (ViewJudge::projectionPx())
+  /// the worst camera are predicted to be off by no more than this (Decision::projection_px)
   /// [px].
   double stop_projection_px = 0;
   int patience = 3;   ///< frames without a new view until a next best view is looked for

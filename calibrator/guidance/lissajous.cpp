@@ -62,19 +62,15 @@ ScalarMotion progress(double t_s, double duration_s) {
 
 }  // namespace
 
-// Frequencies, phases and ratios are those of the paper's public code (yac), which has eight
-// shapes; the paper names six. The sine of y is the code's, too, where the paper prints a cosine.
-std::vector<LissajousShape> lissajousShapes(bool s_curves) {
-  std::vector<LissajousShape> shapes = {{"figure 8 horizontal", 1, 2, kPi, 0.3, 0.3},
-                                        {"figure 8 vertical", 2, 1, kPi, 0.3, 0.3},
-                                        {"pan horizontal", 1, 0, 0, 0.95, 0.95},
-                                        {"pan vertical", 0, 1, 0, 0.95, 0.95},
-                                        {"diagonal 0", 1, 1, 0, 0.6, 0.6},
-                                        {"diagonal 1", 1, 1, kPi, 0.6, 0.6}};
-  if (!s_curves) return shapes;
-  shapes.push_back({"s horizontal", 1, 3, kPi, 0.5, 0.5});
-  shapes.push_back({"s vertical", 3, 1, kPi, 0.55, 0.55});
-  return shapes;
+// Frequencies, phases and ratios are those of the paper's public code (yac), which has two more
+// shapes than the paper. The sine of y is the code's, too, where the paper prints a cosine.
+std::vector<LissajousShape> lissajousShapes() {
+  return {{"figure 8 horizontal", 1, 2, kPi, 0.3, 0.3},
+          {"figure 8 vertical", 2, 1, kPi, 0.3, 0.3},
+          {"pan horizontal", 1, 0, 0, 0.95, 0.95},
+          {"pan vertical", 0, 1, 0, 0.95, 0.95},
+          {"diagonal 0", 1, 1, 0, 0.6, 0.6},
+          {"diagonal 1", 1, 1, kPi, 0.6, 0.6}};
 }
 
 LissajousShape lissajousFirst() { return lissajousShapes()[4]; }

@@ -23,8 +23,8 @@ struct LissajousShape {
 };
 
 /// The six of the paper: "figure 8 horizontal", "figure 8 vertical", "pan horizontal", "pan
-/// vertical", "diagonal 0", "diagonal 1"; with `s_curves` also "s horizontal" and "s vertical".
-std::vector<LissajousShape> lissajousShapes(bool s_curves = false);
+/// vertical", "diagonal 0", "diagonal 1".
+std::vector<LissajousShape> lissajousShapes();
 
 /// Of the six the one to begin with, before any can be scored: "diagonal 0" turns the sensor about
 /// both axes of the image at once (measured: docs/counterfactuals.md).

@@ -14,7 +14,9 @@ namespace {
 
 constexpr int kWayPoints = 5;  // parts of a way, at whose ends the target must be seen
 
-/// Predicted over the grid of pixels of a projection difference; see ViewJudge::projectionPx().
+/// Predicted RMS over the image of the difference between projections by the estimate and by the
+/// truth, at infinity, a rotation taken out, of the worst camera [px]: by the noise of the window's
+/// corners (imageFitCovariance()). Empty before the views determine the cameras.
 std::optional<double> predictedProjectionPx(const CameraWindow& window,
                                             const Eigen::MatrixXd& information,
                                             double pixel_sigma) {

@@ -34,10 +34,6 @@ class ViewJudge {
   bool fits(const CameraEstimate& estimate, const FrameCorners& corners) const;
   /// The stopping rule in pixels: of predicted error, or `stop_projection_px`.
   bool isEnough() const;
-  /// Predicted RMS over the image of the difference between projections by the estimate and by the
-  /// truth, at infinity, a rotation taken out, of the worst camera [px]: by the noise of the
-  /// window's corners (imageFitCovariance()). Empty before the views determine the cameras.
-  std::optional<double> projectionPx() const { return projection_px_; }
 
   /// Scores candidates at the estimate of the last refresh().
   CandidateRound scored(const std::vector<CandidateView>& views) const;

@@ -3,6 +3,7 @@
 #include "calibrator/guidance/lissajous.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,8 +22,12 @@ const SimulatedRig& rig() {
 }
 const Transform& leverArm() { return rig().calibration.imu->T_SC0; }
 
+/// With the two that only the paper's public code (yac) has: their motion has one more turn.
 std::vector<LissajousTrajectory> all(const LissajousOptions& options = {}) {
-  return lissajousTrajectories(lissajousShapes(true), AprilGrid{}, leverArm(), options);
+  std::vector<LissajousShape> shapes = lissajousShapes();
+  shapes.push_back({"s horizontal", 1, 3, std::numbers::pi, 0.5, 0.5});
+  shapes.push_back({"s vertical", 3, 1, std::numbers::pi, 0.55, 0.55});
+  return lissajousTrajectories(shapes, AprilGrid{}, leverArm(), options);
 }
 
 /// Largest magnitudes of camera 0 and of S on a fine grid.
@@ -48,7 +53,6 @@ TEST(Lissajous, TheSixOfThePaperByName) {
   EXPECT_THAT(names,
               ::testing::ElementsAre("figure 8 horizontal", "figure 8 vertical", "pan horizontal",
                                      "pan vertical", "diagonal 0", "diagonal 1"));
-  EXPECT_EQ(lissajousShapes(true).size(), 8u);
 }
 
 // By hand: half way in time theta is 1/2; at theta = 1/4, pan horizontal stands at x = A.

@@ -20,7 +20,9 @@ std::optional<double> projectionPxOf(const test::StereoFrames& frames, double ti
   options.stop_projection_px = 0.1;
   ViewJudge judge(target, options, 1);
   judge.refresh(window, times * window.information());
-  return judge.projectionPx();
+  Decision d;
+  judge.tell(d);
+  return d.projection_px;
 }
 
 TEST(ViewJudge, AnErrorThatIsNoNumberIsNotPredictedAsNone) {
