@@ -21,6 +21,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/study/engine/engines.h"
 #include "evaluate/study/night.h"
+#include "evaluate/study/run_step.h"
 
 namespace plumbline {
 namespace {

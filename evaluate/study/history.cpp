@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/history.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +9,6 @@
 #include <utility>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "evaluate/study/night.h"
 
 namespace plumbline {
 namespace {

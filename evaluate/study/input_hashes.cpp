@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/input_hashes.h"
+
 #include <algorithm>
 #include <chrono>
 #include <fstream>
@@ -10,7 +12,6 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
-#include "evaluate/study/step.h"
 
 namespace plumbline {
 namespace {

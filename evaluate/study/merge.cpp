@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/merge.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "evaluate/statistics/study_statistics.h"
-#include "evaluate/study/night.h"
+#include "evaluate/study/run_step.h"
 
 namespace plumbline {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/night_folder.h"
+
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -18,7 +20,6 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/workplace.h"
 #include "evaluate/results/provenance.h"
-#include "evaluate/study/night.h"
 
 namespace plumbline {
 namespace {

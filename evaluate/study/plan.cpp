@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/plan.h"
+
 #include <algorithm>
 #include <initializer_list>
 #include <map>
@@ -10,8 +12,6 @@
 
 #include "datasets/files/file_io.h"
 #include "evaluate/results/text.h"
-#include "evaluate/study/definition.h"
-#include "evaluate/study/step.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 
 namespace plumbline {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/run_step.h"
+
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -15,7 +17,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/results/text.h"
-#include "evaluate/study/step.h"
+#include "evaluate/study/input_hashes.h"
 
 namespace plumbline {
 namespace {

@@ -9,6 +9,8 @@
 #include "calibrator/fields/json_fields.h"
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
+#include "evaluate/study/run_step.h"
+#include "evaluate/study/step_result.h"
 
 namespace plumbline {
 namespace {

@@ -10,7 +10,7 @@
 #include "evaluate/metrics/headline.h"
 #include "evaluate/replay/hindsight.h"
 #include "evaluate/results/result_folder.h"
-#include "evaluate/study/step.h"
+#include "evaluate/study/run_step.h"
 #include "report/store/store.h"
 
 namespace plumbline {

@@ -10,6 +10,7 @@
 
 #include "evaluate/study/night.h"
 #include "evaluate/study/step.h"
+#include "evaluate/study/step_result.h"
 
 namespace plumbline {
 

@@ -24,6 +24,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/text.h"
 #include "evaluate/study/engine/engines.h"
+#include "evaluate/study/run_step.h"
 
 namespace plumbline {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a night says of steps that failed, or have no result.
+#include "evaluate/study/merge.h"
+
 #include <cmath>
 #include <map>
 #include <string>
@@ -8,7 +10,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/fields/json_fields.h"
-#include "evaluate/study/night.h"
 #include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {

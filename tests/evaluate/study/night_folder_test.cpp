@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whose folder a night takes, and what it removes there of nights that were killed.
+#include "evaluate/study/night_folder.h"
+
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -16,7 +18,6 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/workplace.h"
-#include "evaluate/study/night.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"
 

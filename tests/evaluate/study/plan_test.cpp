@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/study/plan.h"
+
 #include <chrono>
 #include <map>
 #include <thread>
