@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluate/study/definition.h"
+#include "evaluate/study/definition/definition.h"
 #include "report/records/study_record.h"
 #include "report/store/study_store.h"
 

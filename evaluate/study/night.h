@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluate/study/definition.h"
+#include "evaluate/study/definition/definition.h"
 #include "evaluate/study/night_folder.h"
 #include "evaluate/study/step_result.h"
 #include "report/records/study_record.h"

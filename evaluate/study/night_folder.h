@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "evaluate/study/definition.h"
+#include "evaluate/study/definition/definition.h"
 
 namespace plumbline {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluate/study/definition.h"
+#include "evaluate/study/definition/definition.h"
 #include "evaluate/study/input_hashes.h"
 #include "evaluate/study/step.h"
 

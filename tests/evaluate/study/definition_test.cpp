@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/study/definition.h"
+#include "evaluate/study/definition/definition.h"
 
 #include <algorithm>
 #include <utility>

@@ -12,7 +12,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/yaml_map.h"
-#include "evaluate/study/definition.h"
+#include "evaluate/study/definition/definition.h"
 
 namespace plumbline::study_internal {
 
@@ -87,6 +87,11 @@ class Names {
 StudyCommandOptions optionsOf(const YamlMap& map, const std::string& options_key,
                               const std::string& of_what, const StudyOptionCheck& check,
                               std::initializer_list<const char*> file_options = {});
+
+/// The key `sessions` of a study whose methods and limit were read.
+void readSessions(const YamlMap& map, StudyDefinition& study);
+/// Every participant used every method: what is compared is compared within participants.
+void refuseWithoutPair(const YamlMap& map, const StudyDefinition& study);
 
 /// The key `trajectories` of a study whose sequences were read.
 void readTrajectories(const YamlMap& map, const StudyOptionCheck& check, StudyDefinition& study);
