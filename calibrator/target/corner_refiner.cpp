@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/target/corner_refiner.h"
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>

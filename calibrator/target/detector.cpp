@@ -8,6 +8,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/option_check.h"
 #include "calibrator/target/grid_search.h"
+#include "calibrator/target/quad_finder.h"
 
 namespace plumbline {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/target/local_map.h"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-
-#include "calibrator/target/grid_search.h"
 
 namespace plumbline {
 namespace {

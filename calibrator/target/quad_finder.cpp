@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/target/quad_finder.h"
+
 #include <algorithm>
 #include <cassert>
 
 #include <apriltag/apriltag.h>
 #include <apriltag/tag36h11.h>
-
-#include "calibrator/target/tag_image.h"
 
 namespace plumbline {
 

@@ -4,9 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <optional>
-#include <vector>
 
 #include "calibrator/base/image.h"
 #include "calibrator/target/detector.h"
@@ -72,71 +70,5 @@ double sampleBilinear(const GrayImageView& image, const Eigen::Vector2d& at);
 /// `min_contrast` grey levels, or where a payload cell lies outside the image.
 std::optional<int> payloadDistance(const GrayImageView& image, const TagImage& tag, int border_bits,
                                    double min_contrast);
-
-/// The AprilTag library, set up for a grid's tags of tag36h11, whose small squares touch the tags.
-/// Not for two threads at once: it keeps the library's state and a buffer.
-class QuadFinder {
- public:
-  QuadFinder(const AprilGrid& grid, const DetectorOptions& options);
-  ~QuadFinder();
-  QuadFinder(const QuadFinder&) = delete;
-  QuadFinder& operator=(const QuadFinder&) = delete;
-
-  /// Decoded squares, corners to about a pixel; an id may occur more than once. `dilation` is 2, or
-  /// 3 for images whose blur bridges the gap that 2 opens (but it costs small tags).
-  std::vector<TagImage> find(const GrayImageView& image, int dilation);
-
- private:
-  struct Library;
-  std::unique_ptr<Library> library_;
-  GrayImage dilated_;
-};
-
-/// Each pixel becomes the brightest of the size x size pixels (2 or 3) around it, those to the
-/// right and below if size is 2: dark shapes lose size - 1 pixels of width and height, so that
-/// touching corners come apart. `out` is resized as needed.
-void dilate(const GrayImageView& image, int size, GrayImage& out);
-
-/// The surroundings of a corner, as far as they belong to it: an ellipse, image of a disc of the
-/// target's plane.
-struct CornerWindow {
-  Eigen::Vector2d start = Eigen::Vector2d::Zero();  ///< guess [px]
-  /// Columns: from the corner along the two edges of the tag, away from the tag's inside, to where
-  /// the corner's surroundings end (the smaller of border width and small square) [px].
-  Eigen::Matrix2d axes = Eigen::Matrix2d::Identity();
-  double max_shift_px = 2;  ///< the corner must lie this close to the guess
-};
-
-/// Finds the point p that the gradients g around it point across best,
-///   min_p sum_x w(x - p) (g(x) . (x - p))^2,
-/// iterated with the weights moving along (W. Foerstner and E. Guelch, 1987), w falling smoothly to
-/// zero at the edge of the window. It is unbiased for blur and noise that are alike on all sides.
-/// Keeps a buffer: not for two threads at once.
-class CornerRefiner {
- public:
-  /// The corner [px], or nothing if the gradients do not single out a point, the point leaves
-  /// max_shift_px, still moves after 15 steps (3 of 6674 in EuRoC's photographs, none of 16030 in
-  /// rendered images), or the four sectors around it are not dark, light, dark, light.
-  std::optional<Eigen::Vector2d> refine(const GrayImageView& image, const CornerWindow& window);
-
- private:
-  struct Patch {
-    int x0 = 0, y0 = 0, width = 0, height = 0;
-    bool empty() const { return width < 3 || height < 3; }
-  };
-  /// Ellipse of the weights: they are zero where x' inverse_shape x >= 1.
-  struct Window {
-    Eigen::Matrix2d inverse_shape;
-    Eigen::Vector2d reach;  ///< half of its extent in x and y [px]
-  };
-  /// The pixels of the patch that lie within reach of a point; may be empty.
-  static Patch within(const Patch& patch, const Eigen::Vector2d& centre,
-                      const Eigen::Vector2d& reach);
-  void fillGradients(const GrayImageView& image, const Patch& patch);
-  std::optional<Eigen::Vector2d> step(const Patch& patch, const Window& window,
-                                      const Eigen::Vector2d& p) const;
-
-  std::vector<float> gx_, gy_, smooth_, slope_;
-};
 
 }  // namespace plumbline

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/target/tag_image.h"
+#include "calibrator/target/corner_refiner.h"
 
 namespace plumbline {
 namespace {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/target/grid_search.h"
+#include "calibrator/target/quad_finder.h"
 #include "tests/calibrator/target/rendered_grid.h"
 
 namespace plumbline {
