@@ -6,6 +6,7 @@
 
 #include "report/html/page.h"
 #include "report/html/section.h"
+#include "report/html/text.h"
 
 namespace plumbline::html_internal {
 namespace {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "report/html/figure.h"
 #include "report/html/section.h"
 #include "report/plots/svg.h"
 

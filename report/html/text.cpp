@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "report/html/text.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>

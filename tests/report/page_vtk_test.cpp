@@ -16,6 +16,7 @@
 #include "report/html/pages.h"
 #include "report/html/scene.h"
 #include "report/html/section.h"
+#include "report/html/text.h"
 #include "report/plots/svg.h"
 #include "report/store/store.h"
 #include "tests/report/markup.h"

@@ -13,7 +13,7 @@
 
 #include "report/html/pages.h"
 #include "report/html/replay/sections.h"
-#include "report/html/section.h"
+#include "report/html/text.h"
 #include "tests/report/markup.h"
 #include "tests/report/synthetic_replay.h"
 

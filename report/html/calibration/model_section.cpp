@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "report/html/calibration/sections.h"
+#include "report/html/figure.h"
 
 namespace plumbline::html_internal {
 namespace {

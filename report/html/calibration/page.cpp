@@ -5,6 +5,7 @@
 
 #include "generated/report/embedded.h"
 #include "report/html/calibration/sections.h"
+#include "report/html/figure.h"
 #include "report/html/pages.h"
 
 namespace plumbline {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "report/html/calibration/sections.h"
+#include "report/html/figure.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

@@ -7,6 +7,7 @@
 #include "calibrator/base/time.h"
 #include "report/html/scene.h"
 #include "report/html/section.h"
+#include "report/html/text.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline::html_internal {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "report/html/comparison/sections.h"
+#include "report/html/figure.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {

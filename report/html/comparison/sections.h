@@ -2,6 +2,7 @@
 #pragma once
 
 #include "report/html/section.h"
+#include "report/html/text.h"
 #include "report/records/comparison_record.h"
 
 namespace plumbline::html_internal {

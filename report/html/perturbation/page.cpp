@@ -9,6 +9,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "report/html/pages.h"
+#include "report/html/text.h"
 #include "report/plots/svg.h"
 #include "report/records/perturbation_record.h"
 

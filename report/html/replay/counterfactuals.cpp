@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "report/html/figure.h"
 #include "report/html/replay/sections.h"
 #include "report/plots/svg.h"
 

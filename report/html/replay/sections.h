@@ -10,6 +10,7 @@
 
 #include "calibrator/base/session.h"
 #include "report/html/section.h"
+#include "report/html/text.h"
 #include "report/records/replay_record.h"
 
 namespace plumbline::html_internal {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "report/html/section.h"
+#include "report/html/text.h"
 #include "report/records/study_record.h"
 
 namespace plumbline::html_internal {

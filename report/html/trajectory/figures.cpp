@@ -9,6 +9,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/time.h"
+#include "report/html/figure.h"
 #include "report/html/trajectory/sections.h"
 #include "report/plots/characters.h"
 #include "report/plots/svg.h"

@@ -6,6 +6,7 @@
 
 #include "report/html/page.h"
 #include "report/html/section.h"
+#include "report/html/text.h"
 #include "report/plots/plot_data.h"
 #include "report/records/trajectory_record.h"
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "report/html/figure.h"
 #include "report/html/scene.h"
 #include "report/html/section.h"
 

@@ -10,6 +10,7 @@
 
 #include "report/html/replay/sections.h"
 #include "report/html/section.h"
+#include "report/html/text.h"
 #include "report/html/study/sections.h"
 #include "report/html/trajectory/sections.h"
 
