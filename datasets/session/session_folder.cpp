@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/session_folder.h"
+
 #include <algorithm>
 #include <charconv>
 #include <filesystem>

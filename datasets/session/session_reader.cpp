@@ -11,7 +11,9 @@
 
 #include "calibrator/base/frames.h"
 #include "datasets/files/bad_input.h"
+#include "datasets/session/session_folder.h"
 #include "datasets/session/streams.h"
+#include "datasets/session/target.h"
 
 namespace plumbline {
 namespace {

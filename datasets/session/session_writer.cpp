@@ -19,7 +19,7 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/numbers.h"
 #include "datasets/images/image_io.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/target.h"
 
 namespace plumbline {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/study_reader.h"
+
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "datasets/files/yaml_map.h"
-#include "datasets/session/session_reader.h"
 
 namespace plumbline {
 namespace {

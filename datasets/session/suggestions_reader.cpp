@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/suggestions_reader.h"
+
 #include <cmath>
 #include <set>
 
@@ -6,7 +8,7 @@
 
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/session_folder.h"
 #include "datasets/session/streams.h"
 
 namespace plumbline {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/target.h"
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -9,7 +11,6 @@
 #include "calibrator/target/tag_family.h"
 #include "datasets/files/numbers.h"
 #include "datasets/files/yaml_map.h"
-#include "datasets/session/session_reader.h"
 
 namespace plumbline {
 namespace {

@@ -13,7 +13,7 @@
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/images/image_io.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/target.h"
 #include "evaluate/calibration/calibrate_session.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/lists.h"

@@ -9,7 +9,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/session_folder.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/options/trajectory_metric_options.h"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/study_reader.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/shared_options.h"

@@ -9,7 +9,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/target.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/shared_options.h"

@@ -11,7 +11,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/target.h"
 #include "datasets/sheet/target_sheet.h"
 #include "evaluate/calibration/fit_target.h"
 #include "evaluate/cli/commands.h"

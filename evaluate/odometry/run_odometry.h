@@ -10,7 +10,6 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/odometry/feature_tracker.h"
 #include "calibrator/odometry/odometry.h"
-#include "datasets/session/session_reader.h"
 #include "datasets/session/streams.h"
 #include "evaluate/odometry/calibration_hint.h"
 #include "evaluate/odometry/runner.h"

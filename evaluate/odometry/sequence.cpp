@@ -5,8 +5,9 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/session_folder.h"
 #include "datasets/session/streams.h"
+#include "datasets/session/target.h"
 #include "evaluate/odometry/run_odometry.h"
 
 namespace plumbline {

@@ -11,7 +11,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/guidance/guide.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/suggestions_reader.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"

@@ -19,6 +19,7 @@
 #include "datasets/images/image_io.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/streams.h"
+#include "datasets/session/target.h"
 
 namespace plumbline {
 namespace {

@@ -12,8 +12,8 @@
 #include "calibrator/simulate/rig.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/files/file_io.h"
-#include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
+#include "datasets/session/target.h"
 #include "evaluate/simulation/operated_session.h"
 
 namespace plumbline {

@@ -12,7 +12,7 @@
 #include "datasets/files/manifest.h"
 #include "datasets/files/numbers.h"
 #include "datasets/files/workplace.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/target.h"
 #include "evaluate/process/process.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"

@@ -7,6 +7,7 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
 #include "datasets/session/session_reader.h"
+#include "datasets/session/suggestions_reader.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/replay/hindsight.h"
 #include "evaluate/results/result_folder.h"

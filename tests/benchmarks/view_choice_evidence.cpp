@@ -24,6 +24,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/information/view_selection.h"
 #include "datasets/session/session_reader.h"
+#include "datasets/session/target.h"
 #include "evaluate/replay/counterfactuals.h"
 #include "evaluate/replay/frames.h"
 #include "evaluate/replay/view_pool.h"

@@ -8,9 +8,11 @@
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/files/file_io.h"
 #include "datasets/files/yaml_map.h"
-#include "datasets/session/session_reader.h"
 #include "datasets/session/session_writer.h"
 #include "datasets/session/streams.h"
+#include "datasets/session/study_reader.h"
+#include "datasets/session/suggestions_reader.h"
+#include "datasets/session/target.h"
 #include "tests/fuzz/parser.h"
 
 namespace plumbline::fuzz {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "datasets/session/session_reader.h"
+#include "datasets/session/session_folder.h"
 
 namespace plumbline::study_internal {
 

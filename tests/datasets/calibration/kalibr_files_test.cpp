@@ -9,8 +9,8 @@
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr_writer.h"
-#include "datasets/session/session_reader.h"
 #include "datasets/session/streams.h"
+#include "datasets/session/target.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"
 

@@ -8,6 +8,7 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/session/session_reader.h"
+#include "datasets/session/target.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/session/session_files.h"
 

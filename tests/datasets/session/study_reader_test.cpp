@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A study's definition as a file.
+#include "datasets/session/study_reader.h"
+
 #include <filesystem>
 #include <fstream>
 
@@ -7,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/session_reader.h"
 #include "tests/datasets/refusal.h"
 
 namespace plumbline {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the operator of a guided recording was asked for.
+#include "datasets/session/suggestions_reader.h"
+
 #include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "datasets/session/session_reader.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/session/session_files.h"
 #include "tests/datasets/temporary_folder.h"

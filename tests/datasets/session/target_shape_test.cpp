@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/session/session_reader.h"
+#include "datasets/session/target.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"
 

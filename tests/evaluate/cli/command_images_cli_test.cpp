@@ -9,7 +9,7 @@
 #include <png.h>
 
 #include "datasets/images/image_io.h"
-#include "datasets/session/session_reader.h"
+#include "datasets/session/target.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
