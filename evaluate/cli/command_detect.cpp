@@ -7,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/options/shared_options.h"
+#include "evaluate/cli/options/result_options.h"
+#include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/session/load_session.h"
 #include "generated/version.h"

@@ -13,6 +13,7 @@
 #include "evaluate/calibration/export_calibration.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/metrics/lists.h"

@@ -11,6 +11,7 @@
 #include "calibrator/base/error.h"
 #include "datasets/session/session_folder.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"

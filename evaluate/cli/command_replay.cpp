@@ -15,6 +15,8 @@
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/result_options.h"
+#include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/options/simulation_options.h"
 #include "evaluate/cli/terminal.h"

@@ -8,7 +8,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/options/shared_options.h"
+#include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/result_folder.h"
 #include "report/html/pages.h"

@@ -15,6 +15,7 @@
 #include "datasets/session/session_writer.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/options/simulation_options.h"
 #include "evaluate/cli/terminal.h"

@@ -12,6 +12,7 @@
 #include "datasets/session/target.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/options/simulation_options.h"
 #include "evaluate/cli/terminal.h"

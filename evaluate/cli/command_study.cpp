@@ -15,6 +15,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/time.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/options/trajectory_metric_options.h"
 #include "evaluate/cli/terminal.h"

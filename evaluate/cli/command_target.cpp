@@ -16,6 +16,8 @@
 #include "evaluate/calibration/fit_target.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/result_options.h"
+#include "evaluate/cli/options/session_options.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/progress.h"
