@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/target/corner_refiner.h"
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
-
-#include "calibrator/target/corner_refiner.h"
 
 namespace plumbline {
 namespace {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How pages write numbers and words: digits, units, separators, and what must not end a script.
+#include "report/html/text.h"
+
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,7 +12,6 @@
 
 #include "report/html/replay/sections.h"
 #include "report/html/section.h"
-#include "report/html/text.h"
 #include "report/html/study/sections.h"
 #include "report/html/trajectory/sections.h"
 
