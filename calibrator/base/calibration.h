@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -104,6 +106,14 @@ struct Calibration {
   std::vector<CameraCalibration> cameras;
   std::optional<ImuCalibration> imu;
 };
+
+/// A standard deviation that a file states.
+struct StatedDeviation {
+  double std = 0;  ///< [unit of the parameter]
+  /// Of its square; infinite: a formal one, or a robust one without them.
+  double dof = std::numeric_limits<double>::infinity();
+};
+using StatedDeviations = std::map<std::string, StatedDeviation>;  ///< by name of the parameter
 
 /// A covariance with the list of parameters that its rows stand for.
 struct ParameterCovariance {

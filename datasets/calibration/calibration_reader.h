@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -72,14 +71,6 @@ struct CalibrationExtras {
 /// Reads them from a file that readCalibration() reads. Throws InputError, with file and line, for
 /// a covariance that is not square or does not fit its list of parameters.
 CalibrationExtras readCalibrationExtras(const std::string& path);
-
-/// A standard deviation that a file states.
-struct StatedDeviation {
-  double std = 0;  ///< [unit of the parameter]
-  /// Of its square; infinite: a formal one, or a robust one without them.
-  double dof = std::numeric_limits<double>::infinity();
-};
-using StatedDeviations = std::map<std::string, StatedDeviation>;  ///< by name of the parameter
 
 /// What a calibration's file states of its parameters ("cam0.fu", "T_SC0.tx", "time_offset"): ours,
 /// robust where the stage has them (`robust_std`, `robust_dof`), else formal.

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
-#include "datasets/calibration/calibration_reader.h"
 #include "evaluate/odometry/run_odometry.h"
 #include "report/records/trajectory_record.h"
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "calibrator/base/calibration.h"
-#include "datasets/calibration/calibration_reader.h"
 
 namespace plumbline {
 
