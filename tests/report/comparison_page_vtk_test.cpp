@@ -33,6 +33,13 @@ TEST(ComparisonPage, SaysWhyAValueIsMissing) {
   EXPECT_THAT(page, HasSubstr("its camera 1 is not in the session"));
 }
 
+TEST(ComparisonPage, NamesWhoseDeviationsAreRobustAndWhoseFormal) {
+  EXPECT_THAT(
+      comparisonPage(),
+      HasSubstr("Cluster-robust, from blocks of the recording: plumbline. Formal, valid only "
+                "if model and assumed noise are right: kalibr."));
+}
+
 TEST(ComparisonPage, NamesCalibrationsThatTheBarsLeaveOut) {
   EXPECT_THAT(comparisonPage(), Not(HasSubstr("Without a held-out score")));
   ComparisonRecord record = test::syntheticComparison();

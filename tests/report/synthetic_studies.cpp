@@ -125,6 +125,7 @@ ComparedParameter parameter(const std::string& name, const std::string& unit, do
   p.values = {value, value + sigmas * both, value + 0.5 * std};
   p.std = {std, std, std::nullopt};
   p.difference = {std::nullopt, sigmas * both, 0.5 * std};
+  p.dof = {4.5, std::nullopt, std::nullopt};
   p.significance = {std::nullopt, std::abs(sigmas), std::nullopt};
   p.levels.assign(3, VerdictLevel::kGood);
   if (std::abs(sigmas) >= 2) p.levels[1] = VerdictLevel::kCaution;

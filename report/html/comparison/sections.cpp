@@ -128,7 +128,7 @@ std::string deviationWords(const std::vector<ComparedParameter>& parameters,
   std::string text;
   if (!robust.empty()) text += " Cluster-robust, from blocks of the recording: " + robust + ".";
   if (!formal.empty()) {
-    text += " Formal, from assumed noise, hence often too small: " + formal + ".";
+    text += " Formal, valid only if model and assumed noise are right: " + formal + ".";
   }
   return text;
 }
