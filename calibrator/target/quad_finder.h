@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "calibrator/base/april_grid.h"
-#include "calibrator/base/image.h"
 #include "calibrator/target/detector.h"
 #include "calibrator/target/tag_image.h"
 

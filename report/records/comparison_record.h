@@ -2,9 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <tuple>

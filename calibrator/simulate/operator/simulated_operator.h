@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
-#include <vector>
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
