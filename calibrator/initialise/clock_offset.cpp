@@ -171,6 +171,7 @@ double noiseOfSlopes(const std::vector<RateTriple>& rates, const Model& model) {
 // By how much more a score moves the offset than the noisy slopes say. At most a hundredfold: that
 // is no result any more.
 double inflationOf(const Matrix7d& A, const Matrix7d& inverse, double noise) {
+  if (!(inverse(6, 6) > 0)) return 1;  // no score moves the offset
   const double schur = 1 / inverse(6, 6);
   return schur / std::max(schur - noise * A(6, 6), 0.01 * schur);
 }

@@ -3,6 +3,8 @@
 #include "datasets/calibration/calibration_reader.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -216,9 +218,14 @@ std::optional<ParameterCovariance> camerasCovariance(const YamlMap& file) {
   return std::nullopt;
 }
 
-/// Of a stage's record, one a parameter; `key` is absent in stages without robust deviations.
+constexpr std::size_t kImuParameters = 7;  // T_SC0 and the time offset, in front
+
+/// Of the first parameters of a stage; null (not finite) is infinite.
 std::vector<double> robustNumbers(const YamlMap& record, const char* key, std::size_t parameters) {
-  std::vector<double> values = record.numbers(key, "deviations");
+  std::vector<double> values;
+  for (const auto& value : record.numbersOrNull(key, "deviations")) {
+    values.push_back(value.value_or(std::numeric_limits<double>::infinity()));
+  }
   if (values.size() != parameters) {
     throw record.fault(key, {InputFault::kContradiction, "does not fit the stage's parameters",
                              fmt::format("{} numbers", parameters), "copy the file again"});
@@ -230,24 +237,34 @@ std::vector<double> robustNumbers(const YamlMap& record, const char* key, std::s
   return values;
 }
 
+/// Over the formal ones of the first `count` parameters. Those of no degree of freedom say nothing.
+void addRobust(const YamlMap& record, std::size_t count, std::vector<StatedDeviation>& stated) {
+  const std::vector<double> std = robustNumbers(record, "robust_std", count);
+  std::vector<double> dof(count, std::numeric_limits<double>::infinity());
+  if (record.has("robust_dof")) dof = robustNumbers(record, "robust_dof", count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (std::isfinite(std[i]) && std[i] > 0 && dof[i] > 0) stated[i] = {std[i], dof[i]};
+  }
+}
+
 /// Of one stage: formal ones from its covariance, and robust ones over them.
 void addDeviations(const YamlMap& file, const char* stage, StatedDeviations& out) {
   const YamlMap covariances = file.map("covariance", "the stages' covariances");
   if (!covariances.has(stage)) return;
   const ParameterCovariance covariance = covarianceOf(covariances.map(stage, "a covariance"));
-  const Eigen::VectorXd formal = covariance.standardDeviations();
   const std::size_t count = covariance.names.size();
   std::vector<StatedDeviation> stated;
-  for (const double std : formal) stated.push_back({std});
+  for (const double std : covariance.standardDeviations()) stated.push_back({std});
   const YamlMap stages = file.map("stages", "the calibration's stages");
   if (stages.has(stage)) {
     const YamlMap record = stages.map(stage, "a stage");
-    const bool robust = record.has("robust_std"), with_dof = robust && record.has("robust_dof");
-    std::vector<double> std, dof;
-    if (robust) std = robustNumbers(record, "robust_std", count);
-    if (with_dof) dof = robustNumbers(record, "robust_dof", count);
-    for (std::size_t i = 0; i < std.size(); ++i) stated[i] = {std[i]};
-    for (std::size_t i = 0; i < dof.size(); ++i) stated[i].dof = dof[i];
+    if (record.has("robust_std")) {
+      addRobust(record, count, stated);
+    } else if (record.has("faults") && count >= kImuParameters) {
+      // Given cameras: no deviations through both stages, but those of the tests for faults.
+      const YamlMap faults = record.map("faults", "tests for faults");
+      if (faults.has("robust_std")) addRobust(faults, kImuParameters, stated);
+    }
   }
   for (std::size_t i = 0; i < count; ++i) out[covariance.names[i]] = stated[i];
 }

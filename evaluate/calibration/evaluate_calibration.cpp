@@ -108,8 +108,10 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
                                               const ProgressSink& progress) {
   asked.check();
   const std::string label = std::filesystem::path(asked.calibration).filename().string();
+  // First what explains files that are no calibrations.
+  Calibration read = readCalibration(asked.calibration);
   const Calibration calibration =
-      withDeviations(readCalibration(asked.calibration), readDeviations(asked.calibration));
+      withDeviations(std::move(read), readDeviations(asked.calibration));
   const CalibrationExtras from = readCalibrationExtras(asked.calibration);
   const auto scoredOn = [&](const Session& session) {
     return ScoredCalibration{label, matchCalibration(calibration, asked.calibration, session)};

@@ -277,7 +277,9 @@ std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
   for (std::size_t i = 0; i < paths.size(); ++i) {
     ComparedFile file;
     file.path = paths[i];
-    file.compared.calibration = withDeviations(readCalibration(paths[i]), readDeviations(paths[i]));
+    // First what explains files that are no calibrations.
+    Calibration read = readCalibration(paths[i]);
+    file.compared.calibration = withDeviations(std::move(read), readDeviations(paths[i]));
     file.extras = readCalibrationExtras(paths[i]);
     file.states_noise = statesImuNoise(paths[i]);
     file.states_offset = statesTimeOffset(paths[i]);

@@ -28,6 +28,10 @@ std::vector<const PerturbationCase*> solvedCases(const PerturbationRecord& recor
 /// "within 1 ms: 3 of 6 tested between -300 and +300 ms; nearest to zero of the others: -200 and
 /// +300 ms".
 std::string recoveredText(const TestedOffsets& tested, double bound_s) {
+  if (tested.count == 1) {
+    return fmt::format("the one tested, {:+g} ms, is {}within {:g} ms", tested.from_ms,
+                       tested.recovered == 1 ? "" : "not ", 1e3 * bound_s);
+  }
   std::string text = fmt::format("within {:g} ms: ", 1e3 * bound_s);
   text += tested.recovered == tested.count
               ? fmt::format("all {} tested", tested.count)

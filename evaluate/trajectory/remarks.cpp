@@ -84,7 +84,7 @@ struct WorldRotation {
   double turned_m = 0;    ///< and turned by it about their mean
 };
 
-WorldRotation worldRotation(const AlignedPoses& poses) {
+WorldRotation worldRotation(const AlignedPoses& poses, const AlignmentRecord& alignment) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   Eigen::Vector3d mean_truth = Eigen::Vector3d::Zero(), mean_estimate = Eigen::Vector3d::Zero();
   const auto n = static_cast<double>(poses.truth.size());
@@ -93,7 +93,12 @@ WorldRotation worldRotation(const AlignedPoses& poses) {
     mean_truth += poses.truth[i].t / n;
     mean_estimate += poses.estimate[i].t / n;
   }
-  const Eigen::Matrix3d R = nearestRotation(sum);
+  Eigen::Matrix3d R = nearestRotation(sum);
+  if (alignment.kind == toString(AlignmentKind::kYaw)) {
+    // That fit leaves no tilt free: a tilt is the estimate's own error.
+    const double yaw = std::atan2(sum(1, 0) - sum(0, 1), sum(0, 0) + sum(1, 1));
+    R = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  }
   WorldRotation world;
   std::vector<double> angles;
   for (std::size_t i = 0; i < poses.truth.size(); ++i) {
@@ -312,7 +317,7 @@ RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
   const Eigen::Matrix3d& R = alignment.T_truth_estimate.R;
   const std::string start =
       fmt::format("the rotations differ by {:.1f} deg in the median, ", median);
-  const WorldRotation world = worldRotation(poses);
+  const WorldRotation world = worldRotation(poses, alignment);
   if (isFit(alignment) && world.spread_deg < kRigidDeg &&
       world.turned_m < kHardlyWorse * world.fitted_m) {
     return {start + fmt::format("as one constant rotation of the world would explain, which the "

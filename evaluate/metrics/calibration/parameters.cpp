@@ -93,8 +93,10 @@ std::vector<CalibrationParameter> calibrationParameters(const Calibration& calib
   }
   if (const auto& imu = calibration.imu) {
     addTransform("T_SC0", imu->T_SC0, imu->T_SC0_std, imu->T_SC0_dof, list);
-    list.push_back({"time_offset", "s", imu->timeOffset(), imu->time_offset_std_s,
-                    finite(imu->time_offset_dof.value_or(kNone))});
+    CalibrationParameter p{"time_offset", "s", imu->timeOffset(), imu->time_offset_std_s,
+                           std::nullopt};
+    if (p.std && imu->time_offset_dof) p.dof = finite(*imu->time_offset_dof);
+    list.push_back(std::move(p));
   }
   return list;
 }

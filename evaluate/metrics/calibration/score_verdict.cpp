@@ -182,6 +182,58 @@ std::string scoreWords(const std::vector<CalibrationScore>& scores) {
   return text;
 }
 
+using Deviations7 = Eigen::Matrix<double, 7, 1>;  // T_SC0 (3 m, 3 rad), time offset [s]
+
+/// By formal deviations alone, what the recording's own unmodelled errors do to T_SC0 would be
+/// called a contradiction.
+Deviations7 deviationsOf(const CameraImuStageResult& estimated) {
+  Deviations7 std;
+  std << *estimated.imu.T_SC0_std, *estimated.imu.time_offset_std_s;
+  return estimated.faults ? Deviations7(std.cwiseMax(estimated.faults->robust_std)) : std;
+}
+
+/// Beyond what chance explains nothing is good; how bad it is goes by its size.
+struct JudgedDifference {
+  VerdictLevel level = VerdictLevel::kGood;
+  VerdictLevel by_size = VerdictLevel::kGood;  ///< good: certain, but below the usual bounds
+
+  void add(double off, double deviation, const Bound& bound) {
+    if (off <= 3 * deviation) return;
+    by_size = std::max(by_size, levelAbove(off, bound));
+    level = std::max({level, VerdictLevel::kCaution, by_size});
+  }
+};
+
+struct HeldDifference {
+  JudgedDifference transform, offset;
+  std::string evidence;
+};
+
+/// `own` are the deviations of `seen`. Both sides are estimates: a file that states none is taken
+/// to be as uncertain as the recording's. A vector's deviation is the root of its components'
+/// summed variances, the RMS of its length.
+HeldDifference heldDifference(const ImuCalibration& held, const ImuCalibration& seen,
+                              const Deviations7& own) {
+  Deviations7 stated;
+  stated << held.T_SC0_std.value_or(Vector6d(own.head<6>())),
+      held.time_offset_std_s.value_or(own(6));
+  const Deviations7 std = (own.cwiseAbs2() + stated.cwiseAbs2()).cwiseSqrt();
+  const double lever_m = (held.T_SC0.t - seen.T_SC0.t).norm();
+  const double angle_deg = rotationAngle(held.T_SC0.R.transpose() * seen.T_SC0.R) / kDegree;
+  const double offset_ms = 1e3 * std::abs(held.timeOffset() - seen.timeOffset());
+  const double lever_std_m = std.head<3>().norm();
+  const double angle_std_deg = std.segment<3>(3).norm() / kDegree;
+  HeldDifference d;
+  d.transform.add(lever_m, lever_std_m, kUsual.lever_arm_std_m);
+  d.transform.add(angle_deg, angle_std_deg, kUsual.rotation_std_deg);
+  d.offset.add(offset_ms, 1e3 * std(6), kUsual.offset_std_ms);
+  d.evidence = fmt::format(
+      "estimated on this recording with the same cameras they differ by {:.1f} mm, {:.2f} deg and "
+      "{:.2f} ms (+- {:.1g}, {:.1g}, {:.1g})",
+      1e3 * lever_m, angle_deg, offset_ms, 1e3 * lever_std_m, angle_std_deg, 1e3 * std(6));
+  return d;
+}
+
 }  // namespace
 
 Finding unusedShape(const std::string& file) {
@@ -211,61 +263,32 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
                  ")";
     return {f};
   }
-  const ImuCalibration& seen = estimated->imu;
-  Eigen::Matrix<double, 7, 1> std;
-  std << *seen.T_SC0_std, *seen.time_offset_std_s;
-  // By formal deviations alone, what the recording's own unmodelled errors do to T_SC0 would be
-  // called a contradiction.
-  if (estimated->faults) std = std.cwiseMax(estimated->faults->robust_std);
-  // Both are estimates; a file without deviations is taken as exact.
-  Eigen::Matrix<double, 7, 1> stated = Eigen::Matrix<double, 7, 1>::Zero();
-  stated.head<6>() = held.T_SC0_std.value_or(Vector6d(Vector6d::Zero()));
-  stated(6) = held.time_offset_std_s.value_or(0);
-  std = (std.cwiseAbs2() + stated.cwiseAbs2()).cwiseSqrt();
-  const double lever_m = (held.T_SC0.t - seen.T_SC0.t).norm();
-  const double angle_deg = rotationAngle(held.T_SC0.R.transpose() * seen.T_SC0.R) / kDegree;
-  const double offset_ms = 1e3 * std::abs(held.timeOffset() - seen.timeOffset());
-  // Beyond what chance explains nothing is good; how bad it is goes by its size. A vector's
-  // deviation is the root of its components' summed variances, the RMS of its length.
-  VerdictLevel by_size = VerdictLevel::kGood;
-  const auto level = [&](double off, double deviation, const Bound& bound) {
-    if (off <= 3 * deviation) return VerdictLevel::kGood;
-    by_size = std::max(by_size, levelAbove(off, bound));
-    return std::max(VerdictLevel::kCaution, levelAbove(off, bound));
-  };
-  const VerdictLevel of_transform =
-      std::max(level(lever_m, std.head<3>().norm(), kUsual.lever_arm_std_m),
-               level(angle_deg, std.segment<3>(3).norm() / kDegree, kUsual.rotation_std_deg));
-  const VerdictLevel of_offset = level(offset_ms, 1e3 * std(6), kUsual.offset_std_ms);
+  const Deviations7 own = deviationsOf(*estimated);
+  const HeldDifference d = heldDifference(held, estimated->imu, own);
   // A file cannot contradict the recording in an offset that it does not state.
-  f.level = std::max(of_transform, offset == HeldOffset::kStated
-                                       ? of_offset
-                                       : std::min(of_offset, VerdictLevel::kCaution));
-  f.evidence = fmt::format(
-      "estimated on this recording with the same cameras they differ by {:.1f} mm, {:.2f} deg and "
-      "{:.2f} ms (+- {:.1g}, {:.1g}, {:.1g})",
-      1e3 * lever_m, angle_deg, offset_ms, 1e3 * std.head<3>().norm(),
-      std.segment<3>(3).norm() / kDegree, 1e3 * std(6));
-  if (offset == HeldOffset::kAssumed) {
-    f.evidence += "; the file states no time offset, and 0 was taken";
-  }
-  // Only the 0 that was taken can be off: then there is no mistake of convention to look for.
-  if (of_transform == VerdictLevel::kGood && offset == HeldOffset::kAssumed) {
-    if (of_offset != VerdictLevel::kGood) {
-      f.advice = fmt::format(
-          "State the time offset in the file (timeshift_cam_imu); this recording's is {:.3f} ms",
-          1e3 * seen.timeOffset());
-    }
+  const bool assumed = offset == HeldOffset::kAssumed;
+  f.level = std::max(d.transform.level,
+                     assumed ? std::min(d.offset.level, VerdictLevel::kCaution) : d.offset.level);
+  f.evidence = d.evidence;
+  if (assumed) f.evidence += "; the file states no time offset, and 0 was taken";
+  // Only the 0 that was taken can be off by more than a little: then there is no mistake of
+  // convention to look for.
+  const bool wrong = d.transform.by_size != VerdictLevel::kGood ||
+                     (!assumed && d.offset.by_size != VerdictLevel::kGood);
+  if (wrong) {
+    f.advice = contradictionAdvice(held, *estimated);
+  } else if (assumed && d.offset.level != VerdictLevel::kGood) {
+    f.advice = fmt::format(
+        "State the time offset in the file (timeshift_cam_imu); this recording's is {:.3f} ms",
+        1e3 * estimated->imu.timeOffset());
   } else if (f.level != VerdictLevel::kGood) {
-    f.advice = by_size == VerdictLevel::kGood
-                   ? fmt::format(
-                         "More than three deviations, but below {:g} mm, {:g} deg and {:g} "
-                         "ms: calibrate on this recording where that matters",
-                         1e3 * kUsual.lever_arm_std_m.caution, kUsual.rotation_std_deg.caution,
-                         kUsual.offset_std_ms.caution)
-                   : contradictionAdvice(held, *estimated);
+    f.advice = fmt::format(
+        "More than three deviations, but below {:g} mm, {:g} deg and {:g} ms: calibrate on this "
+        "recording where that matters",
+        1e3 * kUsual.lever_arm_std_m.caution, kUsual.rotation_std_deg.caution,
+        kUsual.offset_std_ms.caution);
   }
-  Findings findings = judgeHeldBetween(held, offset, *estimated, std(6));
+  Findings findings = judgeHeldBetween(held, offset, *estimated, own(6));
   findings.insert(findings.begin(), std::move(f));
   return findings;
 }

@@ -170,9 +170,12 @@ Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresho
        "see the rules on stamps, faults and noise densities; T_SC0 and the time offset are less "
        "certain than their standard deviations state."},
       ratio,
-      fmt::format("the errors of single frames' poses correspond to {:.3f} px of corner noise, "
-                  "while corners have {:.3f} px with a free pose for each frame: {:.2f} times",
-                  of_poses, of_corners, ratio))};
+      fmt::format(
+          "the errors of single frames' poses correspond to {:.3f} px of corner noise, "
+          "while corners have {:.3f} px with a free pose for each frame{}: {:.2f} times",
+          of_poses, of_corners,
+          of_corners < kLeastNoise_px ? fmt::format(" (taken as {:g})", kLeastNoise_px) : "",
+          ratio))};
 }
 
 Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const VerdictThresholds& t) {

@@ -123,7 +123,10 @@ std::string deviationWords(const std::vector<ComparedParameter>& parameters,
     };
     if (!has(&ComparedParameter::std)) continue;
     std::string& list = has(&ComparedParameter::dof) ? robust : formal;
+    const bool in_part = std::ranges::any_of(
+        parameters, [&](const ComparedParameter& p) { return at(p.std, k) && !at(p.dof, k); });
     list += (list.empty() ? "" : ", ") + labels[k];
+    if (&list == &robust && in_part) list += " (in part, else formal)";
   }
   std::string text;
   if (!robust.empty()) text += " Cluster-robust, from blocks of the recording: " + robust + ".";

@@ -171,6 +171,13 @@ TEST(EvaluateTrajectories, RotationsThatTheFitLeavesFreeAreNoErrors) {
   const auto cured = evaluateTrajectories(estimate, truth, options);
   EXPECT_EQ(cured->left_out, "");
   EXPECT_LT(cured->ate_rotation_deg.rmse, 1e-3);
+  // A tilt about the way is the estimate's own error where the fit has yaw alone.
+  options.alignment.kind = AlignmentKind::kYaw;
+  const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
+  for (StampedPose& pose : estimate.poses) pose.q = tilt * pose.q;
+  const auto tilted = evaluateTrajectories(estimate, truth, options);
+  EXPECT_THAT(tilted->left_out, Not(HasSubstr("hardly determine")));
+  EXPECT_NE(tilted->cure, "--align yaw-first");
 }
 
 // The first pose's rotation is that of its body as well: aligned by it, the positions are turned.

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/cli/options/shared_options.h"
+#include "evaluate/cli/options/result_options.h"
 #include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {
