@@ -36,8 +36,8 @@ TEST(ComparisonPage, SaysWhyAValueIsMissing) {
 TEST(ComparisonPage, NamesWhoseDeviationsAreRobustAndWhoseFormal) {
   EXPECT_THAT(
       comparisonPage(),
-      HasSubstr("Cluster-robust, from blocks of the recording: plumbline. Formal, valid only "
-                "if model and assumed noise are right: kalibr."));
+      HasSubstr("Cluster-robust deviations, from blocks of the recording: plumbline. Formal "
+                "deviations, valid only if model and assumed noise are right: kalibr."));
 }
 
 TEST(ComparisonPage, NamesCalibrationsThatTheBarsLeaveOut) {

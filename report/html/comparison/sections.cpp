@@ -129,9 +129,10 @@ std::string deviationWords(const std::vector<ComparedParameter>& parameters,
     if (&list == &robust && in_part) list += " (in part, else formal)";
   }
   std::string text;
-  if (!robust.empty()) text += " Cluster-robust, from blocks of the recording: " + robust + ".";
+  if (!robust.empty())
+    text += " Cluster-robust deviations, from blocks of the recording: " + robust + ".";
   if (!formal.empty()) {
-    text += " Formal, valid only if model and assumed noise are right: " + formal + ".";
+    text += " Formal deviations, valid only if model and assumed noise are right: " + formal + ".";
   }
   return text;
 }
