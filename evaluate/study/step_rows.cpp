@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -8,6 +9,7 @@
 #include "datasets/files/file_io.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/suggestions_reader.h"
+#include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/replay/hindsight.h"
 #include "evaluate/results/result_folder.h"
@@ -103,15 +105,19 @@ std::vector<StudyPerturbation> perturbationsOf(const Step& step, const Perturbat
   return rows;
 }
 
-// Ours is the first calibration of the comparison, the other the second. In our deviations: few
-// tools state their own, which the comparison's significance needs besides.
+// Ours is the first calibration of the comparison, the other the second. In our deviations, by
+// their degrees of freedom: few tools state their own, which the comparison's significance needs
+// besides.
 StudyOther otherOf(const Step& step, const ComparisonRecord& record) {
   StudyOther row{step.session, step.part, std::nullopt, {}, ""};
   for (const ComparedParameter& p : record.parameters) {
     if (p.difference.size() < 2 || !p.difference[1]) continue;
     const std::optional<double> std = p.std.empty() ? std::nullopt : p.std[0];
     row.differences.push_back({p.name, p.unit, *p.difference[1], std::nullopt});
-    if (std && *std > 0) row.differences.back().sigmas = *p.difference[1] / *std;
+    if (std && *std > 0) {
+      const double d = *p.difference[1];
+      row.differences.back().sigmas = std::copysign(normalDeviate(d, p.variance(0)), d);
+    }
   }
   return row;
 }

@@ -165,7 +165,9 @@ void fields(auto& v, StudyDifference& d) {
   v("parameter", d.parameter, "as in a covariance");
   v("unit", d.unit, "its unit");
   v("difference", d.difference, "the other tool's minus Plumbline's");
-  v("sigmas", d.sigmas, "1", "difference / Plumbline's formal standard deviation");
+  v("sigmas", d.sigmas, "1",
+    "difference in Plumbline's standard deviations, robust where known, by their degrees of "
+    "freedom");
 }
 
 /// Another tool's result of a session.

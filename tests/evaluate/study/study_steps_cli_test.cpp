@@ -40,8 +40,11 @@ TEST_F(StudySteps, AnotherToolsFolderIsComparedAndHeldOut) {
     const auto ours = std::find_if(estimates.begin(), estimates.end(),
                                    [](const Json& e) { return e.at("name") == "cam0.fu"; });
     ASSERT_NE(ours, estimates.end());
-    EXPECT_NEAR(d.at("sigmas").get<double>() * ours->at("std").get<double>(),
-                d.at("difference").get<double>(), 1e-6);
+    // By few degrees of freedom it is less significant than in deviations that are known.
+    const double known = d.at("difference").get<double>() / ours->at("robust_std").get<double>();
+    const double share = d.at("sigmas").get<double>() / known;
+    EXPECT_LE(share, 1) << d << *ours;
+    EXPECT_GT(share, 0.3) << d << *ours;
   }
   EXPECT_TRUE(focal) << other;
 }
