@@ -73,6 +73,28 @@ TEST_F(Deviations, HaveTheDegreesOfFreedomOfRobustOnes) {
   EXPECT_TRUE(std::isinf(without.at("T_SC0.ty").dof));
 }
 
+// A null stands for what is not finite.
+TEST_F(Deviations, OfNullDegreesOfFreedomAreTakenForKnown) {
+  const auto stated = readDeviations(
+      write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7], "robust_dof": [null, 9])")));
+  EXPECT_TRUE(std::isinf(stated.at("T_SC0.ty").dof));
+  EXPECT_EQ(stated.at("T_SC0.ty").std, 5);
+}
+
+// With given cameras there are none through both stages, but those of the tests for faults.
+TEST_F(Deviations, OfGivenCamerasAreThoseOfTheTestsForFaults) {
+  std::string names, rows;
+  for (const char* name : {"tx", "ty", "tz", "rx", "ry", "rz", "offset"}) {
+    names += fmt::format(R"({}{{"name": "{}", "unit": "m"}})", names.empty() ? "" : ", ", name);
+    rows += rows.empty() ? "[4, 0, 0, 0, 0, 0, 0]" : ", [0, 0, 0, 0, 0, 0, 0]";
+  }
+  const auto stated = readDeviations(write(file(
+      fmt::format(R"({{"parameters": [{}], "matrix": [{}]}})", names, rows),
+      R"("faults": {"robust_std": [3, 1, 1, 1, 1, 1, 1], "robust_dof": [6, 1, 1, 1, 1, 1, 1]})")));
+  EXPECT_EQ(stated.at("tx").std, 3);  // formal: 2
+  EXPECT_EQ(stated.at("tx").dof, 6);
+}
+
 // The camera-IMU stage estimates the cameras again, from more.
 TEST_F(Deviations, OfTwoStagesTheLastCounts) {
   const std::string path = write(file(covariance("cam0.fu"), ""));
