@@ -17,6 +17,7 @@ MOST_SOURCES = 25  # of a folder
 HEAVY = {
     "Ceres": r"ceres/",
     "VTK": r"vtk\w+\.h",
+    "rosbag": r"rosbag/|ros/|console_bridge/",
     "SQLite": r"SQLiteCpp/|sqlite3\.h",
     "OpenCV": r"opencv2/",
     "apriltag": r"apriltag/",

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs what Plumbline needs from Debian 12's own packages. Nothing is asked and nothing else is
 # touched; packages that are there already are left alone. Usage:
-#   scripts/install_dependencies.sh [build|test|sanitize|check|bench|slurm]...   (default: build)
+#   scripts/install_dependencies.sh [build|bag|test|sanitize|check|bench|slurm]...   (default: build)
 set -euo pipefail
 
 build_packages=(
@@ -13,7 +13,8 @@ build_packages=(
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libtbb-dev
   libsqlite3-dev libsqlitecpp-dev libkainjow-mustache-dev
   libgtest-dev libgmock-dev)
-test_packages=(chromium fish fonts-dejavu-core python3 libbenchmark-dev libceres-dev libopencv-core-dev
+bag_packages=(librosbag-storage-dev)
+test_packages=("${bag_packages[@]}" chromium fish fonts-dejavu-core python3 libbenchmark-dev libceres-dev libopencv-core-dev
   libopencv-imgproc-dev libopencv-calib3d-dev zsh)
 sanitize_packages=(libclang-rt-dev)
 check_packages=(clang-format clang-tidy g++ python3)
@@ -24,12 +25,13 @@ wanted=()
 for set_name in "${@:-build}"; do
   case "$set_name" in
     build) wanted+=("${build_packages[@]}") ;;
+    bag) wanted+=("${bag_packages[@]}") ;;
     test) wanted+=("${test_packages[@]}") ;;
     sanitize) wanted+=("${sanitize_packages[@]}") ;;
     check) wanted+=("${check_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
     slurm) wanted+=("${slurm_packages[@]}") ;;
-    *) echo "install_dependencies.sh: unknown set '$set_name' (build, test, sanitize, check, bench, slurm)" >&2; exit 2 ;;
+    *) echo "install_dependencies.sh: unknown set '$set_name' (build, bag, test, sanitize, check, bench, slurm)" >&2; exit 2 ;;
   esac
 done
 

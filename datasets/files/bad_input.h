@@ -47,6 +47,8 @@ enum class InputFault {
   kUnknownCamera,     ///< no camera of that name, or one that is asked for twice
   kTooManyCameras,    ///< more or more various cameras than a tool holds
   kBadCameraRate,     ///< a rate of the images that a tool cannot hold
+  kNoTopic,           ///< a bag without a topic that is needed, or one of another type
+  kSeveralImus,       ///< a bag with topics of several IMUs, of which none is named
 };
 
 /// An InputError that says by a code what is wrong.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
@@ -230,6 +231,28 @@ int bitDepth(std::string_view bytes) {
   return bytes.starts_with(kPngStart) && bytes.size() > kPlace ? bytes[kPlace] : 0;
 }
 
+/// `pixels`: rows without gaps, of libpng's `format`.
+void writeEncoded(const std::string& path, Resolution size, png_uint_32 format, const void* pixels,
+                  PngEffort effort) {
+  if (size.width <= 0 || size.height <= 0) {
+    throw badInput(
+        path, {InputFault::kUnwritable, "an empty image cannot be written", "at least one pixel"});
+  }
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(size.width);
+  png.height = static_cast<png_uint_32>(size.height);
+  png.format = format;
+  if (effort == PngEffort::kFast) png.flags = PNG_IMAGE_FLAG_FAST;
+  png_alloc_size_t bytes_needed = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::string bytes(bytes_needed, '\0');
+  if (png_image_write_to_memory(&png, bytes.data(), &bytes_needed, 0, pixels, 0, nullptr) == 0) {
+    throw badInput(
+        path, {InputFault::kUnwritable, "cannot be encoded (" + std::string(png.message) + ")"});
+  }
+  writeFileAtomically(path, std::string_view(bytes).substr(0, bytes_needed));
+}
+
 }  // namespace
 
 GrayImage readGrayImage(const std::string& path, std::optional<Resolution> stated) {
@@ -245,23 +268,14 @@ std::optional<int> bitsOfDeepImage(const std::string& path) {
 }
 
 void writePng(const std::string& path, const GrayImage& image, PngEffort effort) {
-  if (image.empty()) {
-    throw badInput(
-        path, {InputFault::kUnwritable, "an empty image cannot be written", "at least one pixel"});
-  }
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  png.width = static_cast<png_uint_32>(image.width());
-  png.height = static_cast<png_uint_32>(image.height());
-  png.format = PNG_FORMAT_GRAY;
-  if (effort == PngEffort::kFast) png.flags = PNG_IMAGE_FLAG_FAST;
-  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
-  std::string bytes(size, '\0');
-  if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.data(), 0, nullptr) == 0) {
-    throw badInput(
-        path, {InputFault::kUnwritable, "cannot be encoded (" + std::string(png.message) + ")"});
-  }
-  writeFileAtomically(path, std::string_view(bytes).substr(0, size));
+  writeEncoded(path, {image.width(), image.height()}, PNG_FORMAT_GRAY, image.data(), effort);
+}
+
+// What libpng calls linear are samples of 16 bits, which it leaves as they are.
+void writeDeepPng(const std::string& path, const DeepGrayImage& image, PngEffort effort) {
+  assert(image.samples.size() == std::size_t(image.width) * std::size_t(image.height));
+  writeEncoded(path, {image.width, image.height}, PNG_FORMAT_LINEAR_Y, image.samples.data(),
+               effort);
 }
 
 GrayImage shrunk(const GrayImage& image, int factor) {

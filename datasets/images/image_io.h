@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "calibrator/base/image.h"
 #include "calibrator/base/session.h"
@@ -41,6 +42,17 @@ enum class PngEffort { kSmall, kFast };
 /// the image is empty.
 void writePng(const std::string& path, const GrayImage& image,
               PngEffort effort = PngEffort::kSmall);
+
+/// A grey image of 16 bits, row by row.
+struct DeepGrayImage {
+  int width = 0, height = 0;
+  std::vector<std::uint16_t> samples;
+};
+
+/// Writes a 16-bit grey PNG with the samples as they are, whole or not at all. Throws as
+/// writePng().
+void writeDeepPng(const std::string& path, const DeepGrayImage& image,
+                  PngEffort effort = PngEffort::kSmall);
 
 /// Why a file is not the image it claims to be; `message` is the decoder's.
 struct DecodeError {

@@ -56,6 +56,7 @@ auto withOptions(void (*declare)(CLI::App&, Options&), Run run) {
 }
 
 Command simulateCommand();
+Command importCommand();
 Command detectCommand();
 Command calibrateCommand();
 Command perturbCommand();

@@ -77,10 +77,10 @@ void waitIfEnding() {
 }
 
 std::vector<Command> commands() {
-  return {simulateCommand(),   detectCommand(),   calibrateCommand(), evaluateCommand(),
-          compareCommand(),    odometryCommand(), exportCommand(),    targetCommand(),
-          perturbCommand(),    replayCommand(),   studyCommand(),     reportCommand(),
-          completionCommand(), manCommand()};
+  return {simulateCommand(), importCommand(),     detectCommand(),   calibrateCommand(),
+          evaluateCommand(), compareCommand(),    odometryCommand(), exportCommand(),
+          targetCommand(),   perturbCommand(),    replayCommand(),   studyCommand(),
+          reportCommand(),   completionCommand(), manCommand()};
 }
 
 // " evaluate trajectory": the commands that were chosen, one within the other.
@@ -107,7 +107,8 @@ std::string optionFor(InputFault code) {
       {InputFault::kUnsupportedModel, "; choose it with --models"},
       {InputFault::kUnknownCamera, "; correct --only"},
       {InputFault::kTooManyCameras, "; choose cameras with --only, e.g. --only cam0,cam1"},
-      {InputFault::kBadCameraRate, "; correct --camera-rate"}};
+      {InputFault::kBadCameraRate, "; correct --camera-rate"},
+      {InputFault::kSeveralImus, "; name it with --imu-topic"}};
   const auto found = kOptions.find(code);
   return found == kOptions.end() ? "" : found->second;
 }

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/datasets/bag/bag_of_session.h"
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
@@ -55,6 +56,7 @@ class EveryCommand : public CommandLine {
     };
     make("simulate --rig d435i --seed 2 --duration 1 --camera-rate 5 --images --out " +
          at("images"));
+    writeBagOf(at("images"), at("bag.db3"));
     make("simulate sequence --seed 2 --duration 5 --tracks 80 --out " + at("flight"));
     make("calibrate " + at("session") + kAsStated + " --no-cache --no-report --out " +
          at("result"));
@@ -91,6 +93,7 @@ class EveryCommand : public CommandLine {
         {"simulate operator", "--seed 1 --method free --duration 8"},
         {"simulate sequence", "--seed 1 --duration 1"},
         {"simulate study", "--participants 1 --duration 6 --sequences 0 --held-out 1"},
+        {"import", at("bag.db3"), document},
         {"detect", at("images") + " --no-cache", document},
         {"calibrate", short_s + kAsStated + " --no-imu", verdict},
         {"evaluate calibration", truth + " " + short_s + " --no-imu", verdict},

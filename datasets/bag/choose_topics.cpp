@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/bag/choose_topics.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "datasets/files/bad_input.h"
+
+namespace plumbline {
+namespace {
+
+constexpr const char* kCompressed = "/compressed";  // what image_transport adds to a topic
+constexpr const char* kDepth = "depth";             // of images that are no pictures
+
+bool hasImages(const BagTopic& topic) {
+  return topic.type == kImageType || topic.type == kCompressedImageType;
+}
+
+std::string listOf(const std::vector<BagTopic>& topics) {
+  std::string list;
+  for (const BagTopic& topic : topics) {
+    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", topic.name, topic.type);
+  }
+  return list.empty() ? "none" : list;
+}
+
+BadInput topicFault(const std::string& what, const std::vector<BagTopic>& topics) {
+  return {InputFault::kNoTopic, what + "; topics of the recording: " + listOf(topics)};
+}
+
+const BagTopic* find(const std::vector<BagTopic>& topics, const std::string& name) {
+  const auto at = std::find_if(topics.begin(), topics.end(),
+                               [&](const BagTopic& topic) { return topic.name == name; });
+  return at == topics.end() ? nullptr : &*at;
+}
+
+std::vector<BagTopic> namedCameras(const std::vector<BagTopic>& topics,
+                                   const std::vector<std::string>& names) {
+  std::vector<BagTopic> cameras;
+  for (const std::string& name : names) {
+    const BagTopic* topic = find(topics, name);
+    if (topic == nullptr || !hasImages(*topic)) {
+      throw topicFault(topic == nullptr ? "there is no topic " + name
+                                        : name + " has no images (" + topic->type + ")",
+                       topics);
+    }
+    if (find(cameras, name) != nullptr) {
+      throw BadInput(InputFault::kDuplicate, "topic " + name + " is given twice");
+    }
+    cameras.push_back(*topic);
+  }
+  return cameras;
+}
+
+std::vector<BagTopic> allCameras(const std::vector<BagTopic>& topics) {
+  std::vector<BagTopic> cameras;
+  for (const BagTopic& topic : topics) {
+    if (!hasImages(topic) || topic.name.find(kDepth) != std::string::npos) continue;
+    const bool is_copy = topic.name.ends_with(kCompressed);
+    const std::string raw = is_copy ? topic.name.substr(0, topic.name.rfind(kCompressed)) : "";
+    if (is_copy && find(topics, raw) != nullptr) continue;
+    cameras.push_back(topic);
+  }
+  if (cameras.empty()) throw topicFault("no topic has images", topics);
+  return cameras;
+}
+
+std::optional<BagTopic> imuOf(const std::vector<BagTopic>& topics, const BagImport& request,
+                              const std::string& imu_yaml_topic) {
+  if (!request.import_imu) return std::nullopt;
+  if (request.imu_topic) {
+    const BagTopic* topic = find(topics, *request.imu_topic);
+    if (topic != nullptr && topic->type == kImuType) return *topic;
+    throw topicFault(topic == nullptr ? "there is no topic " + *request.imu_topic
+                                      : *request.imu_topic + " is no IMU (" + topic->type + ")",
+                     topics);
+  }
+  const BagTopic* stated = find(topics, imu_yaml_topic);
+  if (stated != nullptr && stated->type == kImuType) return *stated;
+  std::vector<BagTopic> imus;
+  std::copy_if(topics.begin(), topics.end(), std::back_inserter(imus),
+               [](const BagTopic& topic) { return topic.type == kImuType; });
+  if (imus.size() > 1) {
+    throw BadInput(InputFault::kSeveralImus,
+                   "several topics are of an IMU, of which one must be named: " + listOf(imus));
+  }
+  return imus.empty() ? std::nullopt : std::optional(imus.front());
+}
+
+}  // namespace
+
+SessionTopics chooseTopics(const std::vector<BagTopic>& topics, const BagImport& request,
+                           const std::string& imu_yaml_topic) {
+  SessionTopics chosen{request.camera_topics.empty() ? allCameras(topics)
+                                                     : namedCameras(topics, request.camera_topics),
+                       imuOf(topics, request, imu_yaml_topic)};
+  return chosen;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/bag/import_bag.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "datasets/bag/choose_topics.h"
+#include "datasets/bag/message_faults.h"
+#include "datasets/bag/sensor_import.h"
+#include "datasets/files/file_io.h"
+#include "datasets/session/session_writer.h"
+#include "datasets/session/streams.h"
+#include "datasets/session/target.h"
+
+namespace plumbline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kBatch = 64;  // images in memory at once
+
+std::vector<std::unique_ptr<Bag>> opened(const std::vector<std::string>& paths) {
+  std::vector<std::unique_ptr<Bag>> bags;
+  for (const std::string& path : paths) bags.push_back(openBag(path));
+  return bags;
+}
+
+std::vector<BagTopic> topicsOf(const std::vector<std::unique_ptr<Bag>>& bags) {
+  std::map<std::string, BagTopic> all;
+  for (const auto& bag : bags) {
+    for (const BagTopic& topic : bag->topics()) {
+      const auto [known, first] = all.try_emplace(topic.name, topic);
+      if (first) continue;
+      if (known->second.type != topic.type) {
+        throw BadInput(InputFault::kContradiction,
+                       fmt::format("topic {} is {} in one bag and {} in another", topic.name,
+                                   known->second.type, topic.type));
+      }
+      known->second.messages += topic.messages;
+    }
+  }
+  std::vector<BagTopic> topics;
+  for (auto& [name, topic] : all) topics.push_back(std::move(topic));
+  return topics;
+}
+
+/// Reads the chosen topics once and writes the images.
+void readMessages(const std::vector<std::unique_ptr<Bag>>& bags, const BagImport& request,
+                  std::map<std::string, CameraImport*>& cameras, ImuImport* imu,
+                  const SessionTopics& topics) {
+  std::vector<std::string> names;
+  std::size_t all = 0, done = 0;
+  const auto add = [&](const BagTopic& topic) {
+    names.push_back(topic.name);
+    all += topic.messages;
+  };
+  for (const BagTopic& camera : topics.cameras) add(camera);
+  if (topics.imu) add(*topics.imu);
+  for (const auto& bag : bags) {
+    bag->read(names, [&](const BagMessage& message) {
+      const auto camera = cameras.find(std::string(message.topic));
+      if (camera == cameras.end()) {
+        imu->take(message);
+      } else {
+        camera->second->take(message);
+        if (camera->second->waiting() >= kBatch) camera->second->flush(request.threads);
+      }
+      ++done;
+      if (request.progress) request.progress(done, all);
+    });
+  }
+  for (const auto& [name, camera] : cameras) camera->flush(request.threads);
+}
+
+/// All files of the session but the images.
+void writeTexts(const BagImport& request, const Session& session,
+                const std::vector<CameraImport>& cameras, double camera_rate_hz,
+                const fs::path& folder) {
+  for (const TextFile& file : sessionFiles(session, camera_rate_hz, ViewFormat::kImages)) {
+    // Nothing is made up that nobody stated.
+    const bool of_noise = file.path == "imu.yaml" || file.path == "mav0/imu0/sensor.yaml";
+    if (of_noise && !request.imu_path) continue;
+    if (file.path == "target.yaml" && !request.target_path) continue;
+    const auto camera = std::find_if(cameras.begin(), cameras.end(), [&](const CameraImport& c) {
+      return file.path == "mav0/" + c.name() + "/data.csv";
+    });
+    writeNewFile(folder, file.path, camera == cameras.end() ? file.text : camera->list());
+  }
+}
+
+}  // namespace
+
+std::vector<BagTopic> topicsOf(const std::vector<std::string>& bags) {
+  return topicsOf(opened(bags));
+}
+
+std::vector<ImportedSensor> importBags(const BagImport& request, const fs::path& folder) {
+  Session session;
+  session.name = fs::path(request.bags.front()).stem().string();
+  if (request.target_path) session.target = readTarget(*request.target_path);
+  ImuDescription described;
+  if (request.imu_path) described = readImuDescription(*request.imu_path);
+
+  const auto bags = opened(request.bags);
+  const SessionTopics topics = chooseTopics(topicsOf(bags), request, described.rostopic);
+  std::vector<CameraImport> cameras;
+  cameras.reserve(topics.cameras.size());
+  std::map<std::string, CameraImport*> by_topic;
+  for (const BagTopic& topic : topics.cameras) {
+    cameras.emplace_back(topic, fmt::format("cam{}", cameras.size()), folder);
+    by_topic[topic.name] = &cameras.back();
+  }
+  ImuImport imu(topics.imu ? topics.imu->name : "");
+  readMessages(bags, request, by_topic, &imu, topics);
+
+  std::vector<ImportedSensor> sensors;
+  for (const CameraImport& camera : cameras) {
+    if (camera.empty()) throw messageFault(InputFault::kEmpty, camera.topic(), "has no image");
+    sensors.push_back(camera.summary());
+    session.cameras.push_back(camera.stream());
+  }
+  if (!imu.empty()) {
+    session.imu = imu.stream(described.noise);
+    sensors.push_back(imu.summary());
+  }
+  writeTexts(request, session, cameras, sensors.front().rate_hz, folder);
+  return sensors;
+}
+
+}  // namespace plumbline

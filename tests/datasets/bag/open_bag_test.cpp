@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/bag/bag.h"
+#include "tests/datasets/bag/written_bag.h"
+#include "tests/datasets/refusal.h"
+#include "tests/datasets/temporary_folder.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+ImuSample sampleAt(TimeNs t) {
+  ImuSample sample;
+  sample.t = t;
+  return sample;
+}
+
+void writeImuBag(const std::string& path, int first, int last) {
+  WrittenRos2Bag bag(path);
+  bag.topic("/imu0", "sensor_msgs/msg/Imu");
+  for (int i = first; i <= last; ++i) {
+    bag.message("/imu0", i, imuMessage(Serialization::kCdr, sampleAt(i)));
+  }
+}
+
+std::string metadata(const std::string& further) {
+  return "rosbag2_bagfile_information:\n  version: 5\n" + further;
+}
+
+TEST(OpenBag, AFolderOfRos2IsReadInTheOrderOfItsMetadata) {
+  const TemporaryFolder folder;
+  writeImuBag(folder.path("a_1.db3"), 1, 3);
+  writeImuBag(folder.path("a_0.db3"), 4, 5);
+  folder.write("metadata.yaml",
+               metadata("  storage_identifier: sqlite3\n  compression_format: \"\"\n"
+                        "  relative_file_paths:\n    - a_1.db3\n    - a_0.db3\n"));
+  const auto bag = openBag(folder.path());
+  ASSERT_EQ(bag->topics().size(), 1U);
+  EXPECT_EQ(bag->topics()[0].type, "sensor_msgs/Imu");
+  EXPECT_EQ(bag->topics()[0].messages, 5U);
+  std::vector<std::string> bytes;
+  bag->read({"/imu0"}, [&](const BagMessage& m) { bytes.emplace_back(m.bytes); });
+  ASSERT_EQ(bytes.size(), 5U);
+  EXPECT_EQ(bytes[0], imuMessage(Serialization::kCdr, sampleAt(1)).content());
+  EXPECT_EQ(bytes[4], imuMessage(Serialization::kCdr, sampleAt(5)).content());
+}
+
+TEST(OpenBag, TopicsThatAreNotAskedForAreNotTold) {
+  const TemporaryFolder folder;
+  writeImuBag(folder.path("a.db3"), 1, 3);
+  openBag(folder.path("a.db3"))->read({"/other"}, [](const BagMessage&) { FAIL(); });
+}
+
+// '%', '?' and '#' have a meaning in the URI by which SQLite leaves a file alone.
+TEST(OpenBag, NamesMayHoldAnySign) {
+  const TemporaryFolder folder;
+  writeImuBag(folder.path("100%41 #1?.db3"), 1, 3);
+  EXPECT_EQ(openBag(folder.path("100%41 #1?.db3"))->topics()[0].messages, 3U);
+}
+
+TEST(OpenBag, WhatCannotBeReadIsToldWithACure) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& name, InputFault code, const std::string& words) {
+    const auto refusal = refusalOf([&] { openBag(folder.path(name))->topics(); });
+    ASSERT_TRUE(refusal) << name;
+    EXPECT_EQ(refusal->code(), code) << refusal->what();
+    EXPECT_THAT(refusal->what(), HasSubstr(words));
+  };
+  refused("missing.bag", InputFault::kMissingFile, "cannot be opened");
+  folder.write("empty.bag", "");
+  refused("empty.bag", InputFault::kUnknownFile, "is no bag of ROS");
+  folder.write("a.mcap", "\x89MCAP0\r\n");
+  refused("a.mcap", InputFault::kUnsupported, "ros2 bag convert");
+  folder.write("a.db3.zstd", "\x28\xb5\x2f\xfd....");
+  refused("a.db3.zstd", InputFault::kUnsupported, "is compressed");
+  folder.write("old.bag", "#ROSBAG V1.2\n");
+  refused("old.bag", InputFault::kUnsupported, "rosbag fix");
+  folder.write("cut.db3", std::string("SQLite format 3\0 and no more", 28));
+  refused("cut.db3", InputFault::kSyntax, "is no whole bag of ROS 2");
+
+  std::filesystem::create_directory(folder.path("session"));
+  refused("session", InputFault::kMissingFile, "holds no metadata.yaml");
+  folder.write("session/metadata.yaml", metadata("  storage_identifier: mcap\n"));
+  refused("session", InputFault::kUnsupported, "storage mcap");
+  folder.write("session/metadata.yaml", metadata("  compression_format: zstd\n"));
+  refused("session", InputFault::kUnsupported, "zstd");
+  folder.write("session/metadata.yaml", metadata("  relative_file_paths: [gone.db3]\n"));
+  refused("session", InputFault::kMissingFile, "gone.db3 is missing");
+  folder.write("session/metadata.yaml", metadata("  relative_file_paths: []\n"));
+  refused("session", InputFault::kEmpty, "has no files");
+}
+
+TEST(OpenBag, ARecordingThatWasNotClosedIsToldSo) {
+  const TemporaryFolder folder;
+  writeImuBag(folder.path("a.db3"), 1, 3);
+  folder.write("a.db3-wal", "messages that have not reached the database");
+  EXPECT_EQ(faultOf([&] { openBag(folder.path("a.db3")); }), InputFault::kTruncated);
+}
+
+TEST(OpenBag, AnotherSerialisationThanCdrIsRefused) {
+  const TemporaryFolder folder;
+  WrittenRos2Bag(folder.path("a.db3")).topic("/imu0", "sensor_msgs/msg/Imu", "protobuf");
+  EXPECT_THAT(refusalOf([&] { openBag(folder.path("a.db3")); })->what(),
+              HasSubstr("serialised as 'protobuf'"));
+}
+
+}  // namespace
+}  // namespace plumbline
