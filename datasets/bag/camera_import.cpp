@@ -57,6 +57,7 @@ void CameraImport::take(const BagMessage& message) {
   const TimeNs t = checkedStamp(job.image.t, topic_.name, taken_);
   const auto [known, is_new] = hashes_.try_emplace(t, contentHash(job.bytes));
   if (is_new) {
+    waiting_ += job.bytes.size();
     jobs_.push_back(std::move(job));
   } else if (known->second == contentHash(job.bytes)) {
     ++repeated_;
@@ -80,6 +81,7 @@ void CameraImport::flush(int threads) {
     files_[jobs_[i].image.t] = jobs_[i].file;
   }
   jobs_.clear();
+  waiting_ = 0;
 }
 
 CameraStream CameraImport::stream() const {

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kBatch = 64;  // images in memory at once
+constexpr std::size_t kBatch = 32 << 20;  // of a camera in memory before it is written [bytes]
 
 std::vector<std::unique_ptr<Bag>> opened(const std::vector<std::string>& paths) {
   std::vector<std::unique_ptr<Bag>> bags;

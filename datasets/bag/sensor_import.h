@@ -22,7 +22,8 @@ class CameraImport {
   CameraImport(const BagTopic& topic, std::string name, const std::filesystem::path& folder);
 
   void take(const BagMessage& message);
-  std::size_t waiting() const { return jobs_.size(); }
+  /// Bytes of the messages that were taken and not written yet.
+  std::size_t waiting() const { return waiting_; }
   /// Writes what was collected.
   void flush(int threads);
 
@@ -49,7 +50,7 @@ class CameraImport {
   BagTopic topic_;
   std::string name_;
   std::filesystem::path data_;
-  std::size_t taken_ = 0, repeated_ = 0;
+  std::size_t taken_ = 0, repeated_ = 0, waiting_ = 0;
   Resolution resolution_;
   std::map<TimeNs, std::string> hashes_;  // of the data by stamp
   std::map<TimeNs, std::string> files_;   // their names by stamp

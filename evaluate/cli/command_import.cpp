@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "calibrator/base/error.h"
 #include "datasets/bag/import_bag.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/option_values.h"
@@ -97,7 +100,9 @@ void tellSensors(const ImportOptions& o, const std::vector<ImportedSensor>& sens
 
 int importRecording(const ImportOptions& o) {
   if (o.list) return listTopics(o);
-  if (o.output.out.empty()) throw CLI::RequiredError("--out");
+  if (o.output.out.empty()) {
+    throw InputError("--out is required; name the folder to write, or ask for --list");
+  }
   BagImport request = o.request;
   request.import_imu = !o.no_imu;
   std::vector<std::string> inputs = givenInputs({request.target_path, request.imu_path});

@@ -92,6 +92,7 @@ TEST_F(CommandImport, WrongUseIsToldWithItsCureAndLeavesNothing) {
 }
 
 TEST_F(CommandImport, OfSeveralImusOneIsToBeNamed) {
+  fs::create_directories(scratch());
   const std::string path = (scratch() / "two.db3").string();
   {
     WrittenRos2Bag two(path);
