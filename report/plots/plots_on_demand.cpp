@@ -4,8 +4,8 @@
 #include <link.h>
 
 #include "calibrator/base/error.h"
+#include "generated/plots_build.h"
 #include "generated/report/embedded.h"
-#include "generated/report/plots_build.h"
 #include "report/plots/plots_module.h"
 #include "report/plots/svg.h"
 

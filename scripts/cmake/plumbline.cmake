@@ -110,3 +110,21 @@ set(PLUMBLINE_OPTIMISED_TEST_OPTIONS -O1)
 foreach(warning array-bounds maybe-uninitialized restrict stringop-overflow stringop-overread)
   list(APPEND PLUMBLINE_OPTIMISED_TEST_OPTIONS $<$<CXX_COMPILER_ID:GNU>:-Wno-${warning}>)
 endforeach()
+
+# plumbline_module_build(NAME header...)
+# What a program and a module that it loads must have in common, as k<Name>Build in generated/NAME_build.h: the
+# version and what both were compiled by, the headers that they share among it.
+function(plumbline_module_build name)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${ARGN})
+  foreach(header IN LISTS ARGN)
+    file(SHA256 ${header} hash)
+    string(APPEND hashes ${hash})
+  endforeach()
+  string(SHA256 hash "${CMAKE_CXX_COMPILER_ID} ${PLUMBLINE_SANITIZE} ${hashes}")
+  string(SUBSTRING ${hash} 0 12 hash)
+  string(SUBSTRING ${name} 0 1 initial)
+  string(SUBSTRING ${name} 1 -1 rest)
+  string(TOUPPER ${initial} initial)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/include/generated/${name}_build.h @ONLY CONTENT
+       "#pragma once\nnamespace plumbline::internal {\ninline constexpr const char* k${initial}${rest}Build = \"${PROJECT_VERSION} (${name} ${hash})\";\n}\n")
+endfunction()

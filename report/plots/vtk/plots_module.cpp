@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/plots/plots_module.h"
 
-#include "generated/report/plots_build.h"
+#include "generated/plots_build.h"
 #include "report/plots/svg.h"
 
 using plumbline::toSvg;
