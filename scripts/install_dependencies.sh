@@ -9,7 +9,7 @@ build_packages=(
   git ca-certificates clang lld cmake ninja-build ccache pkg-config
   libboost-dev libeigen3-dev libsuitesparse-dev
   libapriltag-dev libvtk9-dev
-  libpng-dev libjpeg62-turbo-dev libcairo2-dev libxxhash-dev zlib1g-dev
+  libpng-dev libjpeg62-turbo-dev libcairo2-dev libxxhash-dev zlib1g-dev liblz4-dev libzstd-dev
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libtbb-dev
   libsqlite3-dev libsqlitecpp-dev libkainjow-mustache-dev
   libgtest-dev libgmock-dev)

@@ -36,21 +36,29 @@ class Bag {
   /// In the order of their names.
   virtual std::vector<BagTopic> topics() = 0;
 
-  /// Tells every message of these topics, in the order of receipt. Throws InputError where the bag
+  /// Tells every message of these topics, as they lie in the file. Throws InputError where the bag
   /// is damaged.
   virtual void read(const std::vector<std::string>& topics,
                     const std::function<void(const BagMessage&)>& take) = 0;
 };
 
-/// Opens a bag of ROS 1 (format 2.0), or of ROS 2 with SQLite storage: a .db3 file, or the folder
-/// of one with its metadata.yaml. The kind is told by the content, not by the name. Nothing is
-/// written beside it. Throws InputError for other files, MCAP and compressed files among them, a
-/// recording that was not closed, and one of ROS 1 where this build has no reader for it.
+/// The files of a recording: of a folder of ROS 2 those that its metadata.yaml lists; otherwise
+/// `path` itself. Throws InputError for a folder without it, and where a file is missing.
+std::vector<std::string> bagFiles(const std::string& path);
+
+/// Opens a file: a bag of ROS 1 (format 2.0), an MCAP file, or a .db3 of ROS 2. The kind is told by
+/// the content, not by the name. Nothing is written beside it. Throws InputError for other files, a
+/// recording that was not closed, compressed .db3 files, and a bag of ROS 1 where this build has no
+/// reader for it.
 std::unique_ptr<Bag> openBag(const std::string& path);
 
-/// The two kinds behind openBag(). `files`: of one recording, in the order of their times; `name`
-/// is what errors call it.
+/// The type of a message in ROS 1's words: ROS 2's without its middle part
+/// ("sensor_msgs/msg/Image").
+std::string ros1Type(std::string type);
+
+/// The kinds behind openBag().
 std::unique_ptr<Bag> openRos1Bag(const std::string& path);
-std::unique_ptr<Bag> openRos2Bag(const std::string& name, const std::vector<std::string>& files);
+std::unique_ptr<Bag> openRos2Bag(const std::string& path);
+std::unique_ptr<Bag> openMcapBag(const std::string& path);
 
 }  // namespace plumbline

@@ -25,7 +25,9 @@ constexpr std::size_t kBatch = 32 << 20;  // of a camera in memory before it is 
 
 std::vector<std::unique_ptr<Bag>> opened(const std::vector<std::string>& paths) {
   std::vector<std::unique_ptr<Bag>> bags;
-  for (const std::string& path : paths) bags.push_back(openBag(path));
+  for (const std::string& path : paths) {
+    for (const std::string& file : bagFiles(path)) bags.push_back(openBag(file));
+  }
   return bags;
 }
 

@@ -16,7 +16,7 @@ namespace plumbline {
 
 /// What of a recording becomes a session.
 struct BagImport {
-  /// Bags of one recording; the order does not matter.
+  /// Files and folders of one recording (bagFiles()); the order does not matter.
   std::vector<std::string> bags;
   /// Of cam0, cam1, ... in this order. Empty: every topic of images but those with "depth" in their
   /// name, by name; of a camera that is there both as sensor_msgs/Image and compressed, the first.

@@ -30,8 +30,9 @@ struct ImportOptions {
 
 void declareImport(CLI::App& app, ImportOptions& o) {
   BagImport& r = o.request;
-  app.add_option("recording", r.bags,
-                 "Bag of ROS 1 (.bag) or of ROS 2 (.db3 or its folder); several of one recording")
+  app.add_option(
+         "recording", r.bags,
+         "Bag of ROS 1 (.bag) or of ROS 2 (.mcap, .db3 or its folder); several of one recording")
       ->required();
   auto* out = o.output.declare(app, "Folder for the session");
   app.add_flag("--list", o.list, "Only print the topics of the recording")->excludes(out);

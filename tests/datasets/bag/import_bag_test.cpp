@@ -213,12 +213,12 @@ TEST_F(ImportBag, TheSameMessageTwiceIsOneAndIsCounted) {
 }
 
 TEST_F(ImportBag, TwoDifferentMessagesOfOneStampAreRefused) {
-  WrittenRos2Bag bag = filled();
   ImuSample other = sampleOf(4);
   other.gyro.x() += 1;
-  bag.message("/imu0", kStart, cdrImu(other));
+  filled().message("/imu0", kStart, cdrImu(other));
   expectRefused(InputFault::kDuplicate, "topic /imu0");
-  bag.message("/cam0/image_raw", kStart, cdrImage(kStart, pictureOf(9)));
+  fs::remove(folder_.path("bag.db3"));
+  filled().message("/cam0/image_raw", kStart, cdrImage(kStart, pictureOf(9)));
   expectRefused(InputFault::kDuplicate, "topic /cam0/image_raw");
 }
 
