@@ -121,6 +121,9 @@ struct Histogram {
   double bin_width = 1;
   std::vector<HistogramSeries> series;  ///< drawn over each other, later ones on top
   std::vector<Series> curves;           ///< e.g. the normal density that was assumed
+
+  /// Where bin i begins and the one before it ends.
+  double edge(std::size_t i) const { return first + bin_width * static_cast<double>(i); }
 };
 
 enum class ColourMap {

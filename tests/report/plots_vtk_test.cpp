@@ -263,7 +263,44 @@ TEST(Histogram, DrawsABarOverItsBin) {
   const auto points = numbers(attributes(svg.substr(bar), "points").at(0));
   EXPECT_NEAR(*std::min_element(points.begin(), points.end()),
               std::min(axes.pixelX(0.25), axes.pixelY(1.5)), kPixel);
-  EXPECT_THAT(svg, HasSubstr("<title>0.25 to 0.5: 1.5</title>"));
+  EXPECT_THAT(svg, HasSubstr("<title>n; x [m]: 0.25 to 0.5; y [m]: 1.5</title>"));
+}
+
+std::string titleOfBar(double first, double bin_width, std::size_t bin, double count = 2) {
+  std::vector<double> counts(bin + 1, 0);
+  counts[bin] = count;
+  const std::string svg =
+      toSvg(Histogram{unitFrame(), first, bin_width, {{"n", counts, seriesColour(0)}}, {}}, "h");
+  const std::size_t from = svg.find("<title>n; x [m]: ") + 17;
+  return svg.substr(from, svg.find("</title>", from) - from);
+}
+
+// -5 + 0.2 * 24 + 0.2 is 7e-16.
+TEST(Histogram, TellsAnEdgeAtZeroAsZero) {
+  EXPECT_EQ(titleOfBar(-5, 0.2, 24), "-0.2 to 0; y [m]: 2");
+  EXPECT_EQ(titleOfBar(-5, 0.2, 25), "0 to 0.2; y [m]: 2");
+  EXPECT_EQ(titleOfBar(-0.3, 0.1, 2), "-0.1 to 0; y [m]: 2");
+}
+
+TEST(Histogram, TellsEdgesByTheWidthOfTheBins) {
+  EXPECT_EQ(titleOfBar(-1.2708333, 0.0416666, 0), "-1.2708 to -1.2292; y [m]: 2");
+  EXPECT_EQ(titleOfBar(1000, 0.002, 1), "1000.002 to 1000.004; y [m]: 2");
+  EXPECT_EQ(titleOfBar(0, 2500, 1), "2500 to 5000; y [m]: 2");
+  EXPECT_EQ(titleOfBar(0, 2e-7, 1), "2e-07 to 4e-07; y [m]: 2");
+}
+
+TEST(Histogram, TellsACountWithAllItsDigits) {
+  EXPECT_EQ(titleOfBar(0, 1, 0, 1234567), "0 to 1; y [m]: 1234567");
+}
+
+TEST(BarPlot, TellsWhatABarIsOfWithItsUnit) {
+  EXPECT_THAT(toSvg(BarPlot{unitFrame(), {"a", "b"}, {"s"}, {{1, 0.25}}}, "bars"),
+              HasSubstr("<title>b, s; y [m]: 0.25</title>"));
+}
+
+TEST(BoxPlot, TellsMedianBoxAndWhiskersWithTheirUnit) {
+  EXPECT_THAT(toSvg(BoxPlot{unitFrame(), {{"a", {0, 0.5, 1, 1.5, 2}}}}, "boxes"),
+              HasSubstr("<title>a; y [m]: median 1, box 0.5 to 1.5, whiskers 0 to 2</title>"));
 }
 
 // Scripts of a page know a series by its colour.

@@ -69,7 +69,7 @@ TEST(TrajectoryPage, DrawsFewRunsAsPoints) {
   std::size_t points = 0;
   std::set<std::string> boxes;
   for (const std::string& title : test::between(svg, "<title>", "</title>")) {
-    if (title.find(" | ") == std::string::npos) {
+    if (title.find("whiskers") == std::string::npos) {
       ++points;
     } else {
       boxes.insert(title);

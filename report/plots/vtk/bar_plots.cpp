@@ -32,6 +32,14 @@ Range heightRange(const std::vector<const std::vector<double>*>& columns) {
   return {0, top > 0 ? 1.06 * top : 1};
 }
 
+/// To a hundredth of a bin at least, without zeros at the end: first + i w rounds, and the edge at
+/// 0 must not read "7e-16".
+std::string edgeText(double edge, double bin_width) {
+  const double last_digit = std::pow(10.0, std::floor(std::log10(bin_width)) - 2);
+  // Adding 0 takes the sign off a rounded -0.
+  return fmt::format("{:.15g}", std::round(edge / last_digit) * last_digit + 0.0);
+}
+
 void addBars(ChartPage& page, const Histogram& plot, const HistogramSeries& series) {
   page.addDrawing([&page, plot, series](vtkContext2D& painter, SvgDevice& device) {
     internal::setNoPen(painter);
@@ -39,10 +47,12 @@ void addBars(ChartPage& page, const Histogram& plot, const HistogramSeries& seri
     for (std::size_t i = 0; i < series.counts.size(); ++i) {
       // An empty bin has no bar to point at; nor has one that is not a number.
       if (!(series.counts[i] > 0)) continue;
-      const double from = plot.first + plot.bin_width * static_cast<double>(i);
-      device.setShapeTitle(
-          fmt::format("{:.4g} to {:.4g}: {:g}", from, from + plot.bin_width, series.counts[i]));
-      drawBox(painter, page, {from, from + plot.bin_width}, {0, series.counts[i]});
+      const Range bin{plot.edge(i), plot.edge(i + 1)};
+      device.setShapeTitle(fmt::format("{}; {}: {} to {}; {}: {}", series.name, plot.frame.x.label,
+                                       edgeText(bin.min, plot.bin_width),
+                                       edgeText(bin.max, plot.bin_width), plot.frame.y.label,
+                                       series.counts[i]));
+      drawBox(painter, page, bin, {0, series.counts[i]});
     }
   });
 }
@@ -74,7 +84,8 @@ void drawBars(vtkContext2D& painter, SvgDevice& device, const ChartPage& page,
       const double from = plot.stacked
                               ? static_cast<double>(i) - width / 2
                               : static_cast<double>(i) - 0.4 + width * static_cast<double>(s);
-      device.setShapeTitle(fmt::format("{}, {}: {:.4g}", plot.categories[i], plot.names[s], value));
+      device.setShapeTitle(fmt::format("{}, {}; {}: {:.4g}", plot.categories[i], plot.names[s],
+                                       plot.frame.y.label, value));
       device.setShapeLink(i < plot.links.size() ? plot.links[i] : "");
       drawBox(painter, page, {from, from + width}, {floor[i], floor[i] + value});
       if (plot.stacked) floor[i] += value;
@@ -99,12 +110,13 @@ Colour tint(const Colour& colour) {
 
 /// Whiskers, box and median; nothing for a group that is shown by its points.
 void drawBoxSummary(vtkContext2D& painter, SvgDevice& device, const ChartPage& page,
-                    const BoxSummary& box, double centre) {
+                    const BoxSummary& box, const std::string& label, double centre) {
   const auto& q = box.quantiles;
   if (std::isnan(q[2])) return;
   const Colour colour = seriesColour(box.series);
-  device.setShapeTitle(fmt::format("{}: {:.4g} | {:.4g} | {:.4g} | {:.4g} | {:.4g}", box.name, q[0],
-                                   q[1], q[2], q[3], q[4]));
+  device.setShapeTitle(
+      fmt::format("{}; {}: median {:.4g}, box {:.4g} to {:.4g}, whiskers {:.4g} to {:.4g}",
+                  box.name, label, q[2], q[1], q[3], q[0], q[4]));
   internal::setPen(painter, colour, 1.2);
   drawLine(painter, page, {centre, centre}, {q[0], q[1]});
   drawLine(painter, page, {centre, centre}, {q[3], q[4]});
@@ -133,8 +145,7 @@ std::string toSvg(const Histogram& plot, const std::string& id) {
     heights.push_back(&curve.y);
     layout.legend.push_back({curve.name, curve.colour});
   }
-  const double last = plot.first + plot.bin_width * static_cast<double>(bins);
-  layout.x = plot.frame.x.range.value_or(Range{plot.first, last});
+  layout.x = plot.frame.x.range.value_or(Range{plot.first, plot.edge(bins)});
   layout.y = plot.frame.y.range.value_or(heightRange(heights));
   ChartPage page(plot.frame, layout, id);
   for (const HistogramSeries& series : plot.series) addBars(page, plot, series);
@@ -182,7 +193,8 @@ std::string toSvg(const BoxPlot& plot, const std::string& id) {
   ChartPage page(frame, layout, id);
   page.addDrawing([&page, &plot](vtkContext2D& painter, SvgDevice& device) {
     for (std::size_t i = 0; i < plot.boxes.size(); ++i) {
-      drawBoxSummary(painter, device, page, plot.boxes[i], static_cast<double>(i));
+      drawBoxSummary(painter, device, page, plot.boxes[i], plot.frame.y.label,
+                     static_cast<double>(i));
     }
   });
   page.addNamedPoints(plot.points);
