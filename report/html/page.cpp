@@ -75,9 +75,12 @@ std::string typeset(const std::string& text) {
 data findingRow(const Finding& f) {
   // A rule without a unit compares nothing with a threshold (convergence).
   const ShownUnit unit = shownUnit(f);
-  const auto shown = [&](double value) {
-    return f.unit.empty() ? "\u2013"
-                          : typeset(fmt::format("{:.3g}{}", unit.factor * value, unit.name));
+  const auto shown = [&](double value) -> std::string {
+    if (f.unit.empty()) return "\u2013";
+    const double number = unit.factor * value;
+    // Three digits, but no count of views as "1.42e+03".
+    const bool whole = std::abs(number) >= 999.5 && std::abs(number) < 1e7;
+    return typeset(fmt::format(fmt::runtime(whole ? "{:.0f}{}" : "{:.3g}{}"), number, unit.name));
   };
   return object({{"rule", f.rule},
                  {"level", toString(f.level)},

@@ -127,6 +127,30 @@ TEST(VerdictOfAPage, HasTheSignsOfPrint) {
                     HasSubstr("2 sigmatisme")));
 }
 
+TEST(VerdictOfAPage, CountsHaveNoExponent) {
+  Finding f{"views", VerdictLevel::kGood};
+  f.value = 1416;
+  f.threshold = 20;
+  f.unit = "1";
+  EXPECT_THAT(pageOf({f}), AllOf(HasSubstr(">1416<"), HasSubstr(">20<")));
+  f.unit = "s";
+  f.value = 12345.6;
+  EXPECT_THAT(pageOf({f}), AllOf(HasSubstr(">12346 s<"), HasSubstr(">20 s<")));
+}
+
+// One cell over both rows where columns are beside each other, and a cell in each where a narrow
+// window puts them below each other.
+TEST(VerdictOfAPage, AdviceThatRulesShareIsInEveryRow) {
+  Finding gyro{"gyroscope", VerdictLevel::kCaution}, accel{"accelerometer", VerdictLevel::kCaution};
+  gyro.advice = accel.advice = "raise it";
+  const std::string page = pageOf({gyro, accel});
+  EXPECT_THAT(
+      page,
+      AllOf(HasSubstr("<td class=\"advice\" rowspan=\"2\" data-name=\"what to do:\">raise it<"),
+            HasSubstr("<td class=\"advice again\" data-name=\"what to do:\">raise it<")));
+  EXPECT_THAT(pageOf({gyro}), Not(HasSubstr("class=\"advice again\"")));
+}
+
 TEST(VerdictOfAPage, CountsTheRulesThatAreMet) {
   const Finding good{"met", VerdictLevel::kGood}, doubt{"doubt", VerdictLevel::kCaution};
   EXPECT_THAT(pageOf({good, doubt, good}),
