@@ -174,7 +174,7 @@ Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresho
           "the errors of single frames' poses correspond to {:.3f} px of corner noise, "
           "while corners have {:.3f} px with a free pose for each frame{}: {:.2f} times",
           of_poses, of_corners,
-          of_corners < kLeastNoise_px ? fmt::format(" (taken as {:g})", kLeastNoise_px) : "",
+          of_corners < kLeastNoise_px ? fmt::format(" (taken as {:g} px)", kLeastNoise_px) : "",
           ratio))};
 }
 

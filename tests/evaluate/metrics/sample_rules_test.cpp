@@ -172,5 +172,20 @@ TEST(SampleRules, FramesThatContradictTheImuAreNotGood) {
   EXPECT_EQ(levelOf(2.1), VerdictLevel::kBad);
 }
 
+// As of a simulation: the ratio is to what a detector reaches, and the text says so.
+TEST(SampleRules, CornersWithoutNoiseCountAsThoseOfAGoodDetector) {
+  CameraImuStageResult stage;
+  stage.frame_errors = FrameErrors{0.3, std::sqrt(2.0) * 0.004, 1, 1, 0, 0};
+  stage.imu_summary.noise.pose_pixel_sigma = 0.02;
+  const Finding f = judgeFramePoses(stage, {}).front();
+  EXPECT_DOUBLE_EQ(f.value, 2);
+  EXPECT_NE(f.evidence.find("corners have 0.004 px with a free pose for each frame (taken as 0.01 "
+                            "px): 2.00 times"),
+            std::string::npos)
+      << f.evidence;
+  stage.frame_errors->free_rmse_px = std::sqrt(2.0) * 0.0101;
+  EXPECT_EQ(judgeFramePoses(stage, {}).front().evidence.find("taken as"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace plumbline
