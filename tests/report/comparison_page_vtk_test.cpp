@@ -40,6 +40,21 @@ TEST(ComparisonPage, NamesWhoseDeviationsAreRobustAndWhoseFormal) {
                 "deviations, valid only if model and assumed noise are right: kalibr."));
 }
 
+// As of given cameras, whose deviations a file states without degrees of freedom, beside T_SC0 of
+// the recording.
+TEST(ComparisonPage, SaysWhereACalibrationsDeviationsAreRobustInPart) {
+  ComparisonRecord record = test::syntheticComparison();
+  record.parameters.front().dof.clear();
+  EXPECT_THAT(renderComparisonPage(record),
+              HasSubstr("from blocks of the recording: plumbline (in part). Formal deviations, "
+                        "valid only if model and assumed noise are right: plumbline (the others), "
+                        "kalibr."));
+  for (ComparedParameter& p : record.parameters) p.dof.clear();
+  const std::string formal = renderComparisonPage(record);
+  EXPECT_THAT(formal, HasSubstr("are right: plumbline, kalibr."));
+  EXPECT_THAT(formal, Not(HasSubstr("Cluster-robust")));
+}
+
 TEST(ComparisonPage, NamesCalibrationsThatTheBarsLeaveOut) {
   EXPECT_THAT(comparisonPage(), Not(HasSubstr("Without a held-out score")));
   ComparisonRecord record = test::syntheticComparison();

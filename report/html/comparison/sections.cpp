@@ -116,17 +116,18 @@ std::vector<Block> parameterBlocks(const std::vector<ComparedParameter>& paramet
 std::string deviationWords(const std::vector<ComparedParameter>& parameters,
                            const std::vector<std::string>& labels) {
   std::string robust, formal;
+  const auto add = [](std::string& list, const std::string& entry) {
+    list += (list.empty() ? "" : ", ") + entry;
+  };
   for (std::size_t k = 0; k < labels.size(); ++k) {
-    const auto has = [&](const auto& of) {
-      return std::ranges::any_of(
-          parameters, [&](const ComparedParameter& p) { return at(p.*of, k).has_value(); });
+    const auto any = [&](bool with_dof) {
+      return std::ranges::any_of(parameters, [&](const ComparedParameter& p) {
+        return at(p.std, k) && at(p.dof, k).has_value() == with_dof;
+      });
     };
-    if (!has(&ComparedParameter::std)) continue;
-    std::string& list = has(&ComparedParameter::dof) ? robust : formal;
-    const bool in_part = std::ranges::any_of(
-        parameters, [&](const ComparedParameter& p) { return at(p.std, k) && !at(p.dof, k); });
-    list += (list.empty() ? "" : ", ") + labels[k];
-    if (&list == &robust && in_part) list += " (in part, else formal)";
+    const bool has_robust = any(true), has_formal = any(false);
+    if (has_robust) add(robust, labels[k] + (has_formal ? " (in part)" : ""));
+    if (has_formal) add(formal, labels[k] + (has_robust ? " (the others)" : ""));
   }
   std::string text;
   if (!robust.empty())
