@@ -28,10 +28,6 @@ std::vector<const PerturbationCase*> solvedCases(const PerturbationRecord& recor
 /// "within 1 ms: 3 of 6 tested between -300 and +300 ms; nearest to zero of the others: -200 and
 /// +300 ms".
 std::string recoveredText(const TestedOffsets& tested, double bound_s) {
-  if (tested.count == 1) {
-    return fmt::format("the one tested, {:+g} ms, is {}within {:g} ms", tested.from_ms,
-                       tested.recovered == 1 ? "" : "not ", 1e3 * bound_s);
-  }
   std::string text = fmt::format("within {:g} ms: ", 1e3 * bound_s);
   text += tested.recovered == tested.count
               ? fmt::format("all {} tested", tested.count)
@@ -58,20 +54,25 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
       });
   const double error = std::abs(worst.offset_error_s);
   const VerdictLevel level = levelAbove(error, bounds.offset_error_s);
-  return Finding{
-      "Injected time offsets recovered",
-      level,
-      fmt::format("the worst, {:+g} ms, is recovered to {} (recovered - injected - base); {}",
-                  worst.amount,
-                  error < 1e-9 ? "less than 0.001 us" : fmt::format("{:.4g} us", 1e6 * error),
-                  recoveredText(testedOffsets(record, bounds.offset_error_s.bad),
-                                bounds.offset_error_s.bad)),
-      level == VerdictLevel::kGood ? ""
-                                   : "the recording hardly determines the time offset; record "
-                                     "faster rotation about all axes",
-      error,
-      bounds.offset_error_s.caution,
-      "s"};
+  const TestedOffsets tested = testedOffsets(record, bounds.offset_error_s.bad);
+  const bool one = tested.count == 1;  // is no worst of several, and says nothing of a range
+  std::string evidence =
+      fmt::format("the {}, {:+g} ms, is recovered to {} (recovered - injected - base)",
+                  one ? "only one tested" : "worst", worst.amount,
+                  error < 1e-9   ? "less than 0.001 us"
+                  : error < 1e-3 ? fmt::format("{:.4g} us", 1e6 * error)
+                                 : fmt::format("{:.4g} ms", 1e3 * error));
+  if (!one) evidence += "; " + recoveredText(tested, bounds.offset_error_s.bad);
+  return Finding{"Injected time offsets recovered",
+                 level,
+                 evidence,
+                 level == VerdictLevel::kGood
+                     ? ""
+                     : "the cause was not tested; the offset is found by rotation: record "
+                       "faster rotation about all axes, or take a known offset out of the stamps",
+                 error,
+                 bounds.offset_error_s.caution,
+                 "s"};
 }
 
 /// Shifted stamps move the time offset and nothing else: any other change is an error of the

@@ -55,6 +55,29 @@ TEST(PerturbationPage, GivesEverySeriesOfTheBasinItsOwnColour) {
   EXPECT_EQ(entries, 5U);
 }
 
+// Of one point there is neither a basin nor a largest error.
+TEST(PerturbationPage, ClaimsNoBasinOfASingleOffset) {
+  PerturbationRecord record = test::syntheticPerturbation();
+  const auto shift = std::find_if(record.cases.begin(), record.cases.end(), [](const auto& c) {
+    return c.kind == "imu-shift" && c.problem.empty() && c.amount > 0;
+  });
+  ASSERT_NE(shift, record.cases.end());
+  const PerturbationCase one = *shift;
+  record.cases = {one};
+  const std::string page = renderPerturbationPage(record);
+  for (const char* claim :
+       {"onvergence basin", "basin ends", "bound of the basin", "Largest off"}) {
+    EXPECT_THAT(perturbationPage(), HasSubstr(claim));
+    EXPECT_THAT(page, Not(HasSubstr(claim)));
+  }
+  EXPECT_THAT(page, HasSubstr("<h2>Injected time offset</h2>"));
+  EXPECT_THAT(page, HasSubstr("no other offset was tested, so this shows no range of offsets"));
+  const std::string svg = plot(page, "perturbation-basin");
+  const AxisMapping axes(svg);
+  EXPECT_TRUE(
+      drawnAt(svg, axes.pixelX(one.amount), axes.pixelY(std::log10(std::abs(one.offset_error_s)))));
+}
+
 TEST(PerturbationPage, KeepsFailedCasesWithTheirProblem) {
   EXPECT_THAT(perturbationPage(), HasSubstr("failed: too few IMU samples &lt;here&gt;"));
   EXPECT_THAT(perturbationPage(), HasSubstr("26 solved, 1 failed"));

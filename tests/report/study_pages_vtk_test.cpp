@@ -141,23 +141,5 @@ TEST(StudyPagesFromTheStore, AreTheSame) {
   std::filesystem::remove(file);
 }
 
-// A count has no unit.
-
-// Also where its evidence tells of a share; a cumulated drift is one of the first nights' value.
-
-// A verdict of its calibration is no reason that a participant gave.
-
-// A store may hold any text as a kind; titles are escaped.
-
-// The worst error, rather than the worst that is a number.
-
-// As the verdict has it: beyond the 95 % interval.
-
-// a has an error in both sequences, and one value a row is the smallest.
-
-// Half of b's runs failed: the smallest of those that are left is no median, and not the best.
-
-// What export writes: camera 0's, where the table above has the mean for comparing.
-
 }  // namespace
 }  // namespace plumbline

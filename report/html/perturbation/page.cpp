@@ -144,6 +144,13 @@ std::string labelOf(const PerturbationCase& c) {
   return label;
 }
 
+/// Of a single offset a plot shows no basin.
+bool isOneOffset(const CaseGroup& shifts) {
+  return std::ranges::all_of(shifts.cases, [&](const PerturbationCase* c) {
+    return c->amount == shifts.cases.front()->amount;
+  });
+}
+
 /// Injected offset against |recovered - injected - base| on decades, failures along the top.
 Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   const BasinScale scale = scaleOf(record, shifts);
@@ -162,16 +169,18 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   LinePlot plot;
   const bool any_failed = !failed.x.empty();
   const double top = any_failed ? scale.failed + 0.4 : scale.high;
-  plot.frame = {"Convergence basin: |recovered \u2212 injected \u2212 base|",
+  const bool one = isOneOffset(shifts);
+  plot.frame = {std::string(one ? "Injected offset" : "Convergence basin") +
+                    ": |recovered \u2212 injected \u2212 base|",
                 {"injected offset [ms]", scale.x},
                 {"error of the recovered offset", Range{scale.low, top}, decades(scale, any_failed),
                  false, false, true},
                 960,
                 400};
   if (any_failed) plot.frame.y.highest = scale.high;
-  plot.series.push_back(
-      level(fmt::format("bound of the basin, {:g} ms", 1e3 * record.offset_bound_s),
-            record.offset_bound_s, scale, kBoundColour));
+  plot.series.push_back(level(
+      fmt::format("bound{}, {:g} ms", one ? "" : " of the basin", 1e3 * record.offset_bound_s),
+      record.offset_bound_s, scale, kBoundColour));
   const double std = record.base.time_offset_std_s.value_or(0);
   // A line outside of the axes would only stand in the legend.
   if (std > std::pow(10, scale.low) && std < std::pow(10, scale.high)) {
@@ -180,14 +189,17 @@ Figure basinFigure(const PerturbationRecord& record, const CaseGroup& shifts) {
   for (Series& series : {std::ref(late), std::ref(early), std::ref(failed)}) {
     if (!series.x.empty()) plot.series.push_back(std::move(series));
   }
-  return {
-      toSvg(plot, "perturbation-basin"),
+  const std::string each =
       "Each point is one calibration from its own initial guess, with every IMU stamp shifted by "
       "the injected offset. Points far below the standard deviation of the base's offset mean that "
-      "the result does not depend on the initial offset of the clocks there; between the points "
-      "nothing was tested. The basin ends where points rise above the dashed line of the bound or "
-      "fail. Errors below 1 ps are drawn there.",
-      true};
+      "the result does not depend on the initial offset of the clocks there; ";
+  return {toSvg(plot, "perturbation-basin"),
+          each +
+              (one ? "no other offset was tested, so this shows no range of offsets."
+                   : "between the points nothing was tested. The basin ends where points rise "
+                     "above the dashed line of the bound or fail.") +
+              " Errors below 1 ps are drawn there.",
+          true};
 }
 
 /// Cases down, parameters across, changes in standard deviations of the base. `index` tells the
@@ -285,8 +297,9 @@ Section basinSection(const PerturbationRecord& record, const std::vector<CaseGro
       "initial guess. Since t_imu = t_cam + t_d, the recovered offset must grow by exactly what "
       "was injected: error = recovered \u2212 injected \u2212 base."};
   for (const CaseGroup& group : groups) {
-    if (group.kind == kShift)
-      section.blocks.push_back(figureBlock("", {basinFigure(record, group)}));
+    if (group.kind != kShift) continue;
+    if (isOneOffset(group)) section.title = "Injected time offset";
+    section.blocks.push_back(figureBlock("", {basinFigure(record, group)}));
   }
   return section;
 }
@@ -335,7 +348,9 @@ std::vector<Card> cardsOf(const PerturbationRecord& record) {
   std::size_t failed = 0;
   // Below 0: no shifted case has a solution.
   double worst = -1, at = 0;
+  std::size_t shifts = 0;
   for (const PerturbationCase& c : record.cases) {
+    if (c.kind == kShift) ++shifts;
     if (!c.problem.empty()) {
       ++failed;
     } else if (c.kind == kShift && isLarger(std::abs(c.offset_error_s), worst)) {
@@ -353,7 +368,8 @@ std::vector<Card> cardsOf(const PerturbationRecord& record) {
                      "std " + stdText(record.base) + " ms"});
   }
   if (!(worst < 0)) {  // also where it is not a number
-    cards.push_back({"Largest offset error", microseconds(worst, "{:.3g}"), "\u00b5s",
+    cards.push_back({shifts == 1 ? "Offset error" : "Largest offset error",
+                     microseconds(worst, "{:.3g}"), "\u00b5s",
                      fmt::format("at {:+g} ms injected", at)});
   }
   return cards;

@@ -18,6 +18,7 @@ namespace {
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 using Kind = PerturbationKind;
 
 constexpr double kCornerSigma = 0.2;
@@ -232,6 +233,36 @@ TEST(TestedOffsets, ZeroIsNoneOfThemUnlessItWasTested) {
   const std::string evidence = perturbationFindings(record, {}).front().evidence;
   EXPECT_THAT(evidence, HasSubstr("within 1 ms: all 2 tested between +10 and +100 ms"));
   EXPECT_THAT(evidence, Not(HasSubstr("nearest")));
+}
+
+// One point has no worst, no range and no slope.
+TEST(TestedOffsets, ASingleOneIsSaidByItselfAlone) {
+  PerturbationRecord record;
+  record.cases = {shift(10, 3e-7)};
+  const Finding good = perturbationFindings(record, {}).front();
+  EXPECT_EQ(good.evidence,
+            "the only one tested, +10 ms, is recovered to 0.3 us (recovered - injected - base)");
+  EXPECT_EQ(good.level, VerdictLevel::kGood);
+  record.cases = {shift(-300, 0.2)};
+  const Finding lost = perturbationFindings(record, {}).front();
+  EXPECT_EQ(lost.level, VerdictLevel::kBad);
+  EXPECT_THAT(lost.evidence, StartsWith("the only one tested, -300 ms, is recovered to 200 ms"));
+  EXPECT_THAT(lost.advice, HasSubstr("the cause was not tested"));
+  for (const std::string& text : {perturbationSummary(record), documentOf(record)}) {
+    for (const char* claim : {"worst", "between", "range", "slope", "nearest"}) {
+      EXPECT_THAT(text, Not(HasSubstr(claim)));
+    }
+  }
+}
+
+TEST(TestedOffsets, ASingleOneThatFailedIsNoFindingOnOffsets) {
+  PerturbationRecord record;
+  record.cases = {shift(300, 0, "did not converge")};
+  const auto findings = perturbationFindings(record, {});
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].level, VerdictLevel::kCaution);
+  EXPECT_THAT(findings[0].evidence, HasSubstr("0 of 1 cases were solved; the first that failed, "
+                                              "imu-shift +300 ms: did not converge"));
 }
 
 TEST(PerturbationSummary, AFactorHasNoSignThatAdds) {
