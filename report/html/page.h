@@ -64,6 +64,17 @@ data listOf(const Items& items, const Make& make) {
 /// An object of texts, true or false, and lists.
 data object(std::initializer_list<std::pair<std::string, data>> fields);
 
+/// A list, and as "has_NAME" whether it has anything: the markup around it asks for that.
+void setList(data& values, const std::string& name, const data& list);
+
+/// Findings are written for terminals; a page has the signs: "0.2 deg (+- 0.1)" is "0.2 \u00b0
+/// (\u00b1 0.1)".
+std::string typeset(const std::string& text);
+
+/// Badge (of a good verdict with the page's word), sentence, findings that are not good, and those
+/// that are.
+void setVerdict(data& page, const Verdict& verdict, const std::string& good_word);
+
 /// The page of a template, which may name the partials of report/html/templates/page_*.mustache.
 std::string renderTemplate(const std::string& text, data& page);
 
