@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "report/html/comparison/sections.h"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
+#include "report/html/comparison/sections.h"
 #include "report/html/page.h"
 
 namespace plumbline::html_internal {
@@ -15,33 +14,6 @@ using Values = std::vector<std::optional<double>>;
 /// Empty also where the column ends earlier: a record may have been read from a store.
 std::optional<double> at(const Values& column, std::size_t k) {
   return k < column.size() ? column[k] : std::nullopt;
-}
-
-/// "cam0: pinhole-radtan, 752 x 480".
-std::string modelOf(const CameraCalibration& camera) {
-  const Intrinsics& i = camera.intrinsics;
-  return fmt::format("{}: {}-{}, {} \u00d7 {}", camera.name, toString(i.projection_model),
-                     toString(i.distortion_model), i.resolution.width, i.resolution.height);
-}
-
-std::string camerasOf(const Calibration& calibration) {
-  std::string text;
-  for (const CameraCalibration& camera : calibration.cameras) {
-    text += (text.empty() ? "" : "; ") + modelOf(camera);
-  }
-  return text;
-}
-
-/// The lint's findings that are not good; the worst gives the colour.
-Cell lintCell(const ComparedCalibration& c) {
-  std::string rules;
-  VerdictLevel worst = VerdictLevel::kGood;
-  for (const Finding& f : c.lint) {
-    if (f.level == VerdictLevel::kGood) continue;
-    worst = std::max(worst, f.level);
-    rules += (rules.empty() ? "" : "; ") + f.rule + ": " + f.evidence;
-  }
-  return {rules.empty() ? "nothing found" : rules, Cell::Kind::kText, worst};
 }
 
 /// "458.654 ± 0.080", or the reason why there is nothing.
@@ -155,76 +127,7 @@ std::string notHeldOut(const ComparisonRecord& record) {
   return names;
 }
 
-/// One column a calibration: camera 0's offset as a tool writes it.
-Table offsetTable(const ComparisonRecord& record) {
-  Table table{{words("Tool"), code("Field")}};
-  std::vector<std::vector<OffsetRow>> rows;
-  for (const OffsetSummary& o : record.offsets) {
-    table.columns.push_back(number(o.label));
-    // The mean of the cameras' is for comparing: no tool has it.
-    const auto offset =
-        o.per_camera_s.empty() ? o.time_offset_s : std::optional(o.per_camera_s.front());
-    rows.push_back(offset ? offsetRows(*offset, o.std_s) : std::vector<OffsetRow>());
-  }
-  table.columns.push_back(words("Note"));
-  // Tools, fields and notes are those of any offset.
-  const auto tools = offsetRows(0, std::nullopt);
-  for (std::size_t i = 0; i < tools.size(); ++i) {
-    std::vector<Cell> cells = {{tools[i].tool}, code(tools[i].field)};
-    for (const auto& column : rows) {
-      cells.push_back(number(column.empty()
-                                 ? "\u2013 (no IMU)"
-                                 : fmt::format("{} ({})", column[i].number, column[i].value)));
-    }
-    cells.push_back({tools[i].note});
-    table.rows.push_back(std::move(cells));
-  }
-  return table;
-}
-
-/// By calibration, where its cameras are not synchronised.
-std::string unlikeOffsets(const ComparisonRecord& record) {
-  std::string text;
-  for (const ComparedCalibration& c : record.calibrations) {
-    if (!c.calibration.imu) continue;
-    const std::string own = unlikeOffsetsText(c.calibration.cameras, *c.calibration.imu);
-    if (!own.empty()) text += (text.empty() ? "" : " ") + c.label + ": " + own;
-  }
-  return text;
-}
-
-/// Offset, deviation and, where cameras have one each, theirs; all in Kalibr's sign.
-Table offsetDetails(const ComparisonRecord& record) {
-  Table table{
-      {words("Calibration"), number("t_d [ms]"), number("Std [ms]"), number("Per camera [ms]")}};
-  for (const OffsetSummary& o : record.offsets) {
-    std::string each;
-    for (const double t : o.per_camera_s) {
-      each += (each.empty() ? "" : ", ") + withPrecisionOf(1e3 * t, 1e3 * o.std_s.value_or(0));
-    }
-    table.rows.push_back(
-        {{o.label},
-         number(o.time_offset_s ? withPrecisionOf(1e3 * *o.time_offset_s, 1e3 * o.std_s.value_or(0))
-                                : "\u2013 (no IMU)"),
-         number(o.std_s ? twoDigits(1e3 * *o.std_s) : "\u2013 (not stated)"),
-         number(each.empty() ? "\u2013 (one for all)" : each)});
-  }
-  return table;
-}
-
 }  // namespace
-
-Section calibrationsSection(const ComparisonRecord& record) {
-  Section section{"calibrations", "Calibrations", "Differences below are relative to the first."};
-  Table table{{words("Label"), words("Tool"), words("File"), words("Cameras"), words("IMU"),
-               words("Conventions")}};
-  for (const ComparedCalibration& c : record.calibrations) {
-    table.rows.push_back({words(c.label), words(c.tool.empty() ? kDash : c.tool), code(c.file),
-                          words(camerasOf(c.calibration)), words(c.calibration.imu ? "yes" : "no"),
-                          lintCell(c)});
-  }
-  return withTable(std::move(section), std::move(table));
-}
 
 Section comparedParametersSection(const ComparisonRecord& record) {
   Section section{
@@ -259,34 +162,6 @@ Section sessionEstimateSection(const ComparisonRecord& record) {
   for (Block& block : parameterBlocks(own.parameters, labels, Shown::kDifferences)) {
     section.blocks.push_back(std::move(block));
   }
-  return section;
-}
-
-Section transformsSection(const ComparisonRecord& record) {
-  Section section{"transforms", "Transforms", "Metres; p_A = T_AB p_B."};
-  for (const ComparedCalibration& c : record.calibrations) {
-    Block block;
-    block.heading = c.label;
-    if (c.calibration.imu) {
-      block.matrices.push_back({"T_SC0", c.calibration.imu->T_SC0, "Camera 0 to IMU"});
-    }
-    for (std::size_t i = 1; i < c.calibration.cameras.size(); ++i) {
-      block.matrices.push_back({fmt::format("T_C0C{}", i), c.calibration.cameras[i].T_C0Ci,
-                                fmt::format("Camera {} to camera 0", i)});
-    }
-    if (block.matrices.empty()) block.text = "\u2013 (one camera and no IMU)";
-    section.blocks.push_back(std::move(block));
-  }
-  return section;
-}
-
-Section offsetsSection(const ComparisonRecord& record) {
-  Section section{"time-offset", "Time offset in every tool's sign",
-                  "The convention here, and Kalibr's, is t_imu = t_cam + t_d: a camera stamp plus "
-                  "the offset is the same instant on the IMU's clock."};
-  if (record.offsets.empty()) return section;
-  section.blocks.push_back({"", "", offsetDetails(record)});
-  section.blocks.push_back({"As written by each tool", unlikeOffsets(record), offsetTable(record)});
   return section;
 }
 
