@@ -119,10 +119,12 @@ Finding endpointFinding(const StudyRecord& record) {
   const auto unknown = unknownEndpoints(record);
   Finding f = countFinding("Endpoints", unknown.size(), "every declared endpoint has figures");
   if (unknown.empty()) return f;
-  // A misspelt name of a parameter, say: only the calibrations know those (isEndpoint()).
   f.level = VerdictLevel::kCaution;
   f.evidence = fmt::format("no session has a figure of {}", fmt::join(unknown, ", "));
-  f.advice = "Correct endpoints in the study, or record what they require";
+  // A misspelt name of a parameter, say: only the calibrations know those (isEndpoint()).
+  f.advice = failedSessions(record) == record.sessions.size()
+                 ? "No session has a calibration, which figures come from: see why first"
+                 : "Correct endpoints in the study, or record what they require";
   return f;
 }
 

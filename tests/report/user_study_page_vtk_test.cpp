@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -228,6 +230,46 @@ TEST(UserStudyPage, HasNoDeviationOfASingleSession) {
   const std::string section = page.substr(page.find("<section id=\"perturbations\""));
   const std::string row = between(section.substr(section.find("<tbody>")), "<tr>", "</tr>").at(0);
   EXPECT_EQ(countOf(row, "\u2013</td>"), 1U) << row;
+}
+
+TEST(UserStudyPage, TellsNoDigitsOfTheArithmetic) {
+  StudyRecord record = test::syntheticUserStudy();
+  record.perturbations.resize(1);
+  record.perturbations[0].offset_ms = 10;
+  record.perturbations[0].recovered_ms = 10 + 3e-13;
+  std::string page = renderStudyPage(record);
+  EXPECT_THAT(page.substr(page.find("<section id=\"perturbations\"")),
+              HasSubstr(">&lt; 1e-6</td>"));
+  record.perturbations[0].recovered_ms = 10.002;
+  page = renderStudyPage(record);
+  EXPECT_THAT(page.substr(page.find("<section id=\"perturbations\"")), HasSubstr(">0.002</td>"));
+}
+
+// The spread of the sessions says which digits of their mean tell anything; of one session its
+// formal deviation does.
+TEST(UserStudyPage, TellsTheMeanOffsetToTheDigitsOfItsSpread) {
+  StudyRecord record = test::syntheticUserStudy();
+  const auto rowOf = [&](std::optional<double> std_s) {
+    record.statistics.methods.front().time_offset_mean_s = 0.0106355;
+    record.statistics.methods.front().time_offset_std_s = std_s;
+    for (StudySession& s : record.sessions) s.time_offset_std_s = 0.0082;
+    const std::string page = renderStudyPage(record);
+    return page.substr(page.find("<section id=\"offsets\""), 1500);
+  };
+  EXPECT_THAT(rowOf(3.5e-4), HasSubstr(">10.64</td>"));
+  EXPECT_THAT(rowOf(std::nullopt), HasSubstr(">10.6</td>"));
+}
+
+TEST(UserStudyPage, CallsOneSessionNoMedian) {
+  StudyRecord record = test::syntheticUserStudy();
+  const std::string method = record.statistics.methods.front().method;
+  EXPECT_THAT(userStudyPage(), Not(HasSubstr("one session")));
+  bool first = true;
+  for (StudySession& s : record.sessions) {
+    if (s.method != method || !s.held_out_rmse_px) continue;
+    if (!std::exchange(first, false)) s.held_out_rmse_px.reset();
+  }
+  EXPECT_THAT(renderStudyPage(record), HasSubstr("<p class=\"note\">one session</p>"));
 }
 
 }  // namespace

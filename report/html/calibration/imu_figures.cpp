@@ -211,25 +211,25 @@ std::vector<Block> residualFigures(const CameraImuStageResult& stage, TimeNs ori
       return Eigen::Vector3d(r.normalised.segment<3>(first));
     };
   };
-  LinePlot gyro_plot = overTime("Gyroscope residual", "[mrad/s]");
+  LinePlot gyro_plot = overTime("Gyroscope residual", "residual [mrad/s]");
   gyro_plot.bands = {noiseBand(stage, origin, &ImuIntervalResidual::gyro, 1e3)};
-  LinePlot accel_plot = overTime("Accelerometer residual", "[m/s^2]");
+  LinePlot accel_plot = overTime("Accelerometer residual", "residual [m/s\u00b2]");
   accel_plot.bands = {noiseBand(stage, origin, &ImuIntervalResidual::accel, 1)};
-  return {
-      figureBlock("Gyroscope",
-                  {seriesFigure(stage, origin, std::move(gyro_plot), gyro, raw, "imu-gyro"),
-                   seriesFigure(stage, origin, overTime("Gyroscope residual, normalised", "[-]"),
-                                rows(0), whitened(noise.gyro), "imu-gyro-normalised")}),
-      figureBlock(
-          "Accelerometer",
-          {seriesFigure(stage, origin, std::move(accel_plot), accel, raw, "imu-accel"),
-           seriesFigure(stage, origin, overTime("Accelerometer residual, normalised", "[-]"),
-                        rows(3), whitened(noise.accel), "imu-accel-normalised")}),
-      figureBlock("Distributions",
-                  {normalisedHistogram(stage, "Rotation", 0, 3, noise.gyro.expected_rms,
-                                       "imu-rotation-histogram"),
-                   normalisedHistogram(stage, "Velocity and position", 3, 6,
-                                       noise.accel.expected_rms, "imu-velocity-histogram")})};
+  return {figureBlock("Gyroscope",
+                      {seriesFigure(stage, origin, std::move(gyro_plot), gyro, raw, "imu-gyro"),
+                       seriesFigure(stage, origin,
+                                    overTime("Gyroscope residual, normalised", "residual [-]"),
+                                    rows(0), whitened(noise.gyro), "imu-gyro-normalised")}),
+          figureBlock("Accelerometer",
+                      {seriesFigure(stage, origin, std::move(accel_plot), accel, raw, "imu-accel"),
+                       seriesFigure(stage, origin,
+                                    overTime("Accelerometer residual, normalised", "residual [-]"),
+                                    rows(3), whitened(noise.accel), "imu-accel-normalised")}),
+          figureBlock("Distributions",
+                      {normalisedHistogram(stage, "Rotation", 0, 3, noise.gyro.expected_rms,
+                                           "imu-rotation-histogram"),
+                       normalisedHistogram(stage, "Velocity and position", 3, 6,
+                                           noise.accel.expected_rms, "imu-velocity-histogram")})};
 }
 
 }  // namespace
@@ -239,18 +239,19 @@ Section readingsSection(const CameraImuStageResult& stage, TimeNs origin) {
                   "Readings of gyroscope and accelerometer, and the readings that the solution "
                   "predicts, in the IMU's axes."};
   if (stage.imu_residuals.empty()) return section;
-  section.blocks = {
-      figureBlock("", {readingFigure(stage, origin, overTime("Angular velocity", "[rad/s]"),
-                                     &ImuIntervalResidual::gyro, "readings-gyro"),
-                       readingFigure(stage, origin, overTime("Specific force", "[m/s^2]"),
-                                     &ImuIntervalResidual::accel, "readings-accel")})};
+  section.blocks = {figureBlock(
+      "", {readingFigure(stage, origin, overTime("Angular velocity", "angular velocity [rad/s]"),
+                         &ImuIntervalResidual::gyro, "readings-gyro"),
+           readingFigure(stage, origin, overTime("Specific force", "specific force [m/s\u00b2]"),
+                         &ImuIntervalResidual::accel, "readings-accel")})};
   return section;
 }
 
 Section inertialSection(const CameraImuStageResult& stage, TimeNs origin, const Verdict& verdict) {
   return {"imu-residuals", "Inertial residuals",
-          "Residuals between the inertial samples and the estimated motion, and the noise "
-          "densities that they indicate.",
+          "The estimated motion minus that of the inertial samples between two frames, over the "
+          "time between them, in the IMU's axes, and the noise densities that these residuals "
+          "indicate.",
           residualFigures(stage, origin), noiseRemarks(stage.imu_summary.noise, verdict)};
 }
 
@@ -259,13 +260,15 @@ Section biasSection(const CameraImuStageResult& stage, TimeNs origin) {
   if (stage.states.size() > 1) {
     figures = {
         biasFigure(stage, "Gyroscope bias", "rad/s", &ImuState::gyro_bias, origin, "bias-gyro"),
-        biasFigure(stage, "Accelerometer bias", "m/s^2", &ImuState::accel_bias, origin,
+        biasFigure(stage, "Accelerometer bias", "m/s\u00b2", &ImuState::accel_bias, origin,
                    "bias-accel")};
   }
-  return {"biases",
-          "Biases",
-          "Estimated offsets of the inertial sensors at every frame.",
-          {figureBlock("", std::move(figures))}};
+  return {
+      "biases",
+      "Biases",
+      "Estimated offsets of the inertial sensors at every frame, in the IMU's axes: a reading is "
+      "the true value plus the bias.",
+      {figureBlock("", std::move(figures))}};
 }
 
 std::string densityRemark(const std::string& sensor, const ImuNoiseCheck& check,

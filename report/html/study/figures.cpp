@@ -161,10 +161,15 @@ Table offsetTable(const StudyRecord& record) {
       if (s.time_offset_std_s) stated.push_back(*s.time_offset_std_s);
     }
     if (count == 0) continue;
-    table.rows.push_back({words(m.method), number(count),
-                          orDash(m.time_offset_mean_s, 1e3, "{:.4f}"),
-                          orDash(m.time_offset_std_s, 1e3, "{:.2g}"),
-                          number(stated.empty() ? kDash : twoDigits(1e3 * median(stated)))});
+    const double formal_s = stated.empty() ? 0 : median(stated);
+    // To the digits of the spread; one session has none.
+    const double known_s = m.time_offset_std_s.value_or(formal_s);
+    table.rows.push_back(
+        {words(m.method), number(count),
+         number(m.time_offset_mean_s ? withPrecisionOf(1e3 * *m.time_offset_mean_s, 1e3 * known_s)
+                                     : kDash),
+         orDash(m.time_offset_std_s, 1e3, "{:.2g}"),
+         number(stated.empty() ? kDash : twoDigits(1e3 * formal_s))});
   }
   return table;
 }

@@ -30,7 +30,8 @@ std::vector<Card> cardsOf(const StudyRecord& record) {
       return s.method == m.method && s.held_out_rmse_px.has_value();
     });
     cards.push_back({"Held-out RMSE, " + m.method, fmt::format("{:.4f}", *m.median_held_out_px),
-                     "px", fmt::format("median of {} sessions", scored)});
+                     "px",
+                     scored == 1 ? "one session" : fmt::format("median of {} sessions", scored)});
   }
   if (!record.nights.empty()) {
     cards.push_back({"Alarms", std::to_string(record.alarms.size()), "",

@@ -83,6 +83,11 @@ Table methodsTable(const StudyRecord& record) {
   return table;
 }
 
+/// A deviation or an error [ms]; below a nanosecond its digits are those of the arithmetic.
+std::string smallMilliseconds(double ms) {
+  return std::abs(ms) < 1e-6 ? "< 1e-6" : fmt::format("{:.2g}", ms);
+}
+
 /// Offsets that calibrations found under one injected shift; those without one are counted.
 struct Recovered {
   std::vector<double> ms;
@@ -157,8 +162,8 @@ Section perturbationSection(const StudyRecord& record) {
                           number(group.ms.size() + static_cast<std::size_t>(group.failed)),
                           number(group.failed),
                           number(any ? fmt::format("{:.4f}", all.mean) : kDash),
-                          number(group.ms.size() > 1 ? fmt::format("{:.2g}", all.std) : kDash),
-                          number(any ? fmt::format("{:.2g}", worst) : kDash)});
+                          number(group.ms.size() > 1 ? smallMilliseconds(all.std) : kDash),
+                          number(any ? smallMilliseconds(worst) : kDash)});
   }
   return withTable(
       {"perturbations", "Perturbed time offsets",

@@ -117,8 +117,8 @@ Section spreadSection(const StudyRecord& record) {
 
 Section boardSection(const StudyRecord& record) {
   Section section{"board", "The board over the sessions",
-                  "Terms of the target's shape as each calibration estimated it: a drift means "
-                  "that the board changes."};
+                  "Terms of the target's shape as each calibration estimated it. A trend may be "
+                  "the board's, or that of anything else which changed between the sessions."};
   LinePlot plot;
   // 0, the board as stated, is always in view.
   std::vector<double> ends{0};
