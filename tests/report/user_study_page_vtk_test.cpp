@@ -2,8 +2,8 @@
 // What the page of a user study shows: data on their pixels, missing values with their reason.
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
