@@ -119,10 +119,12 @@ std::vector<Card> keyFigures(const CalibrationRecord& record) {
   cards.push_back({"Rotation of T_SC0",
                    fmt::format("{:.3f}", readable("rad").factor * rotationAngle(s->imu.T_SC0.R)),
                    "\u00b0", ""});
-  cards.push_back({"Gyroscope residual", fmt::format("{:.2f}", 1e3 * s->imu_summary.gyro_rms_rad_s),
-                   "mrad/s", densityNote(s->imu_summary.noise.gyro)});
-  cards.push_back({"Accelerometer residual", fmt::format("{:.4f}", s->imu_summary.accel_rms_m_s2),
-                   "m/s\u00b2", densityNote(s->imu_summary.noise.accel)});
+  cards.push_back({"Gyroscope residual, RMS",
+                   fmt::format("{:.2f}", 1e3 * s->imu_summary.gyro_rms_rad_s), "mrad/s",
+                   densityNote(s->imu_summary.noise.gyro)});
+  cards.push_back({"Accelerometer residual, RMS",
+                   fmt::format("{:.4f}", s->imu_summary.accel_rms_m_s2), "m/s\u00b2",
+                   densityNote(s->imu_summary.noise.accel)});
   return cards;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the page of a comparison shows: data on their pixels, missing values with their reason.
+#include <optional>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -23,6 +24,20 @@ TEST(ComparisonPage, ReadsPairedPredictionsAsTheVerdict) {
   };
   EXPECT_THAT(readingAt(2.5), HasSubstr("plumbline predicts better, by 2.5"));
   EXPECT_THAT(readingAt(2), HasSubstr("no difference (2.0"));
+}
+
+TEST(ComparisonPage, SaysNoDifferenceOfEqualValuesButZero) {
+  ComparisonRecord record = test::syntheticComparison();
+  ComparedParameter p = record.parameters.front();
+  p.unit = "rad";
+  p.difference = {std::nullopt, 2.4e-16, 0.0};
+  record.parameters = {p};
+  std::string page = renderComparisonPage(record);
+  page = page.substr(page.find("<section id=\"parameters\""));
+  page.resize(page.find("</section>"));
+  EXPECT_THAT(page, Not(HasSubstr("e-1")));
+  EXPECT_THAT(page, Not(HasSubstr("+0<")));
+  EXPECT_THAT(page, HasSubstr(">0</td>"));
 }
 
 TEST(ComparisonPage, SaysWhyAValueIsMissing) {

@@ -354,7 +354,7 @@ TEST(KeyFigures, AFactorThatNothingTellsIsNotShown) {
   record.camera_imu->imu_summary.noise.gyro = {0.5, 1, 9};
   record.camera_imu->imu_summary.noise.accel = {0.5, 1.2, 11};
   for (const html_internal::Card& card : html_internal::keyFigures(record)) {
-    if (card.label == "Gyroscope residual") {
+    if (card.label == "Gyroscope residual, RMS") {
       EXPECT_THAT(card.note, HasSubstr("not known"));
     }
     if (card.label == "Accelerometer residual") {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -60,9 +61,11 @@ std::vector<Cell> parameterRow(const ComparedParameter& p, std::size_t calibrati
   for (std::size_t k = 1; k < calibrations; ++k) {
     if (shown == Shown::kValues) row.push_back(number(estimateText(p, k, factor)));
     const auto difference = at(p.difference, k);
-    const auto* form = p.hasSign() ? "{:+.3g}" : "{:.3g}";
-    row.push_back(
-        number(difference ? fmt::format(fmt::runtime(form), factor * *difference) : kDash));
+    // Of equal values the logarithm of a rotation leaves 1e-15.
+    const bool none = difference && std::abs(factor * *difference) < 1e-9;
+    const auto* form = p.hasSign() && !none ? "{:+.3g}" : "{:.3g}";
+    row.push_back(number(
+        difference ? fmt::format(fmt::runtime(form), none ? 0 : factor * *difference) : kDash));
     row.push_back(significanceCell(p, k));
   }
   return row;
@@ -155,7 +158,7 @@ Section sessionEstimateSection(const ComparisonRecord& record) {
   if (!same.empty()) {
     section.lead +=
         " Not known to be from other data: " + same +
-        ". An estimate from the same session shares its corners and agrees with it in any case.";
+        ". An estimate from the same session shares its corners: that the two agree shows little.";
   }
   std::vector<std::string> labels = {"the session itself"};
   for (std::string& label : labelsOf(record)) labels.push_back(std::move(label));
