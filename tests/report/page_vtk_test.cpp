@@ -357,7 +357,7 @@ TEST(KeyFigures, AFactorThatNothingTellsIsNotShown) {
     if (card.label == "Gyroscope residual, RMS") {
       EXPECT_THAT(card.note, HasSubstr("not known"));
     }
-    if (card.label == "Accelerometer residual") {
+    if (card.label == "Accelerometer residual, RMS") {
       EXPECT_THAT(card.note, HasSubstr("1.20 \u00d7"));
     }
   }
