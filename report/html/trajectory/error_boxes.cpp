@@ -33,7 +33,7 @@ void addGroup(BoxPlot& plot, const BoxRule& rule, const std::string& name, std::
     const auto x = static_cast<double>(plot.boxes.size());
     for (const double value : values) {
       plot.points.push_back(
-          {x, value, fmt::format("{}: {:.4g}", name, value), "", seriesColour(series)});
+          {x, value, fmt::format("{}: {:.4g} m", name, value), "", seriesColour(series)});
     }
   }
   plot.boxes.push_back(std::move(box));
