@@ -10,6 +10,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/calibrate_session.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/option_lists.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
@@ -75,7 +76,12 @@ CalibrateRequest calibrateRequest(const CalibrateOptions& o, const CLI::App& app
   request.camera_imu.free_cameras = o.joint;
   request.halves = !o.no_halves;
   request.use_imu = !o.estimation.no_imu;
-  for (const std::string& word : o.thresholds) setThreshold(word, request.thresholds);
+  std::vector<std::string> names;
+  for (const std::string& word : o.thresholds) {
+    setThreshold(word, request.thresholds);
+    names.push_back(word.substr(0, word.find('=')));
+  }
+  refuseRepeated("--threshold", std::move(names));
   request.provenance = makeProvenance("calibrate", givenOptions(app));
   return request;
 }
@@ -87,7 +93,7 @@ int calibrate(const CalibrateOptions& o, const CLI::App& app) {
                    o.output.request("calibration", o.session, givenInputs({o.estimation.cameras})));
   const auto record = calibrateSession(request, bar.sink());
   bar.clear();
-  if (!record) return tellFailure(record.failure());
+  if (!record) return tellFailure(record.failure(), app);
   bar.update("writing", -1);
   const std::vector<ResultFile> documents = calibrationFiles(*record, o.residuals);
   bar.clear();

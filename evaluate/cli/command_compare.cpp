@@ -10,6 +10,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/option_lists.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
@@ -47,10 +48,8 @@ struct CompareOptions {
 };
 
 void declareMaps(CLI::App& app, CompareOptions& o) {
-  app.add_option("--range", o.ranges, "Distances of the projected points [m], or inf")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->capture_default_str();
+  addList(app, "--range", o.ranges, "Distances of the projected points [m], or inf")
+      ->default_str(joined(o.ranges, ","));
   addWithDefault(app, "--grid", o.grid, "Grid of points over the image, COLUMNSxROWS");
   addWithDefault(
       app, "--focus-radius", o.request.maps.focus_radius_px,
@@ -68,9 +67,7 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
                  "Two or more calibrations of Plumbline, Kalibr or yac; differences are relative "
                  "to the first")
       ->required();
-  app.add_option("--labels", o.request.labels, "Labels of the calibrations, e.g. ours,kalibr")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  addList(app, "--labels", o.request.labels, "Labels of the calibrations, e.g. ours,kalibr");
   o.session.declareOptional(app);
   app.add_flag("--no-session-estimate", o.no_session_estimate,
                "Do not calibrate the session itself for the comparison");
@@ -103,6 +100,7 @@ std::vector<double> rangesFrom(const std::vector<std::string>& words) {
     }
     ranges.push_back(*range);
   }
+  refuseRepeated("--range", ranges);
   return ranges;
 }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -274,6 +275,24 @@ std::vector<std::string> wordsOf(const CLI::App& app) {
     for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
   }
   return words;
+}
+
+std::string withOwners(const std::string& text, const CLI::App& command) {
+  const CLI::App* root = &command;
+  while (root->get_parent() != nullptr) root = root->get_parent();
+  const auto owners =
+      root->get_subcommands([](const CLI::App* sub) { return sub->get_name() == "calibrate"; });
+  static const std::regex kOption("--[a-z][a-z-]*");
+  std::string out;
+  auto end = text.begin();
+  for (std::sregex_iterator at(text.begin(), text.end(), kOption), none; at != none; ++at) {
+    out.append(end, (*at)[0].first);
+    end = (*at)[0].second;
+    const bool elsewhere = command.get_option_no_throw(at->str()) == nullptr && !owners.empty() &&
+                           owners.front()->get_option_no_throw(at->str()) != nullptr;
+    out += (elsewhere ? "calibrate's " : "") + at->str();
+  }
+  return out.append(end, text.end());
 }
 
 int editDistance(std::string_view a, std::string_view b) {

@@ -50,7 +50,7 @@ std::string detectionDocument(const LoadedSession& loaded) {
          "\n";
 }
 
-int detect(const DetectOptions& o) {
+int detect(const DetectOptions& o, const CLI::App& app) {
   ProgressBar bar;
   LoadRequest request = o.session.request();
   request.read.supported_models_only = false;  // corners need no model
@@ -65,7 +65,7 @@ int detect(const DetectOptions& o) {
   checkTargetLayout(loaded, {});
   // A session without a corner would be refused by every command that reads it.
   if (const auto nothing = noTagSeen(loaded)) {
-    return tellFailure(locate(*nothing, loaded, request.session));
+    return tellFailure(locate(*nothing, loaded, request.session), app);
   }
   writeCornerSession(loaded.session, out.path());
   const std::string document = detectionDocument(loaded);

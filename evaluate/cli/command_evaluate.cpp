@@ -14,6 +14,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/evaluate_calibration.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/option_lists.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
@@ -53,12 +54,10 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
   app.remove_option(app.get_option("--models"));
   app.remove_option(app.get_option("--cameras"));
   app.get_option("--no-imu")->description("Score the cameras only");
-  app.add_option(
-         "--held-out", o.request.held_out,
-         "Folders of further sessions, held out (not used for the calibration), with commas "
-         "between them; repeatable")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  addList(app, "--held-out", o.request.held_out,
+          "Folders of further sessions, held out (not used for the calibration), with commas "
+          "between them (a folder that exists under the whole word is one); repeatable",
+          ListOf::kPaths);
   app.add_option("--folds", o.request.score.folds,
                  "K-fold cross-validation: recalibrate K times without one part of the session and "
                  "score that part")
@@ -90,9 +89,13 @@ int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App&
   inputs.push_back(request.calibration);
   ResultWriter out(o.output,
                    o.output.request("scores of a calibration", o.session, std::move(inputs)));
-  const auto result = evaluateCalibration(request, bar.sink());
+  auto result = evaluateCalibration(request, bar.sink());
   bar.clear();
-  if (!result) return tellFailure(result.failure());
+  if (!result) return tellFailure(result.failure(), app);
+  for (CalibrationScore& score : result.value().held->scores) {
+    score.problem = withOwners(score.problem, app);
+  }
+  nameOwners(result.value().verdict, app);
   return out.finish(*result, {{"evaluation.json", documentOf(*result)}}, renderCalibrationPage,
                     evaluationSummary(*result) + "\n" + verdictText(result->verdict));
 }
@@ -190,7 +193,7 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
   if (!o.output.out.empty()) out.emplace(o.output.request("errors of trajectories", inputs));
   std::optional<OutputFile> json = o.json.reserve(o.output, inputs, o.output.out, kTrajectoryMark);
   const Result<TrajectoryRun> result = evaluateTrajectory(request);
-  if (!result) return tellFailure(result.failure());
+  if (!result) return tellFailure(result.failure(), app);
   const TrajectoryRecord record = judged(*result, o, app);
   const VerdictLevel level = record.verdict.level;
   if (out) {

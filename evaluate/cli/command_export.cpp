@@ -12,6 +12,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/export_calibration.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/option_lists.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/shared_options.h"
@@ -43,9 +44,7 @@ void declareExport(CLI::App& app, ExportFilesOptions& o) {
   o.output.declare(app, "Folder for the files")->required();
   app.add_option("--imu", r.imu,
                  "Kalibr's imu.yaml, for noise densities if the calibration does not state them");
-  app.add_option("--only", r.only, "Cameras to export, e.g. cam0,cam1 (default: all)")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  addList(app, "--only", r.only, "Cameras to export, e.g. cam0,cam1 (default: all)");
   app.add_option("--camera-rate", r.camera_rate_hz,
                  "Frame rate of the cameras [Hz], for tools that need it (orbslam3; default: 20)")
       ->check(numberWithin(1e-6, 1e6));

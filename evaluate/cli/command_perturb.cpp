@@ -53,6 +53,7 @@ struct PerturbOptions {
   ResultOptions output;
   // As words: they are read once those of the study's file have joined them.
   std::vector<std::string> amounts = std::vector<std::string>(std::size(kKinds));
+  std::vector<std::string> names;  ///< of the lists: options, or keys of the study's file
   int repeats = 1;
   std::uint64_t seed = 1;
 };
@@ -75,14 +76,30 @@ void declarePerturb(CLI::App& app, PerturbOptions& o) {
 
 // Lists of the study's file stand where the command line gives none.
 void readStudy(PerturbOptions& o) {
+  for (const KindOption& kind : kKinds) o.names.emplace_back(kind.name);
   if (o.study.empty()) return;
   std::vector<std::string> known;
   for (const KindOption& kind : kKinds) known.emplace_back(kind.name + 2);  // without "--"
   for (const auto& [name, value] : readStudyDefinition(o.study, known)) {
-    const auto at = std::find(known.begin(), known.end(), name) - known.begin();
-    std::string& amounts = o.amounts[static_cast<std::size_t>(at)];
-    if (amounts.empty()) amounts = value;
+    const auto at =
+        static_cast<std::size_t>(std::find(known.begin(), known.end(), name) - known.begin());
+    if (!o.amounts[at].empty()) continue;
+    o.amounts[at] = value;
+    o.names[at] = fmt::format("{}: {}", o.study, name);
   }
+}
+
+/// Ahead of the work, in the words of who asked for it: `list` is an option, or a key of a file.
+void checkAmount(const std::string& list, const Perturbation& p, bool no_imu) {
+  if (no_imu && needsImu(p.kind)) {
+    throw InputError(list + " changes what --no-imu leaves out; omit one of the two");
+  }
+  try {
+    p.check();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", list, error.what()));
+  }
+  if (p.kind == PerturbationKind::kImuShift) (void)nanosecondsFromMilliseconds(list, p.amount);
 }
 
 std::vector<Perturbation> perturbationsOf(const PerturbOptions& o) {
@@ -91,7 +108,8 @@ std::vector<Perturbation> perturbationsOf(const PerturbOptions& o) {
     if (o.amounts[i].empty()) continue;
     // What is not random comes out the same every time.
     const int draws = isRandom(kKinds[i].kind) ? o.repeats : 1;
-    for (const double amount : amountsFrom(kKinds[i].name, o.amounts[i])) {
+    for (const double amount : amountsFrom(o.names[i], o.amounts[i])) {
+      checkAmount(o.names[i], {kKinds[i].kind, amount, o.seed}, o.estimation.no_imu);
       for (int draw = 0; draw < draws; ++draw) {
         // Consecutive seeds: one draw of all amounts is nested or scaled (perturbation.cpp), the
         // next one is fresh.
@@ -124,9 +142,11 @@ int perturb(const PerturbOptions& o, const CLI::App& app) {
   const PerturbRequest request = perturbRequest(o, app);
   ResultWriter out(o.output, o.output.request("perturbation study", o.session,
                                               givenInputs({o.estimation.cameras, o.study})));
-  const auto record = perturbSession(request, bar.sink());
+  auto record = perturbSession(request, bar.sink());
   bar.clear();
-  if (!record) return tellFailure(record.failure());
+  if (!record) return tellFailure(record.failure(), app);
+  for (PerturbationCase& c : record.value().cases) c.problem = withOwners(c.problem, app);
+  nameOwners(record.value().verdict, app);
   return out.finish(*record,
                     {{"perturbation.json", documentOf(*record)},
                      {"perturbation.csv", perturbationTable(*record)}},

@@ -141,7 +141,7 @@ TargetFitRequest fitRequest(const FitOptions& o) {
   return request;
 }
 
-int fitTarget(const FitOptions& o) {
+int fitTarget(const FitOptions& o, const CLI::App& app) {
   std::vector<std::string> inputs = o.sessions;
   if (o.target) inputs.push_back(*o.target);
   // In every target_shape.yaml, so that --force replaces no other file.
@@ -149,7 +149,7 @@ int fitTarget(const FitOptions& o) {
   ProgressBar bar;
   const auto fit = fitTargetOverSessions(fitRequest(o), bar.sink());
   bar.clear();
-  if (!fit) return tellFailure(fit.failure());
+  if (!fit) return tellFailure(fit.failure(), app);
   out.write(targetShapeText(fit->board));
   say("{}{}\n", jointTargetText(*fit), o.output.out);
   return kDone;

@@ -13,6 +13,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/metrics/failure_text.h"
+#include "report/records/calibration_record.h"
 
 namespace plumbline {
 
@@ -77,11 +78,20 @@ void checkCalibrateLine(std::vector<std::string> reversed);
 
 Command simulateOperatorCommand();  ///< of `simulate`, whose others are in command_simulate.cpp
 
-/// Prints a failure with its cure in one line and returns the command's exit code: data that
+/// Prints a failure of a command with its cure in one line and returns the exit code: data that
 /// contradict what a file states are bad input.
-inline int tellFailure(const Failure& failure) {
-  complain(problemOf(failure));
+inline int tellFailure(const Failure& failure, const CLI::App& command) {
+  complain(withOwners(problemOf(failure), command));
   return failure.reason() == FailureReason::kImplausible ? kBadInput : kFailed;
+}
+
+/// withOwners() of all that a verdict says.
+inline void nameOwners(Verdict& verdict, const CLI::App& command) {
+  verdict.headline = withOwners(verdict.headline, command);
+  for (Finding& finding : verdict.findings) {
+    finding.evidence = withOwners(finding.evidence, command);
+    finding.advice = withOwners(finding.advice, command);
+  }
 }
 
 }  // namespace plumbline

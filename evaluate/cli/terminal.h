@@ -87,6 +87,10 @@ const CLI::App& chosenCommand(const CLI::App& app);
 /// The subcommands and options of a command that help shows: what is hidden has no group.
 std::vector<std::string> wordsOf(const CLI::App& app);
 
+/// Sentences of the libraries name options of `calibrate` wherever they are said: the text, in
+/// which those that `command` lacks are "calibrate's --imu-shift-ms".
+std::string withOwners(const std::string& text, const CLI::App& command);
+
 /// "; did you mean --out?" where an argument that the chosen command does not know resembles one
 /// that it does; "" otherwise. `app` after a parse that failed.
 std::string didYouMean(const CLI::App& app);

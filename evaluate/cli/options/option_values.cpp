@@ -16,6 +16,8 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/camera/camera.h"
+#include "datasets/files/table.h"
+#include "evaluate/cli/options/option_lists.h"
 
 namespace plumbline {
 namespace {
@@ -204,7 +206,7 @@ ViewSelectionOptions viewSelectionFrom(const std::string& word) {
 
 std::vector<CameraModelPair> modelsFrom(const std::string& words) {
   std::vector<CameraModelPair> models;
-  for (const std::string& word : split(words, ',')) {
+  for (const std::string& word : entriesOf("--models", words)) {
     const auto model = calibratedModelFrom(word);
     if (!model) {
       refuse("--models", word,
@@ -240,8 +242,9 @@ Resolution resolutionFrom(const std::string& word, const char* option) {
 void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) {
   const auto equals = assignment.find('=');
   const auto member = thresholdMembers().find(assignment.substr(0, equals));
-  const auto values = equals == std::string::npos ? std::vector<std::string>()
-                                                  : split(assignment.substr(equals + 1), ',');
+  auto values = equals == std::string::npos ? std::vector<std::string>()
+                                            : split(assignment.substr(equals + 1), ',');
+  for (std::string& value : values) value = std::string(trimmedText(value));
   if (member != thresholdMembers().end() && values.size() == 2) {
     const auto caution = finiteNumber(values[0]);
     const auto bad = finiteNumber(values[1]);
@@ -273,7 +276,7 @@ TimeNs nanosecondsFromMilliseconds(const std::string& option, double millisecond
 
 std::vector<double> amountsFrom(const std::string& option, const std::string& words) {
   std::vector<double> amounts;
-  for (const std::string& word : split(words, ',')) {
+  for (const std::string& word : entriesOf(option, words)) {
     const auto parts = split(word, ':');
     if (parts.size() == 1) {
       amounts.push_back(numberOf(option, word));
@@ -286,13 +289,21 @@ std::vector<double> amountsFrom(const std::string& option, const std::string& wo
   if (amounts.size() > kMostAmounts) {
     throw InputError(fmt::format("{}: expected at most {} values", option, kMostAmounts));
   }
+  refuseRepeated(option, amounts);
   return amounts;
 }
 
 std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words) {
   std::vector<RelativeDelta> deltas;
   if (words == "none") return deltas;
-  for (const std::string& word : split(words, ',')) deltas.push_back(relativeDeltaFrom(word));
+  for (const std::string& word : entriesOf("--rpe", words)) {
+    deltas.push_back(relativeDeltaFrom(word));
+  }
+  std::vector<std::string> lengths;
+  for (const RelativeDelta& d : deltas) {
+    lengths.push_back(fmt::format("{}{}", d.delta, toString(d.unit)));
+  }
+  refuseRepeated("--rpe", std::move(lengths));
   return deltas;
 }
 

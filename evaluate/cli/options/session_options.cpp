@@ -8,6 +8,7 @@
 
 #include "calibrator/base/enum_words.h"
 #include "calibrator/base/error.h"
+#include "evaluate/cli/options/option_lists.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/terminal.h"
@@ -69,10 +70,7 @@ void SessionOptions::declareDetails(CLI::App& app) {
   }
   app.add_option("--imu", imu, "Kalibr's imu.yaml (default: in the session)");
   app.add_option("--resolution", resolution, "WxH where sensor.yaml does not say");
-  // Without extra ones, so that a session behind it is none of the cameras.
-  app.add_option("--only", only, "Use only these cameras, e.g. cam0,cam1")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  addList(app, "--only", only, "Use only these cameras, e.g. cam0,cam1");
   app.add_option("--from", from_s, "Ignore frames earlier than this [s after the first]")
       ->check(numberFrom(0));
   app.add_option("--to", to_s, "Ignore frames later than this [s after the first]")

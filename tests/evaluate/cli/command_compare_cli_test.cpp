@@ -312,7 +312,9 @@ TEST_F(CommandCompare, RefusesWhatItCannotCompare) {
   refused(both + " --range 1m", "--range 1m");
   refused(both + " --grid 2x2", "2x2");
   refused(both + " --labels a", "1 labels for 2");
-  refused(both + " --labels a,a", "same label");
+  refused(both + " --labels a,a", "--labels: a is given twice");
+  refused(both + " --labels a,,b", "--labels 'a,,b': has an empty entry");
+  refused(both + " --range 1,1.0", "--range: 1 is given twice");
   refused(both + " --fit best", "squares or fourth-power");
   refused(both + " --uncertainty none", "cross-reprojection or mean-frames");
   refused(both + " --focus-radius -1", "--focus-radius");

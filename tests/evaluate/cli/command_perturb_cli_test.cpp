@@ -58,11 +58,45 @@ TEST(CommandPerturb, BadUsageLeavesNothing) {
   const fs::path out = freshFolder("command_perturb_bad");
   for (const char* arguments :
        {"", "--offsets-ms abc", "--offsets-ms 1:0:2", "--drop-frames-percent 100",
-        "--study no_such.yaml", "--offsets-ms 1 --no-imu", "--corner-noise-px 1 --seed -1"}) {
+        "--study no_such.yaml", "--corner-noise-px 1 --seed -1"}) {
     const Outcome run =
         plumbline("perturb " + session().string() + " " + arguments + " --out " + out.string());
     EXPECT_EQ(run.exit_code, 2) << arguments << "\n" << run.text;
     EXPECT_FALSE(fs::exists(out)) << arguments;
+  }
+}
+
+TEST(CommandPerturb, AmountsAreRefusedInTheWordsOfWhoGaveThem) {
+  const fs::path study = fs::path(::testing::TempDir()) / "command_perturb_words.yaml";
+  write(study, "drop-frames-percent: [10, 100]\n");
+  const fs::path out = freshFolder("command_perturb_words");
+  const auto said = [&](const std::string& arguments) {
+    const Outcome run =
+        plumbline("perturb " + session().string() + " " + arguments + " --out " + out.string());
+    EXPECT_EQ(run.exit_code, 2) << arguments << "\n" << run.text;
+    return run.text;
+  };
+  // Two days: no clocks of one recording differ by as much.
+  EXPECT_THAT(said("--offsets-ms 2e8"), HasSubstr("--offsets-ms 200000000: expected milliseconds"));
+  EXPECT_THAT(said("--offsets-ms 5,5"), HasSubstr("--offsets-ms: 5 is given twice"));
+  EXPECT_THAT(said("--drop-imu-percent 100"), HasSubstr("--drop-imu-percent: "));
+  EXPECT_THAT(said("--study " + study.string()),
+              HasSubstr("command_perturb_words.yaml: drop-frames-percent: "));
+  EXPECT_THAT(said("--offsets-ms 1 --no-imu"),
+              HasSubstr("--offsets-ms changes what --no-imu leaves out"));
+}
+
+// A shift by which the IMU does not meet the frames any more: --imu-shift-ms is not perturb's.
+TEST(CommandPerturb, OptionsOfOtherCommandsAreNamedAsTheirs) {
+  const fs::path out = freshFolder("command_perturb_owners");
+  const Outcome run =
+      plumbline("perturb " + session().string() +
+                " --offsets-ms 1e6 --models pinhole-radtan --no-report --out " + out.string());
+  EXPECT_EQ(run.exit_code, 0) << run.text;
+  EXPECT_THAT(run.text, HasSubstr("by calibrate's --imu-shift-ms"));
+  const auto json = nlohmann::json::parse(read(out / "perturbation.json"));
+  for (const std::string& text : {json["cases"][0]["problem"].dump(), json["verdict"].dump()}) {
+    EXPECT_THAT(text, HasSubstr("by calibrate's --imu-shift-ms"));
   }
 }
 

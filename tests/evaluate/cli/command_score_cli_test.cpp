@@ -83,6 +83,19 @@ TEST_F(EvaluateCalibration, FoldsAndHeldOutSessionsAreScoredBesideIt) {
   EXPECT_THAT(refused.text, HasSubstr("tagSpacing"));
 }
 
+TEST_F(EvaluateCalibration, AHeldOutFolderMayHaveACommaInItsName) {
+  const fs::path other = scratch() / "a,b";
+  fs::create_directories(scratch());
+  ASSERT_EQ(plumbline("simulate --out " + other.string() + " --seed 9 --duration 6").exit_code, 0);
+  const std::string held_out = " --no-report --held-out " + other.string();
+  ASSERT_EQ(score(ours(), session(), "--no-imu" + held_out).exit_code, 0);
+  EXPECT_EQ(document().at("scores").at(1).at("session"), "a,b");
+  const Outcome twice =
+      score(ours(), session(), "--no-imu" + held_out + " --held-out " + other.string());
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_THAT(twice.text, HasSubstr("a,b is given twice"));
+}
+
 // The file states what it was estimated from, whatever the user says of a recording.
 TEST_F(EvaluateCalibration, HeldOutIsWhatTheFilesDoNotContradict) {
   const fs::path other = scratch() / "other", copy = scratch() / "copy";

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
 
 #include "evaluate/cli/terminal.h"
@@ -30,6 +31,20 @@ TEST(NearestWord, IsWithinAThirdOfTheLetters) {
   EXPECT_EQ(nearestWord("relpay", commands), "replay");
   EXPECT_EQ(nearestWord("session", commands), "");
   EXPECT_EQ(nearestWord("x", {}), "");
+}
+
+TEST(Owners, AnOptionOfCalibrateThatAnotherCommandLacksIsSaidToBeCalibrates) {
+  CLI::App app;
+  CLI::App* calibrate = app.add_subcommand("calibrate");
+  calibrate->add_option("--models");
+  calibrate->add_flag("--no-imu");
+  CLI::App* score = app.add_subcommand("evaluate")->add_subcommand("calibration");
+  score->add_flag("--no-imu");
+  const std::string text = "try --models auto (--models), or --no-imu; --unknown stays";
+  EXPECT_EQ(withOwners(text, *calibrate), text);
+  EXPECT_EQ(withOwners(text, *score),
+            "try calibrate's --models auto (calibrate's --models), or --no-imu; --unknown stays");
+  EXPECT_EQ(withOwners("", *score), "");
 }
 
 }  // namespace

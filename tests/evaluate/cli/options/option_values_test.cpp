@@ -94,9 +94,9 @@ TEST(OptionValues, RefusalsNameTheOptionThatWasGiven) {
 }
 
 TEST(RelativeErrorsOption, IsAListWithoutEmptyParts) {
-  EXPECT_EQ(relativeDeltasFrom("1m,0.5s").size(), 2U);
+  EXPECT_EQ(relativeDeltasFrom("1m, 0.5s").size(), 2U);
   EXPECT_TRUE(relativeDeltasFrom("none").empty());
-  for (const char* words : {"", ",", "1m,", ",1m", "1m,,2m"}) {
+  for (const char* words : {"", ",", "1m,", ",1m", "1m,,2m", "1m,1.0m"}) {
     EXPECT_THROW(relativeDeltasFrom(words), InputError) << words;
   }
 }
@@ -110,7 +110,7 @@ TEST(ResolutionOption, IsWidthByHeight) {
 
 TEST(ThresholdOption, ChangesOneRuleAndNamesThemAll) {
   VerdictThresholds thresholds;
-  setThreshold("rmse_px=1.5,3", thresholds);
+  setThreshold("rmse_px=1.5, 3", thresholds);
   EXPECT_EQ(thresholds.rmse_px.caution, 1.5);
   EXPECT_EQ(thresholds.rmse_px.bad, 3);
   EXPECT_THAT(complaint([&] { setThreshold("rmse=1,2", thresholds); }), HasSubstr("lever_arm_m"));
