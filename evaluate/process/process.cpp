@@ -27,7 +27,8 @@ namespace {
 // Where the system gives no descriptor of a process, it is asked for this often.
 constexpr int kPollMs = 5;
 
-// So long may a child take to end after its last signal, before it gets SIGKILL.
+// So long may a child take to end after its last signal, before it gets SIGKILL, where it is ended
+// with this process or with its ChildProcess.
 constexpr double kToEndS = 10;
 
 /// Those that were started and not yet reaped: by the mutex none of their ids is another process's.
@@ -212,7 +213,7 @@ void killDescendants() {
 }  // namespace
 
 ChildProcess::ChildProcess(const ProcessRequest& request)
-    : limit_s_(request.limit_s), started_s_(nowS()) {
+    : limit_s_(request.limit_s), to_end_s_(request.to_end_s), started_s_(nowS()) {
   // Appended to: several programs may share a log, and standard output and error do.
   const int log = open(request.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (log < 0) {
@@ -274,7 +275,7 @@ std::optional<ProcessEnd> ChildProcess::ended() {
 
 double ChildProcess::endsAtS() const {
   if (limit_s_ <= 0) return std::numeric_limits<double>::infinity();
-  return started_s_ + limit_s_ + (beyond_time_ ? kToEndS : 0);
+  return started_s_ + limit_s_ + (beyond_time_ ? to_end_s_ : 0);
 }
 
 void ChildProcess::endBeyondTime() {

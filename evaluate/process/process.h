@@ -20,6 +20,7 @@ struct ProcessRequest {
   double limit_s = 0;                              ///< wall time; 0: none
   int limit_mb = 0;                                ///< address space (RLIMIT_AS); 0: none
   bool with_descendants = false;  ///< what it has started ends with it in any case: ChildProcess
+  double to_end_s = 10;           ///< beyond its time: from its last signal to SIGKILL
 };
 
 /// What a shell says where there is no such program.
@@ -67,7 +68,7 @@ class ChildProcess {
 
   pid_t pid_ = -1;
   int descriptor_ = -1;  // of the process, to wait on
-  double limit_s_ = 0;
+  double limit_s_ = 0, to_end_s_ = 0;
   double started_s_ = 0;
   bool beyond_time_ = false;
 };
