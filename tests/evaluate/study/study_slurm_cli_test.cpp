@@ -27,6 +27,10 @@ class StudySlurm : public StudyNights {
     return shell("PATH=" + (scratch_ / "bin").string() + ":$PATH " + PLUMBLINE_BINARY + " " +
                  words);
   }
+  // For a job's script: until the night waits for its jobs and writes nothing more.
+  static std::string untilSubmitted(const fs::path& night) {
+    return "while ! test -s " + (night / "slurm/jobs.txt").string() + "; do sleep 0.05; done; ";
+  }
   // Tasks end without a word, as where their nodes died; the merging job runs after `meanwhile`.
   void mergeAlone(const std::string& meanwhile) const {
     const std::string begun = (scratch_ / "begun").string(), done = (scratch_ / "done").string();
@@ -91,12 +95,12 @@ TEST_F(StudySlurm, ALateMergingJobChangesNothingWhileTheNextNightIsUnderWay) {
   const fs::path night = doneNight();
   const std::string state = (scratch_ / "state").string(), late = (scratch_ / "late").string();
   const std::string changes = "find " + night.string() +
-                              " -type f ! -name study.lock ! -name 'tool.*' -printf '%p %T@\\n' "
-                              "| sort >" +
+                              " -type f ! -name study.lock ! -name 'tool.*' "
+                              "! -path '*.partial-*' -printf '%p %T@\\n' | sort >" +
                               state;
   const std::string words_of_job =
       words(root_ / "data", night) + " --engine slurm --merge-round 1 --merge-since 1700000000";
-  mergeAlone("sleep 1; " + changes + "1; " + PLUMBLINE_BINARY + " " + words_of_job +
+  mergeAlone(untilSubmitted(night) + changes + "1; " + PLUMBLINE_BINARY + " " + words_of_job +
              " --merge-night 1 >" + late + " 2>&1; " + changes + "2");
   const Outcome outcome = slurm(night, "--slurm-rounds 1");
   EXPECT_THAT(outcome.text, HasSubstr("Night 2: 4 of 4 sessions"));
@@ -109,7 +113,7 @@ TEST_F(StudySlurm, AStepThatWasKilledIsRecordedAsLostAndRaisesAnAlarm) {
   const fs::path night = doneNight();
   const std::string step = "sessions/p1_free/perturb";
   fs::remove_all(night / step);
-  mergeAlone("sleep 1");
+  mergeAlone(":");
   const Outcome outcome = slurm(night, "--slurm-rounds 1");
   EXPECT_THAT(outcome.text, HasSubstr("REGRESSION")) << outcome.text;
   bool found = false;
@@ -126,7 +130,7 @@ TEST_F(StudySlurm, AStepThatWasKilledIsRecordedAsLostAndRaisesAnAlarm) {
 TEST_F(StudySlurm, AStepWhoseInputChangedBeforeTheMergeKeepsItsResult) {
   const fs::path data = ownData(), night = doneNight();
   const auto before = times(night);
-  mergeAlone("sleep 1; echo changed >" + (data / "p1_free/mav0/note.txt").string());
+  mergeAlone(untilSubmitted(night) + "echo changed >" + (data / "p1_free/mav0/note.txt").string());
   const Outcome outcome = slurmOn(data, night, "--slurm-rounds 1");
   EXPECT_THAT(outcome.text, HasSubstr("1 were not done")) << outcome.text;
   EXPECT_THAT(outcome.text, Not(HasSubstr("REGRESSION")));
