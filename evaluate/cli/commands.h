@@ -11,6 +11,7 @@
 #include <CLI/App.hpp>
 
 #include "calibrator/base/error.h"
+#include "evaluate/cli/command_tree.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/metrics/failure_text.h"
 #include "report/records/calibration_record.h"

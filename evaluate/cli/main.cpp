@@ -19,6 +19,7 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/workplace.h"
+#include "evaluate/cli/command_tree.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/process/process.h"

@@ -5,9 +5,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
-#include <CLI/App.hpp>
 #include <fmt/format.h>
 
 #include "datasets/files/numbers.h"
@@ -72,27 +70,5 @@ class ProgressBar {
   Clock::time_point begun_ = Clock::now();  ///< of the step
   Clock::time_point told_ = Clock::now();   ///< the last line in a pipe
 };
-
-/// Least number of insertions, deletions, replacements and swaps of neighbours that make one word
-/// of the other (optimal string alignment: no part is edited twice).
-int editDistance(std::string_view a, std::string_view b);
-
-/// The candidate nearest to a word that was mistyped, at most a third of its letters away (one at
-/// least); "" where none is. The first of equals.
-std::string nearestWord(const std::string& word, const std::vector<std::string>& candidates);
-
-/// After a parse, the innermost command that was recognised; `app` where none was.
-const CLI::App& chosenCommand(const CLI::App& app);
-
-/// The subcommands and options of a command that help shows: what is hidden has no group.
-std::vector<std::string> wordsOf(const CLI::App& app);
-
-/// Sentences of the libraries name options of `calibrate` wherever they are said: the text, in
-/// which those that `command` lacks are "calibrate's --imu-shift-ms".
-std::string withOwners(const std::string& text, const CLI::App& command);
-
-/// "; did you mean --out?" where an argument that the chosen command does not know resembles one
-/// that it does; "" otherwise. `app` after a parse that failed.
-std::string didYouMean(const CLI::App& app);
 
 }  // namespace plumbline

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/cli/command_tree.h"
+
 #include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
-
-#include "evaluate/cli/terminal.h"
 
 namespace plumbline {
 namespace {
