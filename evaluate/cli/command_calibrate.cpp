@@ -51,7 +51,7 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
          "--resample", o.request.resamples,
          "Recalibrate on N bootstrap resamples of time segments and report the bootstrap std")
       // One draw has no scatter to take a deviation from.
-      ->check(CLI::IsMember({0}) | numberFrom(2));
+      ->check(numberThat("0, or 2 or more", [](double n) { return n == 0 || n >= 2; }));
   app.add_flag("--no-halves", o.no_halves, "Do not compare the halves of the recording");
   addWithDefault(app, "--seed", o.request.seed, "Seed of resampling and view selection")
       ->check(seedFrom(0));

@@ -70,7 +70,8 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
   addList(app, "--labels", o.request.labels, "Labels of the calibrations, e.g. ours,kalibr");
   o.session.declareOptional(app);
   app.add_flag("--no-session-estimate", o.no_session_estimate,
-               "Do not calibrate the session itself for the comparison");
+               "Do not calibrate the session itself for the comparison")
+      ->needs(app.get_option("--session"));
   declareMaps(app, o);
   o.measurements.declare(app);
   app.add_option("--runs", o.runs.runs,

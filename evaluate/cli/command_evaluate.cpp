@@ -61,7 +61,7 @@ void declareEvaluateCalibration(CLI::App& app, EvaluateCalibrationOptions& o) {
   app.add_option("--folds", o.request.score.folds,
                  "K-fold cross-validation: recalibrate K times without one part of the session and "
                  "score that part")
-      ->check(CLI::Range(2, kMostFolds));
+      ->check(numberWithin(2, kMostFolds));
   o.output.declareResult(app);
 }
 
@@ -190,7 +190,9 @@ int evaluateTrajectoryFiles(const EvaluateTrajectoryOptions& o, const CLI::App& 
   const TrajectoryRequest request = evaluateTrajectoryRequest(o);
   const std::vector<std::string> inputs = trajectoryInputs(o);
   std::optional<OutputFolder> out;
-  if (!o.output.out.empty()) out.emplace(o.output.request("errors of trajectories", inputs));
+  if (app.get_option("--out")->count() > 0) {
+    out.emplace(o.output.request("errors of trajectories", inputs));
+  }
   std::optional<OutputFile> json = o.json.reserve(o.output, inputs, o.output.out, kTrajectoryMark);
   const Result<TrajectoryRun> result = evaluateTrajectory(request);
   if (!result) return tellFailure(result.failure(), app);

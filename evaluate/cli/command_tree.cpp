@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 namespace plumbline {
 namespace {
@@ -111,6 +112,28 @@ std::string nearestWord(const std::string& word, const std::vector<std::string>&
     }
   }
   return nearest;
+}
+
+std::string usageText(const CLI::ParseError& error, const CLI::App& app) {
+  static const std::regex kRepeated("(\\S+): At Most 1 required but received (\\d+)");
+  static const std::regex kMissing("(\\S+): 1 required \\S+ missing");
+  static const std::regex kNoNumber("Could not convert: (\\S+) = (.*)");
+  const std::string text = error.what();
+  std::smatch part;
+  if (std::regex_match(text, part, kRepeated)) {
+    return fmt::format("{} is given {} times; expected once", part.str(1), part.str(2));
+  }
+  if (std::regex_match(text, part, kMissing)) return part.str(1) + ": expected a value";
+  const CLI::Option* option = nullptr;
+  if (std::regex_match(text, part, kNoNumber)) {
+    option = chosenCommand(app).get_option_no_throw(part.str(1));
+  }
+  if (option == nullptr) return text;
+  const bool whole = option->get_type_name().find("INT") != std::string::npos;
+  return fmt::format("{}: {}: expected {}", part.str(1), part.str(2),
+                     !takesValue(*option) ? "no value"
+                     : whole              ? "a whole number below 2147483648"
+                                          : "a number");
 }
 
 std::string didYouMean(const CLI::App& app) {

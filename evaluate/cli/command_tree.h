@@ -45,6 +45,10 @@ std::vector<std::string> wordsOf(const CLI::App& app);
 /// which those that `command` lacks are "calibrate's --imu-shift-ms".
 std::string withOwners(const std::string& text, const CLI::App& command);
 
+/// What is wrong with a line that cannot be parsed, where CLI11's words are its own: an option that
+/// is given twice, without its value, or with one that is no number.
+std::string usageText(const CLI::ParseError& error, const CLI::App& app);
+
 /// "; did you mean --out?" where an argument that the chosen command does not know resembles one
 /// that it does; "" otherwise. `app` after a parse that failed.
 std::string didYouMean(const CLI::App& app);

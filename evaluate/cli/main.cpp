@@ -185,8 +185,8 @@ int run(int argc, char** argv) {
       app.exit(error);
       return closeOutput() ? kDone : kFailed;
     }
-    return failed(fmt::format("{}{}; see plumbline{} --help", error.what(), didYouMean(app),
-                              chosenWords(app)),
+    return failed(fmt::format("{}{}; see plumbline{} --help", usageText(error, app),
+                              didYouMean(app), chosenWords(app)),
                   kBadInput);
   } catch (const InputError& error) {
     return failed(error.what(), kBadInput);

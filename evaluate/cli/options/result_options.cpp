@@ -31,7 +31,7 @@ void refuseWithinResults(const std::string& file, const std::string& folder) {
 
 CLI::Option* OutputOptions::declare(CLI::App& app, const std::string& help) {
   CLI::Option* option = app.add_option("--out", out, help);
-  app.add_flag("--force", force, "Replace an earlier result of this command (never other files)");
+  app.add_flag("--force", force, "Replace an earlier result of Plumbline (never other files)");
   return option;
 }
 

@@ -16,7 +16,6 @@
 #include "evaluate/trajectory/evaluate_runs.h"
 
 namespace plumbline {
-namespace {
 
 CLI::Validator numberThat(const std::string& is, const std::function<bool(double)>& holds) {
   return CLI::Validator(
@@ -28,8 +27,6 @@ CLI::Validator numberThat(const std::string& is, const std::function<bool(double
       },
       "");
 }
-
-}  // namespace
 
 CLI::Validator positiveNumber() {
   return numberThat("a positive number", [](double value) { return value > 0; });

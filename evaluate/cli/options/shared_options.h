@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -27,6 +28,7 @@ CLI::Option* addWithDefault(CLI::App& app, const char* name, Value& value,
 }
 
 /// What an option's number must be; NaN and infinity never are. Whole numbers where it is an int.
+CLI::Validator numberThat(const std::string& is, const std::function<bool(double)>& holds);
 CLI::Validator positiveNumber();
 CLI::Validator numberWithin(double least, double most);
 CLI::Validator numberFrom(double least);

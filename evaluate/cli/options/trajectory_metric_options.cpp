@@ -101,7 +101,7 @@ void declareTrajectoryMetrics(CLI::App& app, TrajectoryMetricWords& words) {
 void declareCoverage(CLI::App& app, TrajectoryMetricWords& o) {
   addWithDefault(app, "--min-coverage", o.min_coverage,
                  "Share of the truth's time span below which a run is partial")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(numberWithin(0, 1));
   addWithDefault(app, "--coverage-from", o.coverage_from,
                  "Where that span starts: start (of the truth) or first-pose (of the estimate)");
   app.add_option("--max-ate", o.max_ate_m,

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/cli/command_tree.h"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
 
@@ -31,6 +35,33 @@ TEST(NearestWord, IsWithinAThirdOfTheLetters) {
   EXPECT_EQ(nearestWord("relpay", commands), "replay");
   EXPECT_EQ(nearestWord("session", commands), "");
   EXPECT_EQ(nearestWord("x", {}), "");
+}
+
+TEST(UsageText, SaysWhatTheOptionExpects) {
+  CLI::App app;
+  int rows = 0;
+  double shift = 0;
+  std::string out;
+  bool joint = false;
+  app.add_option("--rows", rows);
+  app.add_option("--shift", shift);
+  app.add_option("--out", out);
+  app.add_flag("--joint", joint);
+  const auto said = [&](std::vector<std::string> arguments) -> std::string {
+    std::reverse(arguments.begin(), arguments.end());
+    try {
+      app.parse(arguments);
+    } catch (const CLI::ParseError& error) {
+      return usageText(error, app);
+    }
+    return "";
+  };
+  EXPECT_EQ(said({"--out", "a", "--out", "b"}), "--out is given 2 times; expected once");
+  EXPECT_EQ(said({"--out"}), "--out: expected a value");
+  EXPECT_EQ(said({"--rows", "1.5"}), "--rows: 1.5: expected a whole number below 2147483648");
+  EXPECT_EQ(said({"--shift", "1,5"}), "--shift: 1,5: expected a number");
+  EXPECT_EQ(said({"--joint=abc"}), "--joint: abc: expected no value");
+  EXPECT_EQ(said({"--rows", "3"}), "");
 }
 
 TEST(Owners, AnOptionOfCalibrateThatAnotherCommandLacksIsSaidToBeCalibrates) {
