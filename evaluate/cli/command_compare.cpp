@@ -25,6 +25,7 @@
 #include "evaluate/results/provenance.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/summary.h"
 #include "report/html/pages.h"
 #include "report/records/documents.h"
 

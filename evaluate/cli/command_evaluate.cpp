@@ -28,6 +28,7 @@
 #include "evaluate/results/result_folder.h"
 #include "evaluate/trajectory/evaluate_runs.h"
 #include "evaluate/trajectory/evaluate_trajectory.h"
+#include "evaluate/trajectory/summary.h"
 #include "report/html/pages.h"
 #include "report/records/documents.h"
 

@@ -21,6 +21,7 @@
 #include "evaluate/odometry/run_odometry.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/summary.h"
 #include "report/html/pages.h"
 #include "report/records/documents.h"
 

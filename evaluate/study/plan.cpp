@@ -11,7 +11,7 @@
 
 #include "evaluate/results/text.h"
 #include "evaluate/study/step_builder.h"
-#include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/find_runs.h"
 
 namespace plumbline {
 namespace {

@@ -13,7 +13,7 @@
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/trajectory/quaternion_order.h"
-#include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/remarks.h"
 
 namespace plumbline {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/hand_eye.h"
-#include "evaluate/trajectory/evaluate_runs.h"
 #include "evaluate/trajectory/evaluate_trajectory.h"
+#include "evaluate/trajectory/remarks.h"
 
 namespace plumbline {
 namespace {

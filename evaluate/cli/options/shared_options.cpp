@@ -13,7 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/find_runs.h"
 
 namespace plumbline {
 

@@ -11,6 +11,8 @@
 #include <unistd.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/trajectory/find_runs.h"
+#include "evaluate/trajectory/summary.h"
 #include "report/records/documents.h"
 #include "tests/datasets/trajectory/write_tum.h"
 

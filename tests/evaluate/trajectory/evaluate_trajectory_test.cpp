@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluate/metrics/failure_text.h"
-#include "evaluate/trajectory/evaluate_runs.h"
+#include "evaluate/trajectory/remarks.h"
 #include "report/records/documents.h"
 
 namespace plumbline {
