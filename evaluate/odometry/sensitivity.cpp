@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/odometry/sensitivity.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -11,7 +13,6 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "datasets/files/file_io.h"
 #include "evaluate/metrics/calibration/parameters.h"
-#include "evaluate/odometry/judged_run.h"
 #include "evaluate/results/progress.h"
 
 namespace plumbline {

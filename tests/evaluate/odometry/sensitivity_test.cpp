@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/odometry/sensitivity.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/rig.h"
 #include "evaluate/metrics/calibration/parameters.h"
-#include "evaluate/odometry/judged_run.h"
 
 namespace plumbline {
 namespace {
