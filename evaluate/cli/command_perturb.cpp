@@ -9,6 +9,7 @@
 #include "calibrator/base/error.h"
 #include "datasets/session/study_reader.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/option_lists.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
@@ -60,8 +61,10 @@ struct PerturbOptions {
 
 void declarePerturb(CLI::App& app, PerturbOptions& o) {
   o.session.declare(app);
-  app.add_option("--study", o.study,
-                 "YAML file with any of the lists below by name, e.g. offsets-ms: [100, 10, 1]");
+  app.add_option(
+      "--study", o.study,
+      "YAML file with any of the lists below by name, e.g. offsets-ms: [100, 10, 1]; a list "
+      "that is given as an option takes its place");
   for (std::size_t i = 0; i < std::size(kKinds); ++i) {
     app.add_option(kKinds[i].name, o.amounts[i], kKinds[i].help);
   }

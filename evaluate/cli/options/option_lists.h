@@ -9,12 +9,17 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/metrics/trajectory/errors.h"
 
 namespace plumbline {
 
 /// Lists on the command line go by one rule, whatever they list: commas between the entries, blanks
 /// around an entry ignored; an empty entry is refused, and one that is given twice, which would
 /// count twice. InputErrors name the option.
+
+/// The parts of a text. Empty ones are kept, so that they are refused like any other word that is
+/// none.
+std::vector<std::string> split(const std::string& text, char separator);
 
 /// The entries of a list that is one word, none of them empty.
 std::vector<std::string> entriesOf(const std::string& option, const std::string& list);
@@ -36,5 +41,14 @@ enum class ListOf { kWords, kPaths };
 /// entries.
 CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<std::string>& entries,
                      const std::string& help, ListOf of = ListOf::kWords);
+
+/// Amounts as a person lists them: numbers and ranges FROM:STEP:TO (both ends included, in either
+/// direction), separated by commas: "100,-3.21,0.5" or "-500:50:500". Signed and fractional. Values
+/// of a range are FROM + k STEP, cleaned to 12 digits so that 0.1:0.1:0.3 ends in 0.3. Throws
+/// InputError naming the option for anything else, or for more than 10,000 amounts.
+std::vector<double> amountsFrom(const std::string& option, const std::string& words);
+
+/// --rpe: "1m,10m,1frames,0.5s", or "none".
+std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words);
 
 }  // namespace plumbline

@@ -3,11 +3,9 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <numbers>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 #include <fmt/core.h>
@@ -25,19 +23,6 @@ namespace {
 [[noreturn]] void refuse(const std::string& option, const std::string& word,
                          const std::string& expected) {
   throw InputError(fmt::format("{} {}: expected {}", option, word, expected));
-}
-
-/// Empty parts are kept, so that they are refused like any other word that is none.
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts(1);
-  for (char c : text) {
-    if (c == separator) {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
 }
 
 // "prefix:NUMBER" -> NUMBER, if it is positive.
@@ -93,36 +78,6 @@ const ThresholdMembers& thresholdMembers() {
   return kMembers;
 }
 
-constexpr std::size_t kMostAmounts = 10'000;
-
-double numberOf(const std::string& option, const std::string& word) {
-  // A plus is written where others of the list have a minus; from_chars takes none.
-  if (const auto value = finiteNumber(word.rfind('+', 0) == 0 ? word.substr(1) : word))
-    return *value;
-  throw InputError(fmt::format(
-      "{}: '{}' is not a number; expected numbers and ranges FROM:STEP:TO separated by commas",
-      option, word));
-}
-
-/// Without the last digits that sums of a decimal step leave: 0.3, not 0.30000000000000004.
-double cleaned(double value) { return std::strtod(fmt::format("{:.12g}", value).c_str(), nullptr); }
-
-void addRange(const std::string& option, const std::vector<std::string>& ends,
-              std::vector<double>& amounts) {
-  const double from = numberOf(option, ends[0]);
-  const double step = numberOf(option, ends[1]);
-  const double to = numberOf(option, ends[2]);
-  // The last value belongs to the range though its quotient is rounded down.
-  const double count = std::floor((to - from) / step + 1e-9);
-  if (step == 0 || !(count >= 0) || count > kMostAmounts) {
-    throw InputError(
-        fmt::format("{} {}:{}:{}: expected a step that reaches the last value from the first in at "
-                    "most {} steps",
-                    option, from, step, to, kMostAmounts));
-  }
-  for (int k = 0; k <= static_cast<int>(count); ++k) amounts.push_back(cleaned(from + k * step));
-}
-
 /// "PROJECTION-DISTORTION"; empty for words that are none, and for a pair that can be read but not
 /// calibrated.
 std::optional<CameraModelPair> calibratedModelFrom(const std::string& word) {
@@ -132,24 +87,6 @@ std::optional<CameraModelPair> calibratedModelFrom(const std::string& word) {
       dash == std::string::npos ? std::nullopt : distortionModelFrom(word.substr(dash + 1));
   if (!projection || !distortion || !canBeCalibrated(*projection, *distortion)) return std::nullopt;
   return CameraModelPair{*projection, *distortion};
-}
-
-RelativeDelta relativeDeltaFrom(const std::string& word) {
-  const auto fail = [&] {
-    refuse("--rpe", word, "distances such as 10m, 0.5s or 1frames, separated by commas, or none");
-  };
-  RelativeDelta delta;
-  const char* const end = word.data() + word.size();
-  const auto [rest, error] = std::from_chars(word.data(), end, delta.delta);
-  if (error != std::errc() || !(delta.delta > 0) || !std::isfinite(delta.delta)) fail();
-  const std::string unit(rest, end);
-  const auto known = enumFrom<RelativeDelta::Unit>(unit);
-  if (!known) fail();
-  delta.unit = *known;
-  // Frames are counted; metres and seconds may be fractions.
-  const bool whole = delta.delta == std::floor(delta.delta) && delta.delta < 1e9;
-  if (delta.unit == RelativeDelta::Unit::kFrames && !whole) fail();
-  return delta;
 }
 
 }  // namespace
@@ -272,39 +209,6 @@ TimeNs nanosecondsFromMilliseconds(const std::string& option, double millisecond
     refuse(option, fmt::format("{}", milliseconds), "milliseconds, at most one day (86400000)");
   }
   return static_cast<TimeNs>(std::llround(milliseconds * 1e6));
-}
-
-std::vector<double> amountsFrom(const std::string& option, const std::string& words) {
-  std::vector<double> amounts;
-  for (const std::string& word : entriesOf(option, words)) {
-    const auto parts = split(word, ':');
-    if (parts.size() == 1) {
-      amounts.push_back(numberOf(option, word));
-    } else if (parts.size() == 3) {
-      addRange(option, parts, amounts);
-    } else {
-      throw InputError(fmt::format("{}: '{}' is not a range; expected FROM:STEP:TO", option, word));
-    }
-  }
-  if (amounts.size() > kMostAmounts) {
-    throw InputError(fmt::format("{}: expected at most {} values", option, kMostAmounts));
-  }
-  refuseRepeated(option, amounts);
-  return amounts;
-}
-
-std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words) {
-  std::vector<RelativeDelta> deltas;
-  if (words == "none") return deltas;
-  for (const std::string& word : entriesOf("--rpe", words)) {
-    deltas.push_back(relativeDeltaFrom(word));
-  }
-  std::vector<std::string> lengths;
-  for (const RelativeDelta& d : deltas) {
-    lengths.push_back(fmt::format("{}{}", d.delta, toString(d.unit)));
-  }
-  refuseRepeated("--rpe", std::move(lengths));
-  return deltas;
 }
 
 }  // namespace plumbline

@@ -15,7 +15,6 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/view_terms.h"
 #include "evaluate/metrics/lists.h"
-#include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/verdict.h"
 
 namespace plumbline {
@@ -68,14 +67,5 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds);
 /// Milliseconds as written on the command line to nanoseconds, rounded to the nearest. Anything
 /// that is not a number, or longer than a day, is refused in the option's name.
 TimeNs nanosecondsFromMilliseconds(const std::string& option, double milliseconds);
-
-/// Amounts as a person lists them: numbers and ranges FROM:STEP:TO (both ends included, in either
-/// direction), separated by commas: "100,-3.21,0.5" or "-500:50:500". Signed and fractional. Values
-/// of a range are FROM + k STEP, cleaned to 12 digits so that 0.1:0.1:0.3 ends in 0.3. Throws
-/// InputError naming the option for anything else, or for more than 10,000 amounts.
-std::vector<double> amountsFrom(const std::string& option, const std::string& words);
-
-/// --rpe: "1m,10m,1frames,0.5s", or "none".
-std::vector<RelativeDelta> relativeDeltasFrom(const std::string& words);
 
 }  // namespace plumbline

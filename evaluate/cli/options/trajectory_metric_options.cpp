@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/cli/options/option_lists.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/shared_options.h"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/option_lists.h"
 
 namespace plumbline {
 namespace {
@@ -33,6 +33,14 @@ TEST(AmountList, RefusesEverythingElseByName) {
     } catch (const InputError& error) {
       EXPECT_THAT(error.what(), HasSubstr("--offsets-ms")) << words;
     }
+  }
+}
+
+TEST(RelativeErrorsOption, IsAListWithoutEmptyParts) {
+  EXPECT_EQ(relativeDeltasFrom("1m, 0.5s").size(), 2U);
+  EXPECT_TRUE(relativeDeltasFrom("none").empty());
+  for (const char* words : {"", ",", "1m,", ",1m", "1m,,2m", "1m,1.0m"}) {
+    EXPECT_THROW(relativeDeltasFrom(words), InputError) << words;
   }
 }
 

@@ -93,14 +93,6 @@ TEST(OptionValues, RefusalsNameTheOptionThatWasGiven) {
               HasSubstr("--estimate-format x"));
 }
 
-TEST(RelativeErrorsOption, IsAListWithoutEmptyParts) {
-  EXPECT_EQ(relativeDeltasFrom("1m, 0.5s").size(), 2U);
-  EXPECT_TRUE(relativeDeltasFrom("none").empty());
-  for (const char* words : {"", ",", "1m,", ",1m", "1m,,2m", "1m,1.0m"}) {
-    EXPECT_THROW(relativeDeltasFrom(words), InputError) << words;
-  }
-}
-
 TEST(ResolutionOption, IsWidthByHeight) {
   EXPECT_EQ(resolutionFrom("752x480"), (Resolution{752, 480}));
   for (const char* word : {"752", "752x", "x480", "752x480x3", "0x480", "-1x480", "752.9x480"}) {
