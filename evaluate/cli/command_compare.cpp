@@ -177,6 +177,9 @@ int compare(const CompareOptions& o, const CLI::App& app) {
   // Ahead of the scores, which take far longer: a pattern or a truth that is wrong is told at once.
   std::optional<TrajectoryStudy> trajectories = trajectoriesOf(o);
   ComparisonRecord record = compareCalibrations(request, bar.sink());
+  nameOwners(record.scores, app);
+  nameOwners(record.verdict, app);
+  if (auto& own = record.session_estimate) own->problem = withOwners(own->problem, app);
   if (trajectories) addRuns(std::move(*trajectories), record);
   // The recording's hash, where there is one, with that of all the other files.
   record.provenance.input_hash =

@@ -93,9 +93,7 @@ int evaluateCalibrationFile(const EvaluateCalibrationOptions& o, const CLI::App&
   auto result = evaluateCalibration(request, bar.sink());
   bar.clear();
   if (!result) return tellFailure(result.failure(), app);
-  for (CalibrationScore& score : result.value().held->scores) {
-    score.problem = withOwners(score.problem, app);
-  }
+  nameOwners(result.value().held->scores, app);
   nameOwners(result.value().verdict, app);
   return out.finish(*result, {{"evaluation.json", documentOf(*result)}}, renderCalibrationPage,
                     evaluationSummary(*result) + "\n" + verdictText(result->verdict));

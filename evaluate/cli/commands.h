@@ -86,7 +86,10 @@ inline int tellFailure(const Failure& failure, const CLI::App& command) {
   return failure.reason() == FailureReason::kImplausible ? kBadInput : kFailed;
 }
 
-/// withOwners() of all that a verdict says.
+/// withOwners() of all that scores and a verdict say.
+inline void nameOwners(std::vector<CalibrationScore>& scores, const CLI::App& command) {
+  for (CalibrationScore& score : scores) score.problem = withOwners(score.problem, command);
+}
 inline void nameOwners(Verdict& verdict, const CLI::App& command) {
   verdict.headline = withOwners(verdict.headline, command);
   for (Finding& finding : verdict.findings) {
