@@ -40,9 +40,13 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   app.add_flag("--free-cameras", o.request.free_cameras,
                "Refine the cameras of --cameras: they are only start values")
       ->needs(app.get_option("--cameras"));
-  app.add_flag("--joint", o.joint, "Refine the cameras in the camera-IMU stage too");
+  // Of the camera-IMU stage both, which there is none of then.
+  auto* no_imu = app.get_option("--no-imu");
+  app.add_flag("--joint", o.joint, "Refine the cameras in the camera-IMU stage too")
+      ->excludes(no_imu);
   app.add_option("--imu-shift-ms", o.imu_shift_ms,
-                 "Add this to every IMU stamp before the calibration [ms]");
+                 "Add this to every IMU stamp before the calibration [ms]")
+      ->excludes(no_imu);
   app.add_option(
       "--select-views", o.select_views,
       "Select views: mi:0.2bits (by information gain, like Kalibr) or predicted-error:2% (as few "

@@ -117,6 +117,12 @@ TEST_F(CommandLine, OptionsThatWouldBeCutOrMeanNothingAreRefused) {
                             (scratch() / "out").string()),
                   2, AllOf(HasSubstr("--cameras"), HasSubstr("--models")));
   }
+  for (const char* of_imu : {"--joint", "--imu-shift-ms 5"}) {
+    expectRefusal(calibrate(session(), std::string("--no-imu ") + of_imu), 2,
+                  HasSubstr("--no-imu excludes --"));
+  }
+  expectRefusal(calibrate(session(), "--stride 2 --stride 3"), 2,
+                HasSubstr("--stride is given 2 times; expected once"));
   for (const char* seed : {"99999999999999999999999", "1.5", "18446744073709551616", "1e3"}) {
     expectRefusal(calibrate(session(), std::string("--seed ") + seed), 2,
                   AllOf(HasSubstr("--seed"), HasSubstr("expected a whole number")));
