@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/base/transform.h"
 #include "evaluate/results/text.h"
 
 namespace plumbline {
