@@ -11,7 +11,7 @@
 #include "calibrator/base/error.h"
 #include "datasets/bag/import_bag.h"
 #include "evaluate/cli/commands.h"
-#include "evaluate/cli/options/option_values.h"
+#include "evaluate/cli/options/option_lists.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/cli/terminal.h"
@@ -36,10 +36,8 @@ void declareImport(CLI::App& app, ImportOptions& o) {
       ->required();
   auto* out = o.output.declare(app, "Folder for the session");
   app.add_flag("--list", o.list, "Only print the topics of the recording")->excludes(out);
-  app.add_option("--camera-topics", r.camera_topics,
-                 "Topics of cam0, cam1, ... (default: all with images, by name, without depth)")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  addList(app, "--camera-topics", r.camera_topics,
+          "Topics of cam0, cam1, ... (default: all with images, by name, without depth)");
   auto* imu_topic = app.add_option("--imu-topic", r.imu_topic,
                                    "Topic of the IMU (default: that of imu.yaml, or the only one)");
   app.add_flag("--no-imu", o.no_imu, "Cameras only")->excludes(imu_topic);

@@ -84,6 +84,7 @@ TEST_F(CommandImport, WrongUseIsToldWithItsCureAndLeavesNothing) {
   refused("--list --out " + session(), "--list");
   refused("--camera-topics /left --out " + session(),
           "there is no topic /left; topics of the recording: /cam0/image_raw (sensor_msgs/Image)");
+  refused("--camera-topics /cam0/image_raw,/cam0/image_raw --out " + session(), "given twice");
   refused("--threads -1 --out " + session(), "--threads");
   refused("--out " + bag().string(), bag().string());
   const Outcome other = plumbline("import " + recorded().string() + " --out " + session());
