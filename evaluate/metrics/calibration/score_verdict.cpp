@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +14,7 @@
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/failure_text.h"
+#include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
@@ -92,52 +96,87 @@ std::string mistakeOf(const ImuCalibration& held, const ImuCalibration& seen) {
   return joined(mistakes, "; ");
 }
 
+/// Beyond so many deviations of both sides together a difference is certain. Of eight clean
+/// components one exceeds it by chance in 2 % of the recordings.
+constexpr double kCertain = 3;
+
+/// By Student's t, for robust variances have few degrees of freedom; of what is not known, certain.
+double deviates(double difference, const EstimatedVariance& a, const EstimatedVariance& b) {
+  return difference == 0 ? 0 : normalDeviate(difference, sumOf(a, b));
+}
+
+/// What is certain is no good result, however small; how bad it is goes by its size.
+struct JudgedDifference {
+  VerdictLevel level = VerdictLevel::kGood;
+  VerdictLevel by_size = VerdictLevel::kGood;  ///< good: certain, but below the usual bounds
+
+  /// `size` is of what differs by so many deviates.
+  void add(double deviates, double size, const Bound& bound) {
+    if (deviates <= kCertain) return;
+    by_size = std::max(by_size, levelAbove(size, bound));
+    level = std::max({level, VerdictLevel::kCaution, by_size});
+  }
+};
+
 /// A camera's time offset less camera 0's, as a recording has it.
 struct OffsetBetween {
   std::size_t camera = 0;
-  double s = 0, std_s = 0;
+  double s = 0;
+  EstimatedVariance variance;
 };
 
 /// Of every camera with an offset of its own; of one that is synchronised by the score test, which
-/// says what its own would be.
-std::vector<OffsetBetween> offsetsBetween(const CameraImuStageResult& estimated, double std_s) {
+/// says what its own would be. `offset` is the variance of camera 0's.
+std::vector<OffsetBetween> offsetsBetween(const CameraImuStageResult& estimated,
+                                          const EstimatedVariance& offset) {
   std::vector<OffsetBetween> out;
   const TimeOffsets& offsets = estimated.imu.time_offsets;
   for (std::size_t c = 1; c < offsets.size(); ++c) {
     // By camera 0's deviation, to which the same IMU and as many corners lead.
-    if (hasOwnOffset(offsets, c)) out.push_back({c, offsets[c].s - offsets.front().s, std_s});
+    if (hasOwnOffset(offsets, c)) out.push_back({c, offsets[c].s - offsets.front().s, offset});
   }
   if (!estimated.faults) return out;
   for (const FaultTest& test : estimated.faults->tests) {
     if (test.fault != UnmodelledFault::kCameraDelay) continue;
-    out.push_back({static_cast<std::size_t>(test.camera), test.estimate(0), test.std(0)});
+    // From the same blocks of time as camera 0's, and so with as many degrees of freedom.
+    out.push_back({static_cast<std::size_t>(test.camera),
+                   test.estimate(0),
+                   {test.std(0) * test.std(0), offset.dof}});
   }
   return out;
 }
 
 /// The offsets between cameras that were held, which an estimate with one offset for synchronised
-/// cameras does not contradict by itself. `std_s` is of camera 0's offset.
+/// cameras does not contradict by itself. `of_offset` is the variance of camera 0's.
 Findings judgeHeldBetween(const ImuCalibration& held, HeldOffset offset,
-                          const CameraImuStageResult& estimated, double std_s) {
+                          const CameraImuStageResult& estimated,
+                          const EstimatedVariance& of_offset) {
   Rule rule{"Time offsets between cameras against this recording", "ms", kUsual.offset_std_ms, ""};
   VerdictLevel worst = VerdictLevel::kGood;
   double value = 0;
   std::string list;
-  for (const OffsetBetween& b : offsetsBetween(estimated, std_s)) {
+  for (const OffsetBetween& b : offsetsBetween(estimated, of_offset)) {
     const double held_s = held.timeOffset(b.camera) - held.timeOffset();
     const double off_ms = 1e3 * std::abs(held_s - b.s);
+    // One that is held synchronised is stated, not estimated. Files do not state a deviation of the
+    // others: they are taken to be as uncertain as the recording's.
+    const bool is_own = hasOwnOffset(held.time_offsets, b.camera);
+    const EstimatedVariance of_held = is_own ? b.variance : EstimatedVariance{};
     const std::string& name = estimated.cameras[b.camera].name;
     list += fmt::format("{}{} less {} {:+.3f} ms, estimated on this recording {:+.3f} (+- {:.1g})",
                         list.empty() ? "" : "; ", name, estimated.cameras.front().name,
-                        1e3 * held_s, 1e3 * b.s, 1e3 * b.std_s);
+                        1e3 * held_s, 1e3 * b.s, 1e3 * std::sqrt(b.variance.value + of_held.value));
     if (isLarger(off_ms, value)) value = off_ms;
-    const VerdictLevel level =
-        off_ms <= 3e3 * b.std_s ? VerdictLevel::kGood : levelAbove(off_ms, rule.bound);
-    if (level == VerdictLevel::kGood) continue;
-    worst = std::max(worst, level);
+    JudgedDifference judged;
+    judged.add(deviates(held_s - b.s, b.variance, of_held), off_ms, rule.bound);
+    if (judged.level == VerdictLevel::kGood) continue;
+    worst = std::max(worst, judged.level);
     rule.advice += fmt::format(
-        "{}{} timeshift_cam_imu of {}: on this recording it is that of {} {:+.3f} ms",
+        "{}{} timeshift_cam_imu of {}{}: on this recording it is that of {} {:+.3f} ms",
         rule.advice.empty() ? "" : "; ", offset == HeldOffset::kAssumed ? "state" : "correct", name,
+        judged.by_size == VerdictLevel::kGood
+            ? fmt::format(" where less than {:g} ms matter", rule.bound.caution)
+            : "",
         estimated.cameras.front().name, 1e3 * b.s);
   }
   if (list.empty()) return {};
@@ -182,55 +221,87 @@ std::string scoreWords(const std::vector<CalibrationScore>& scores) {
   return text;
 }
 
-using Deviations7 = Eigen::Matrix<double, 7, 1>;  // T_SC0 (3 m, 3 rad), time offset [s]
+/// T_SC0 (3 m, 3 rad) and the time offset [s].
+constexpr std::size_t kHeldParameters = 7;
+using HeldVariances = std::array<EstimatedVariance, kHeldParameters>;
 
-/// By formal deviations alone, what the recording's own unmodelled errors do to T_SC0 would be
-/// called a contradiction.
-Deviations7 deviationsOf(const CameraImuStageResult& estimated) {
-  Deviations7 std;
-  std << *estimated.imu.T_SC0_std, *estimated.imu.time_offset_std_s;
-  return estimated.faults ? Deviations7(std.cwiseMax(estimated.faults->robust_std)) : std;
+/// Robust where they are known, as `calibrate` states them: by formal ones alone, what the
+/// recording's own unmodelled errors do to T_SC0 would be called a contradiction.
+HeldVariances variancesOf(const CameraImuStageResult& estimated) {
+  HeldVariances out;
+  for (std::size_t k = 0; k < kHeldParameters; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const double formal = k < 6 ? (*estimated.imu.T_SC0_std)[i] : *estimated.imu.time_offset_std_s;
+    out[k].value = formal * formal;
+    if (!estimated.faults) continue;
+    const FaultDiagnosis& faults = *estimated.faults;
+    const EstimatedVariance robust{
+        faults.robust_std[i] * faults.robust_std[i],
+        faults.robust_dof ? (*faults.robust_dof)[i] : EstimatedVariance{}.dof};
+    // Without a degree of freedom it says nothing.
+    if (std::isfinite(robust.value) && robust.value > 0 && robust.dof > 0) out[k] = robust;
+  }
+  return out;
 }
 
-/// Beyond what chance explains nothing is good; how bad it is goes by its size.
-struct JudgedDifference {
-  VerdictLevel level = VerdictLevel::kGood;
-  VerdictLevel by_size = VerdictLevel::kGood;  ///< good: certain, but below the usual bounds
-
-  void add(double off, double deviation, const Bound& bound) {
-    if (off <= 3 * deviation) return;
-    by_size = std::max(by_size, levelAbove(off, bound));
-    level = std::max({level, VerdictLevel::kCaution, by_size});
+/// Those that the file states. Both sides are estimates: one that states none is taken to be as
+/// uncertain as the recording's.
+HeldVariances statedVariances(const ImuCalibration& held, HeldVariances own) {
+  for (std::size_t k = 0; held.T_SC0_std && k < 6; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const double std = (*held.T_SC0_std)[i];
+    own[k] = {std * std, held.T_SC0_dof ? (*held.T_SC0_dof)[i] : EstimatedVariance{}.dof};
   }
-};
+  if (held.time_offset_std_s) {
+    own[6] = {*held.time_offset_std_s * *held.time_offset_std_s,
+              held.time_offset_dof.value_or(EstimatedVariance{}.dof)};
+  }
+  return own;
+}
 
 struct HeldDifference {
   JudgedDifference transform, offset;
   std::string evidence;
 };
 
-/// `own` are the deviations of `seen`. Both sides are estimates: a file that states none is taken
-/// to be as uncertain as the recording's. A vector's deviation is the root of its components'
-/// summed variances, the RMS of its length.
+/// `own` are the variances of `seen`. Every component is judged by itself: a length is known as
+/// badly as the worst of its components, which would hide the others.
 HeldDifference heldDifference(const ImuCalibration& held, const ImuCalibration& seen,
-                              const Deviations7& own) {
-  Deviations7 stated;
-  stated << held.T_SC0_std.value_or(Vector6d(own.head<6>())),
-      held.time_offset_std_s.value_or(own(6));
-  const Deviations7 std = (own.cwiseAbs2() + stated.cwiseAbs2()).cwiseSqrt();
-  const double lever_m = (held.T_SC0.t - seen.T_SC0.t).norm();
-  const double angle_deg = rotationAngle(held.T_SC0.R.transpose() * seen.T_SC0.R) / kDegree;
-  const double offset_ms = 1e3 * std::abs(held.timeOffset() - seen.timeOffset());
-  const double lever_std_m = std.head<3>().norm();
-  const double angle_std_deg = std.segment<3>(3).norm() / kDegree;
+                              const HeldVariances& own) {
+  constexpr std::array kNames = {"T_SC0.tx", "T_SC0.ty", "T_SC0.tz",   "T_SC0.rx",
+                                 "T_SC0.ry", "T_SC0.rz", "time offset"};
+  const HeldVariances stated = statedVariances(held, own);
+  Eigen::Matrix<double, kHeldParameters, 1> off, variance, by;
+  off << boxminus(held.T_SC0, seen.T_SC0), held.timeOffset() - seen.timeOffset();
+  for (std::size_t k = 0; k < kHeldParameters; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    variance[i] = own[k].value + stated[k].value;
+    by[i] = deviates(off[i], own[k], stated[k]);
+  }
   HeldDifference d;
-  d.transform.add(lever_m, lever_std_m, kUsual.lever_arm_std_m);
-  d.transform.add(angle_deg, angle_std_deg, kUsual.rotation_std_deg);
-  d.offset.add(offset_ms, 1e3 * std(6), kUsual.offset_std_ms);
+  const auto judge = [&](int from, int count, double unit, const Bound& bound,
+                         JudgedDifference& judged) {
+    // Only what is certain: the others add what nobody knows.
+    double squared = 0, most = 0;
+    for (int i = from; i < from + count; ++i) {
+      if (isLarger(by[i], most)) most = by[i];
+      if (!(by[i] <= kCertain)) squared += off[i] * off[i];
+    }
+    judged.add(most, std::sqrt(squared) / unit, bound);
+  };
+  constexpr double kMillimetre = 1e-3, kMillisecond = 1e-3;
+  judge(0, 3, 1, kUsual.lever_arm_std_m, d.transform);
+  judge(3, 3, kDegree, kUsual.rotation_std_deg, d.transform);
+  judge(6, 1, kMillisecond, kUsual.offset_std_ms, d.offset);
+  Eigen::Index most = 0;
+  by.maxCoeff<Eigen::PropagateNaN>(&most);
   d.evidence = fmt::format(
       "estimated on this recording with the same cameras they differ by {:.1f} mm, {:.2f} deg and "
-      "{:.2f} ms (+- {:.1g}, {:.1g}, {:.1g})",
-      1e3 * lever_m, angle_deg, offset_ms, 1e3 * lever_std_m, angle_std_deg, 1e3 * std(6));
+      "{:.2f} ms (+- {:.1g}, {:.1g}, {:.1g}), the most by {:.1f} deviations ({})",
+      off.head<3>().norm() / kMillimetre, off.segment<3>(3).norm() / kDegree,
+      std::abs(off[6]) / kMillisecond, std::sqrt(variance.head<3>().sum()) / kMillimetre,
+      std::sqrt(variance.segment<3>(3).sum()) / kDegree, std::sqrt(variance[6]) / kMillisecond,
+      by[most], kNames[static_cast<std::size_t>(most)]);
   return d;
 }
 
@@ -263,7 +334,7 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
                  ")";
     return {f};
   }
-  const Deviations7 own = deviationsOf(*estimated);
+  const HeldVariances own = variancesOf(*estimated);
   const HeldDifference d = heldDifference(held, estimated->imu, own);
   // A file cannot contradict the recording in an offset that it does not state.
   const bool assumed = offset == HeldOffset::kAssumed;
@@ -288,7 +359,7 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
         1e3 * kUsual.lever_arm_std_m.caution, kUsual.rotation_std_deg.caution,
         kUsual.offset_std_ms.caution);
   }
-  Findings findings = judgeHeldBetween(held, offset, *estimated, own(6));
+  Findings findings = judgeHeldBetween(held, offset, *estimated, own[6]);
   findings.insert(findings.begin(), std::move(f));
   return findings;
 }

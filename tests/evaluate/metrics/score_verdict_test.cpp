@@ -148,7 +148,53 @@ TEST(ScoreVerdict, TheDeviationsThatTheFileStatesCountToo) {
     return judgeHeldImu(held, HeldOffset::kStated, estimateOf(quarterTurn(), 8e-3)).front().level;
   };
   EXPECT_EQ(level(), VerdictLevel::kCaution);
-  held.T_SC0_std = Vector6d(Vector6d::Constant(5e-4));
+  held.T_SC0_std = Vector6d(Vector6d::Constant(7e-4));
+  EXPECT_EQ(level(), VerdictLevel::kGood);
+}
+
+// A direction that the motion hardly determines must not hide what is wrong in another.
+TEST(ScoreVerdict, EveryComponentIsHeldAgainstItsOwnDeviation) {
+  CameraImuStageResult seen = estimateOf(quarterTurn(), 8e-3);
+  seen.imu.T_SC0_std->z() = 2e-2;
+  ImuCalibration held;
+  held.T_SC0 = quarterTurn();
+  held.time_offsets = {{8e-3}};
+  held.T_SC0.t.z() += 3e-2;
+  const auto judged = [&] { return judgeHeldImu(held, HeldOffset::kStated, seen).front(); };
+  EXPECT_EQ(judged().level, VerdictLevel::kGood);  // 1.06 deviations
+  EXPECT_THAT(judged().evidence, HasSubstr("the most by 1.1 deviations (T_SC0.tz)"));
+  held.T_SC0.t.x() += 2e-3;  // 14 deviations
+  // The 30 mm along z are not certain: by size it is a little.
+  EXPECT_EQ(judged().level, VerdictLevel::kCaution);
+  EXPECT_THAT(judged().evidence, HasSubstr("(T_SC0.tx)"));
+  EXPECT_THAT(judged().advice, HasSubstr("below 5 mm, 0.2 deg and 0.5 ms"));
+  held.T_SC0.t.x() += 3e-2;
+  EXPECT_EQ(judged().level, VerdictLevel::kBad);
+}
+
+// Robust deviations are those that `calibrate` states; of few degrees of freedom they are rough.
+TEST(ScoreVerdict, RobustDeviationsCountByTheirDegreesOfFreedom) {
+  CameraImuStageResult seen = estimateOf(quarterTurn(), 8e-3);
+  ImuCalibration held;
+  held.T_SC0 = quarterTurn();
+  held.T_SC0.t.x() += 2e-4;  // 1.4 of the formal deviations
+  held.time_offsets = {{8e-3}};
+  const auto level = [&] { return judgeHeldImu(held, HeldOffset::kStated, seen).front().level; };
+  EXPECT_EQ(level(), VerdictLevel::kGood);
+  FaultDiagnosis& faults = seen.faults.emplace();
+  EXPECT_EQ(level(), VerdictLevel::kGood) << "they are not known";
+  faults.robust_std.setConstant(4e-5);  // 3.5 deviations
+  EXPECT_EQ(level(), VerdictLevel::kCaution);
+  faults.robust_dof = Eigen::VectorXd::Constant(7, 4);  // with 8 degrees 2.7 of the normal ones
+  EXPECT_EQ(level(), VerdictLevel::kGood);
+  faults.robust_dof = Eigen::VectorXd::Constant(7, 100);
+  EXPECT_EQ(level(), VerdictLevel::kCaution);
+  faults.robust_dof->setZero();
+  EXPECT_EQ(level(), VerdictLevel::kGood) << "by the formal ones";
+  held.T_SC0_std = Vector6d(Vector6d::Constant(4e-5));
+  seen.imu.T_SC0_std = held.T_SC0_std;
+  EXPECT_EQ(level(), VerdictLevel::kCaution);
+  held.T_SC0_dof = Vector6d(Vector6d::Constant(2));
   EXPECT_EQ(level(), VerdictLevel::kGood);
 }
 
@@ -214,7 +260,19 @@ TEST(ScoreVerdict, TheOffsetOfEachCameraIsHeldAgainstTheRecording) {
     return findings.back();
   };
   EXPECT_EQ(judged(0).level, VerdictLevel::kGood);
-  EXPECT_EQ(judged(0.4e-3).level, VerdictLevel::kGood);  // too little to matter
+  EXPECT_EQ(judged(4e-5).level, VerdictLevel::kGood);  // 2.8 deviations of both
+  // What is certain is no good result, however small.
+  EXPECT_EQ(judged(0.4e-3).level, VerdictLevel::kCaution);
+  EXPECT_THAT(judged(0.4e-3).advice, HasSubstr("of cam1 where less than 0.5 ms matter: on this"));
+  // Files state no deviation of it. A camera that is held synchronised has none.
+  held.time_offsets = {{8e-3}};
+  faults.tests[0].estimate(0) = 4e-5;
+  EXPECT_EQ(judgeHeldImu(held, HeldOffset::kStated, seen).back().level, VerdictLevel::kCaution);
+  faults.robust_std.setConstant(1e-4);
+  faults.robust_dof = Eigen::VectorXd::Constant(7, 4);  // 4 deviations, 2.4 of the normal ones
+  EXPECT_EQ(judgeHeldImu(held, HeldOffset::kStated, seen).back().level, VerdictLevel::kGood);
+  faults.robust_dof.reset();
+  faults.tests[0].estimate(0) = 0;
   const Finding late = judged(4e-3);
   EXPECT_EQ(late.level, VerdictLevel::kCaution);
   EXPECT_NEAR(late.value, 4, 1e-9);
