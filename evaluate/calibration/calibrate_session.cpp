@@ -13,11 +13,11 @@
 #include "calibrator/batch/halves.h"
 #include "calibrator/batch/resample.h"
 #include "calibrator/batch/two_stages.h"
+#include "evaluate/metrics/calibration/both_stages.h"
 #include "evaluate/metrics/calibration/uncertainty_maps.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
-#include "evaluate/metrics/rules/rules.h"
 #include "evaluate/session/load_session.h"
 
 namespace plumbline {
@@ -114,17 +114,10 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
                                       const TargetShape& stated, const ProgressSink& progress,
                                       CalibrationRecord& record) {
   progress("calibrating camera and IMU", -1);
-  auto stage = calibrateCameraImu(loaded.session, cameras, request.camera_imu);
+  auto stage = convergedCameraImu(loaded.session, cameras, request.camera_imu,
+                                  record.camera ? &*record.camera : nullptr);
   if (!stage) return stage.failure();
-  if (!stage->summary.converged) return notConverged(*stage);
   record.camera_imu = std::move(stage).value();
-  // The batch alone takes the cameras as exact; these add what the camera stage leaves open.
-  if (record.camera) {
-    if (auto both = robustDeviationsOfBothStages(*record.camera, *record.camera_imu)) {
-      record.camera_imu->summary.robust_std = std::move(both->std);
-      record.camera_imu->summary.robust_dof = std::move(both->dof);
-    }
-  }
   if (request.halves) {
     record.camera_imu->summary.halves =
         checkCameraImuHalves(loaded.session, *record.camera_imu, request.camera_imu);

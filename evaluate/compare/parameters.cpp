@@ -12,13 +12,12 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/batch.h"
-#include "calibrator/batch/camera_imu/batch.h"
-#include "calibrator/batch/two_stages.h"
 #include "evaluate/compare/findings.h"
+#include "evaluate/metrics/calibration/both_stages.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/lists.h"
-#include "evaluate/metrics/rules/rules.h"
+#include "report/records/calibration_record.h"
 
 namespace plumbline {
 namespace {
@@ -304,21 +303,6 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
   return out;
 }
 
-namespace {
-
-/// Of a stage's parameters, robust where it has them.
-void addDeviations(const StageSummary& stage, StatedDeviations& out) {
-  const Eigen::VectorXd formal = stage.covariance.standardDeviations();
-  for (Eigen::Index i = 0; i < formal.size(); ++i) {
-    StatedDeviation& of = out[stage.covariance.names[static_cast<std::size_t>(i)]];
-    of = {formal[i]};
-    if (stage.robust_std) of.std = (*stage.robust_std)[i];
-    if (stage.robust_std && stage.robust_dof) of.dof = (*stage.robust_dof)[i];
-  }
-}
-
-}  // namespace
-
 SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>& calibrations,
                                 const ScoreOptions& options, TargetMode target) {
   SessionEstimate own;
@@ -330,35 +314,28 @@ SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>&
   // The first one's models, so that parameters compare one by one.
   CameraStageOptions camera = withModelsOf(calibrations.front(), options.camera);
   camera.target = target;
-  const auto cameras = calibrateCameras(session, camera);
+  auto cameras = calibrateCameras(session, camera);
   if (!cameras) {
     own.problem = problemOf(cameras.failure());
     return own;
   }
-  own.calibration.cameras = cameras->cameras;
-  StatedDeviations deviations;
-  addDeviations(cameras->summary, deviations);
+  CalibrationRecord record;
+  const CameraStageResult& solved = record.camera.emplace(std::move(cameras).value());
+  own.calibration.cameras = solved.cameras;
   // As calibrateSession() does: the board that the cameras were estimated with.
-  session.target.shape = cameras->target;
+  session.target.shape = solved.target;
   const bool imu = std::any_of(calibrations.begin(), calibrations.end(),
                                [](const Calibration& c) { return c.imu.has_value(); });
   if (imu && options.use_imu && session.imu) {
-    // The camera stage fails where it does not converge; this one returns where it stopped, so it
-    // is asked.
-    const auto stage = calibrateCameraImu(session, cameras->cameras, options.camera_imu);
-    if (stage && stage->summary.converged) {
+    auto stage = convergedCameraImu(session, solved.cameras, options.camera_imu, &solved);
+    if (stage) {
       own.calibration.imu = stage->imu;
-      StageSummary summary = stage->summary;
-      if (auto both = robustDeviationsOfBothStages(*cameras, *stage)) {
-        summary.robust_std = std::move(both->std);
-        summary.robust_dof = std::move(both->dof);
-      }
-      addDeviations(summary, deviations);
+      record.camera_imu = std::move(stage).value();
     } else {
-      own.problem = "camera-IMU: " + problemOf(stage ? notConverged(*stage) : stage.failure());
+      own.problem = "camera-IMU: " + problemOf(stage.failure());
     }
   }
-  own.calibration = withDeviations(std::move(own.calibration), deviations);
+  own.calibration = withDeviations(std::move(own.calibration), statedDeviations(record));
   std::vector<Calibration> all = {own.calibration};
   append(all, calibrations);
   own.parameters = comparedParameters(all);

@@ -12,8 +12,8 @@
 #include "calibrator/base/error.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/corners.h"
+#include "evaluate/metrics/calibration/both_stages.h"
 #include "evaluate/metrics/failure_text.h"
-#include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
 namespace {
@@ -181,14 +181,13 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
   // No IMU until the fold has one: the calibration's own was estimated with the frames held out.
   Calibration recalibrated{cameras->cameras, {}};
   if (options.use_imu && calibration.imu && fold.training.imu) {
-    const auto imu = calibrateCameraImu(fold.training, recalibrated.cameras, options.camera_imu);
-    if (imu && imu->summary.converged) {
+    const auto imu = convergedCameraImu(fold.training, recalibrated.cameras, options.camera_imu);
+    if (imu) {
       addImuStage(*imu, out.in_sample);
       recalibrated.imu = imu->imu;
     } else {
       // Held-out frames would else be scored by where it stopped.
-      const Failure failure = imu ? notConverged(*imu) : imu.failure();
-      out = failedFold(std::move(out), "camera-IMU: " + problemOfFold(failure));
+      out = failedFold(std::move(out), "camera-IMU: " + problemOfFold(imu.failure()));
     }
   }
   // Also where the camera-IMU stage failed: then of the cameras alone, and the problem is kept.
