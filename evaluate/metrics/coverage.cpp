@@ -152,6 +152,7 @@ class Gatherer {
   void add(const Points& points) {
     for (const auto& [id, point] : points) {
       if (id % 4 != 0) continue;
+      addHand(point, points, id);
       const int above = id + 4 * grid_.cols;
       if ((id / 4 + 1) % grid_.cols != 0) {
         addEdge(edgeOf(points, {id, id + 1, id + 4, id + 5}), layout_.pairs_beside,
@@ -169,6 +170,16 @@ class Gatherer {
   }
 
  private:
+  // With v down, the edge to the right and the one upwards turn the other way than x and y do.
+  void addHand(const Eigen::Vector2d& corner, const Points& points, int id) {
+    const auto right = points.find(id + 1), up = points.find(id + 3);
+    if (right == points.end() || up == points.end()) return;
+    ++layout_.tags;
+    Eigen::Matrix2d edges;
+    edges << right->second - corner, up->second - corner;
+    if (edges.determinant() > 0) ++layout_.mirrored;
+  }
+
   // Weighted by the square of the edge's length in the image, see Weighted.
   void addEdge(const std::optional<Edge>& edge, int& seen, int& in_line) {
     if (!edge) return;

@@ -64,6 +64,8 @@ struct TargetLayout {
   int pairs_in_line = 0;   ///< of them, those whose edges stand in line: few where tagCols is wrong
   int pairs_beside = 0;    ///< tags seen together with the next one in their row
   int beside_in_line = 0;  ///< of them, those whose edges stand in line
+  int tags = 0;            ///< tags seen with bottom-left, bottom-right and top-left corner
+  int mirrored = 0;        ///< of them, those whose corners run clockwise, as from the board's back
   int largest_tag = -1;    ///< of all ids seen; -1 without any
 };
 

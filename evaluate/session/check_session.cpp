@@ -94,8 +94,9 @@ std::optional<std::string> orderInLine(Session session,
   return std::nullopt;
 }
 
-/// Each camera by itself, for they may come from different detectors.
-void checkCornerOrder(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras) {
+/// Each camera by itself, for they may come from different detectors: the order of its corners, and
+/// whether it is mirrored.
+void checkEachCamera(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras) {
   for (std::size_t c = 0; c < loaded.session.cameras.size(); ++c) {
     Session alone;
     alone.target = loaded.session.target;
@@ -103,14 +104,26 @@ void checkCornerOrder(const LoadedSession& loaded, const std::vector<CameraCalib
     std::vector<CameraCalibration> camera;
     if (!cameras.empty()) camera = {cameras[c]};
     const TargetLayout layout = shownLayout(alone, camera);
-    if (layout.pairs_above + layout.pairs_beside < kFewPairs || standInLine(layout, kHalf))
-      continue;
-    if (const auto order = orderInLine(std::move(alone), camera)) {
+    const std::string file = loaded.session.cameras[c].name + "/corners.csv";
+    if (layout.pairs_above + layout.pairs_beside < kFewPairs) continue;
+    if (!standInLine(layout, kHalf)) {
+      const auto order = orderInLine(std::move(alone), camera);
+      if (!order) continue;
       throw InputError(
-          loaded.session.cameras[c].name + "/corners.csv", 0,
+          file, 0,
           fmt::format("the corners of each tag are numbered {}; expected {}, {}, {}, {}; renumber "
                       "them (corner_id = 4 * tag + corner)",
                       *order, kCornerWords[0], kCornerWords[1], kCornerWords[2], kCornerWords[3]));
+    }
+    // Poses behind the board explain such corners as well as others do, so that no fit shows it.
+    if (layout.mirrored > kHalf * layout.tags) {
+      throw InputError(
+          file, 0,
+          fmt::format("the corners of {} of {} tags run clockwise, as on the target's back; "
+                      "expected {}, {}, {}, {} counter-clockwise in the image; the images are "
+                      "mirrored (u becomes width - 1 - u), or tags and corners are numbered so",
+                      layout.mirrored, layout.tags, kCornerWords[0], kCornerWords[1],
+                      kCornerWords[2], kCornerWords[3]));
     }
   }
 }
@@ -120,7 +133,10 @@ void checkCornerOrder(const LoadedSession& loaded, const std::vector<CameraCalib
 /// and so the cause is tried before it is named.
 void checkNeighbours(const TargetLayout& layout, const LoadedSession& loaded,
                      const std::vector<CameraCalibration>& cameras) {
-  if (layout.pairs_above < kFewPairs || standInLine(layout, kHalf)) return;
+  // One camera of several does not show in the sum of all.
+  if (layout.pairs_above < kFewPairs || standInLine(layout, kHalf)) {
+    return checkEachCamera(loaded, cameras);
+  }
   const std::string& path = loaded.target_path;
   const int stated = loaded.session.target.cols;
   const auto tryColumns = [&](int least, int most) {
@@ -135,7 +151,7 @@ void checkNeighbours(const TargetLayout& layout, const LoadedSession& loaded,
   };
   constexpr int kMostColumns = 40;
   tryColumns(2, kMostColumns);
-  checkCornerOrder(loaded, cameras);
+  checkEachCamera(loaded, cameras);
   // Last: a single column has no tags beside each other, and any row does with corners turned.
   tryColumns(1, 1);
   throw InputError(

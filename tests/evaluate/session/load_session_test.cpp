@@ -239,6 +239,33 @@ TEST(CheckTargetLayout, AnotherOrderOfTheCornersIsNamed) {
   }
 }
 
+// In the sum over cameras half of the tags stand in line.
+TEST(CheckTargetLayout, AnotherOrderOfOneCamerasCornersIsThatCameras) {
+  for (const std::size_t camera : {0U, 1U}) {
+    EXPECT_THAT(neighboursRefused([&](Session& s) {
+                  renumber(s.cameras[camera], {1, 2, 3, 0});
+                }),
+                AllOf(HasSubstr("cam" + std::to_string(camera) + "/corners.csv: "),
+                      HasSubstr("numbered top-left, bottom-left, bottom-right, top-right")));
+  }
+}
+
+TEST(CheckTargetLayout, MirroredImagesOfACameraAreNamed) {
+  const auto mirrored = [](std::vector<std::size_t> cameras) {
+    return neighboursRefused([&](Session& s) {
+      for (const std::size_t camera : cameras) {
+        for (ImageView& view : s.cameras[camera].views) {
+          for (Corner& corner : view.corners) corner.uv.x() = 751 - corner.uv.x();
+        }
+      }
+    });
+  };
+  EXPECT_EQ(mirrored({}), "");
+  EXPECT_THAT(mirrored({0}), AllOf(HasSubstr("cam0/corners.csv: "), HasSubstr("run clockwise")));
+  EXPECT_THAT(mirrored({1}), HasSubstr("cam1/corners.csv: "));
+  EXPECT_THAT(mirrored({0, 1}), HasSubstr("cam0/corners.csv: "));
+}
+
 TEST(CheckTargetLayout, FalseCornersAreNotCalledColumns) {
   const std::string refusal = neighboursRefused([](Session& s) {
     int i = 0;
