@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/calibration/failure_causes.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+
+#include "calibrator/batch/camera_imu/batch.h"
+#include "evaluate/metrics/failure_text.h"
+
+namespace plumbline {
+namespace {
+
+/// Whether wrong cameras can be what failed: not of what was found in samples, stamps or coverage.
+bool standsOnPoses(FailureCode code) {
+  using Code = FailureCode;
+  constexpr std::array kOnPoses = {
+      Code::kRatesDoNotCorrelate,   Code::kStampsWander,      Code::kGyroscopeMirrored,
+      Code::kGyroscopeInDegrees,    Code::kGyroscopeScale,    Code::kAccelerometerAxes,
+      Code::kAccelerometerReversed, Code::kGravityDisagrees,  Code::kScaleDisagrees,
+      Code::kTooFewPosedFrames,     Code::kOffsetLeftSamples, Code::kNoDescent,
+      Code::kCameraImuNotConverged};
+  return std::find(kOnPoses.begin(), kOnPoses.end(), code) != kOnPoses.end();
+}
+
+/// A failure of the camera-IMU stage, or, where poses of their own do not explain the corners
+/// either, that of the cameras: then no cause in the IMU was tested.
+Failure withCamerasSuspect(const Failure& failure, const CalibrateRequest& request,
+                           const Session& session, const std::vector<CameraCalibration>& cameras,
+                           const CalibrationRecord& record) {
+  if (!standsOnPoses(failure.code)) return failure;
+  StageSummary summary;
+  if (record.camera) {
+    summary = record.camera->summary;
+  } else {
+    const auto score = scoreCameras(session, cameras, request.camera);
+    if (!score) return failure;
+    summary = score->summary;
+  }
+  // The median, as false corners are no fault of the cameras.
+  double worst = 0;
+  std::vector<std::string> names;
+  for (std::size_t c = 0; c < summary.per_camera.size(); ++c) {
+    const double median = summary.per_camera[c].median_px;
+    if (!(median > request.thresholds.rmse_px.caution)) continue;
+    worst = std::max(worst, median);
+    names.push_back(cameras[c].name);
+  }
+  if (names.empty()) return failure;
+  return {FailureCode::kCamerasDoNotFit,
+          {{"median_px", worst},
+           {"cameras", names},
+           {"given", record.camera ? 0 : 1},
+           {"imu", textOf(failure).message}}};
+}
+
+/// Whether a camera's stamps alone contradict the gyroscope: it is refused for that, or a fault of
+/// the stamps is the cause that its tests name.
+bool contradictsGyroscope(const Result<CameraImuStageResult>& stage) {
+  using Code = FailureCode;
+  if (!stage) {
+    const Code code = stage.failure().code;
+    return code == Code::kRatesDoNotCorrelate || code == Code::kStampsWander;
+  }
+  if (!stage->faults || stage->faults->causes.empty()) return false;
+  const UnmodelledFault cause = stage->faults->causes.front().fault;
+  return cause == UnmodelledFault::kStampsWander || cause == UnmodelledFault::kClockStep ||
+         cause == UnmodelledFault::kClockDrift;
+}
+
+/// Where some cameras alone contradict the gyroscope and others suit it, the failure that names the
+/// former: then IMU and clock are not at fault.
+std::optional<Failure> failureOfCameras(const Failure& failure, const CalibrateRequest& request,
+                                        const Session& session,
+                                        const std::vector<CameraCalibration>& cameras) {
+  if (failure.code != FailureCode::kRatesDoNotCorrelate || cameras.size() < 2) return std::nullopt;
+  CameraImuOptions options = request.camera_imu;
+  options.noise_check = false;
+  options.diagnose_faults = true;
+  std::vector<std::string> odd;
+  bool one_suits = false;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    Session alone = session;
+    alone.cameras = {session.cameras[c]};
+    std::vector<CameraCalibration> camera = {cameras[c]};
+    camera.front().T_C0Ci = {};
+    const auto stage = calibrateCameraImu(alone, camera, options);
+    if (contradictsGyroscope(stage)) {
+      odd.push_back(cameras[c].name);
+    } else if (stage && stage->summary.converged) {
+      one_suits = true;
+    }
+  }
+  if (odd.empty() || !one_suits) return std::nullopt;
+  Failure named = failure;
+  named.values.emplace("cameras", odd);
+  named.where = request.load.session;
+  return named;
+}
+
+}  // namespace
+
+Failure withModelSuspect(Failure failure, const CalibrateRequest& request, const Session& session) {
+  bool radtan = false;
+  bool unstated = false;
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    const std::string& word = session.cameras[c].distortion_model;
+    if (request.camera.model_mode == ModelMode::kAuto) break;  // all were tried
+    const bool asked = c < request.camera.models.size();
+    unstated = unstated || (!asked && word.empty());
+    radtan = radtan || (asked ? request.camera.models[c].distortion == DistortionModel::kRadtan
+                              : word.empty() || word == toString(DistortionModel::kRadtan));
+  }
+  // A lens too wide for radtan shows as views without a plausible pose, as a batch that does not
+  // converge, or, where nobody vouches for the model, as parameters that nothing determines.
+  const bool no_pose =
+      failure.reason() == FailureReason::kTooFewViews && failure.input() == FaultyInput::kTarget;
+  const bool suspect = no_pose || failure.reason() == FailureReason::kNotConverged ||
+                       (failure.reason() == FailureReason::kNotObservable && unstated);
+  // A start that was given comes with its models: none was tried.
+  if (!radtan || !suspect || !request.camera.start.empty()) return failure;
+  failure.values.emplace("radtan_suspect", unstated ? 2 : 1);
+  return failure;
+}
+
+Failure causeOfImuFailure(const Failure& failure, const CalibrateRequest& request,
+                          const LoadedSession& loaded,
+                          const std::vector<CameraCalibration>& cameras,
+                          const CalibrationRecord& record) {
+  const Failure suspect = withCamerasSuspect(failure, request, loaded.session, cameras, record);
+  const auto of_cameras = failureOfCameras(suspect, request, loaded.session, cameras);
+  return of_cameras ? *of_cameras : locate(suspect, loaded, request.load.session);
+}
+
+}  // namespace plumbline
