@@ -46,7 +46,7 @@ std::optional<Failure> cameraStage(const CalibrateRequest& request, const Loaded
                                    const ProgressSink& progress, CalibrationRecord& record) {
   progress("calibrating the cameras", -1);
   auto stage = calibrateCameras(loaded.session, request.camera);
-  if (!stage) return withModelSuspect(stage.failure(), request, loaded.session);
+  if (!stage) return causeOfCameraFailure(stage.failure(), request, loaded.session);
   record.camera = std::move(stage).value();
   // At infinity, where the map is one of directions: a range would be one that nobody asked for.
   record.projection_uncertainty = uncertaintyMaps(record.camera->cameras, loaded.session.name,

@@ -3,14 +3,61 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera_imu/batch.h"
+#include "evaluate/calibration/cameras_apart.h"
 #include "evaluate/metrics/failure_text.h"
 
 namespace plumbline {
 namespace {
+
+/// A failure of cameras together that each of them alone may explain otherwise.
+bool isOfAllCameras(FailureCode code) {
+  using Code = FailureCode;
+  constexpr std::array kTogether = {Code::kNoFramePose,         Code::kFocalLengthFree,
+                                    Code::kPrincipalPointFree,  Code::kExtrinsicsFree,
+                                    Code::kDistortionFree,      Code::kInformationSingular,
+                                    Code::kCamerasNotConverged, Code::kCamerasDoNotFit};
+  return std::find(kTogether.begin(), kTogether.end(), code) != kTogether.end();
+}
+
+/// With what single cameras tell: where each explains its corners alone, but no transform joins two
+/// of them, that is what failed; where the camera that the failure names does, and another does
+/// not, the failure is that one's.
+Failure withCamerasAlone(Failure failure, const CalibrateRequest& request, const Session& session) {
+  if (session.cameras.size() < 2 || !isOfAllCameras(failure.code)) return failure;
+  const auto alone = calibratedAlone(session, request.camera);
+  const auto named = failure.values.find("camera");
+  bool named_fits = false;
+  double worst_px = 0;
+  const Failure* other = nullptr;
+  for (std::size_t c = 0; c < alone.size(); ++c) {
+    const bool is_named = named != failure.values.end() &&
+                          std::get<std::string>(named->second.content()) == session.cameras[c].name;
+    if (!alone[c]) {
+      if (!is_named && !other) other = &alone[c].failure();
+      continue;
+    }
+    const double rmse_px = alone[c]->summary.reprojection.rmse_px;
+    if (isLarger(rmse_px, worst_px)) worst_px = rmse_px;
+    if (is_named) named_fits = true;
+  }
+  if (other) return named_fits ? *other : failure;
+  if (!(worst_px <= request.thresholds.rmse_px.caution)) return failure;
+  const auto apart = camerasApart(session, alone, request.camera.frames);
+  if (!apart) return failure;
+  failure.values.insert({{"alone_px", worst_px},
+                         {"apart", std::vector<std::string>{apart->first, apart->second}},
+                         {"turn_deg", apart->turn_deg},
+                         {"turn_frames", apart->frames}});
+  return failure;
+}
 
 /// Whether wrong cameras can be what failed: not of what was found in samples, stamps or coverage.
 bool standsOnPoses(FailureCode code) {
@@ -48,11 +95,12 @@ Failure withCamerasSuspect(const Failure& failure, const CalibrateRequest& reque
     names.push_back(cameras[c].name);
   }
   if (names.empty()) return failure;
-  return {FailureCode::kCamerasDoNotFit,
-          {{"median_px", worst},
-           {"cameras", names},
-           {"given", record.camera ? 0 : 1},
-           {"imu", textOf(failure).message}}};
+  const Failure unfit{FailureCode::kCamerasDoNotFit,
+                      {{"median_px", worst},
+                       {"cameras", names},
+                       {"given", record.camera ? 0 : 1},
+                       {"imu", textOf(failure).message}}};
+  return record.camera ? withCamerasAlone(unfit, request, session) : unfit;
 }
 
 /// Whether a camera's stamps alone contradict the gyroscope: it is refused for that, or a fault of
@@ -99,8 +147,7 @@ std::optional<Failure> failureOfCameras(const Failure& failure, const CalibrateR
   return named;
 }
 
-}  // namespace
-
+// Marks the failure of a camera stage whose lens may be too wide for the model that was tried.
 Failure withModelSuspect(Failure failure, const CalibrateRequest& request, const Session& session) {
   bool radtan = false;
   bool unstated = false;
@@ -122,6 +169,16 @@ Failure withModelSuspect(Failure failure, const CalibrateRequest& request, const
   if (!radtan || !suspect || !request.camera.start.empty()) return failure;
   failure.values.emplace("radtan_suspect", unstated ? 2 : 1);
   return failure;
+}
+
+}  // namespace
+
+Failure causeOfCameraFailure(const Failure& failure, const CalibrateRequest& request,
+                             const Session& session) {
+  // Frames that a selection left may be what is missing.
+  const bool chosen = failure.values.count("selected_frames") > 0;
+  return withModelSuspect(chosen ? failure : withCamerasAlone(failure, request, session), request,
+                          session);
 }
 
 Failure causeOfImuFailure(const Failure& failure, const CalibrateRequest& request,

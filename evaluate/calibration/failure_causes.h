@@ -12,8 +12,11 @@
 
 namespace plumbline {
 
-/// Marks the failure of a camera stage whose lens may be too wide for the model that was tried.
-Failure withModelSuspect(Failure failure, const CalibrateRequest& request, const Session& session);
+/// A failure of the camera stage, marked where the lens may be too wide for the model that was
+/// tried; with what single cameras tell, where each of several explains its corners alone
+/// (camerasApart()) or only another than the one that is named does not.
+Failure causeOfCameraFailure(const Failure& failure, const CalibrateRequest& request,
+                             const Session& session);
 
 /// A failure of the camera-IMU stage on these cameras, located: that of the cameras where poses of
 /// their own do not explain the corners either; of some cameras where only their stamps contradict

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <fmt/args.h>
@@ -336,6 +338,22 @@ Values ofTrajectory(const Failure& f) {
   }
 }
 
+/// In place of the row's text where each camera was found to explain its corners alone.
+std::optional<FailureText> camerasApart(const Failure& f) {
+  const auto turn = f.values.find("turn_deg");
+  if (turn == f.values.end()) return std::nullopt;
+  const auto& apart = std::get<std::vector<std::string>>(f.values.at("apart").content());
+  return FailureText{
+      fmt::format("{0} and {1} do not go together: alone each camera explains its corners ({2:.2f} "
+                  "px RMSE at most), but by their poses the rotation between the two varies by "
+                  "{3:.1f} deg (median over {4:.0f} frames)",
+                  apart.front(), apart.back(), f.number("alone_px"), f.number("turn_deg"),
+                  f.number("turn_frames")),
+      "the cause was not tested: look for stamps that pair images of other instants, images of "
+      "another recording, and a camera that is loose; or calibrate the cameras separately "
+      "(--only)"};
+}
+
 /// A camera stage that failed under radtan: the lens may be too wide for it.
 std::string wideAngle(const Failure& f) {
   // NaN: the failure says nothing of the lens; 1: radtan was stated or asked for; 2: it was tried
@@ -360,9 +378,13 @@ FailureText textOf(const Failure& failure) {
         std::visit(AddValue{words, name.c_str()}, value.content());
       }
     }
-    FailureText text{fmt::vformat(row.message, words), fmt::vformat(row.cure, words)};
+    const auto apart = camerasApart(failure);
+    FailureText text =
+        apart ? *apart
+              : FailureText{fmt::vformat(row.message, words), fmt::vformat(row.cure, words)};
     if (!failure.where.empty()) text.message = failure.where + ": " + text.message;
-    text.cure += wideAngle(failure);
+    // Where the lens explains each camera's corners, it is not the cause.
+    if (!apart) text.cure += wideAngle(failure);
     if (failure.values.count("selected_frames") > 0) {
       text.message +=
           fmt::format("; --select-views left {:.0f} of {:.0f} frames",

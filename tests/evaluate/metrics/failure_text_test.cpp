@@ -118,6 +118,26 @@ TEST(FailureText, BlamesViewsOnlyForWhatTheyLack) {
       HasSubstr("the cause is not known"));
 }
 
+TEST(FailureText, CamerasThatFitAloneAreNotBlamedForTheirViews) {
+  Failure f{FailureCode::kDistortionFree,
+            {{"camera", "cam1"},
+             {"direction", std::vector<std::string>{"cam1.k1"}},
+             {"tilt_deg", 35.0},
+             {"reach", 0.4},
+             {"radtan_suspect", 2},
+             {"alone_px", 0.28},
+             {"apart", std::vector<std::string>{"cam0", "cam1"}},
+             {"turn_deg", 3.2},
+             {"turn_frames", 80}}};
+  f.where = "rec";
+  EXPECT_EQ(textOf(f).message,
+            "rec: cam0 and cam1 do not go together: alone each camera explains its corners (0.28 "
+            "px RMSE at most), but by their poses the rotation between the two varies by 3.2 deg "
+            "(median over 80 frames)");
+  EXPECT_THAT(textOf(f).cure, ::testing::StartsWith("the cause was not tested: look for stamps"));
+  EXPECT_THAT(textOf(f).cure, ::testing::Not(HasSubstr("fisheye")));
+}
+
 TEST(FailureText, ASelectionComesBeforeTheCure) {
   const Failure few{FailureCode::kFocalLengthFree,
                     {{"camera", "cam0"},
