@@ -161,10 +161,10 @@ void locateSamples(const LoadedSession& loaded, Screening& screening);
 
 /// Throws InputError where tags that are neighbours by target.yaml do not stand in line: at its
 /// line of tagCols where another number puts them in line, for a camera whose corners do so in
-/// another order, otherwise with what was tried. Throws for a camera whose corners are mirrored.
-/// Throws at the line of tagSpacing where the gaps
-/// are further from it than the lens and real corners were seen to feign (15 % with `cameras`
-/// empty; 10 % with the cameras of the session, whose distortion is then taken out).
+/// another order, otherwise with what was tried. Throws for a camera whose corners are mirrored,
+/// and at the line of tagSpacing where the gaps are further from it than the lens and real corners
+/// were seen to feign (15 % with `cameras` empty; 10 % with the cameras of the session, whose
+/// distortion is then taken out).
 void checkTargetLayout(const LoadedSession& loaded, const std::vector<CameraCalibration>& cameras);
 
 }  // namespace plumbline
