@@ -12,6 +12,7 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/calibration/calibrate_session.h"
+#include "evaluate/metrics/calibration/held_imu.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/coverage.h"

@@ -1,102 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// T_SC0 and time offsets of a file against those that a recording shows.
+#include "evaluate/metrics/calibration/held_imu.h"
+
 #include <Eigen/Geometry>
 #include <cmath>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "evaluate/metrics/calibration/score.h"
 
 namespace plumbline {
 namespace {
 
 using testing::HasSubstr;
-
-CalibrationScore score(const std::string& session, const std::string& part, double rmse) {
-  CalibrationScore s;
-  s.session = session;
-  s.part = part;
-  s.reprojection.rmse_px = rmse;
-  s.reprojection.count = 1000;
-  return s;
-}
-
-CalibrationRecord record(std::vector<CalibrationScore> scores) {
-  CalibrationRecord r;
-  r.held = HeldCalibration{"camchain.yaml", std::move(scores)};
-  return r;
-}
-
-TEST(ScoreVerdict, SaysTheErrorOfEverySessionAndFoldTogether) {
-  CalibrationScore own = score("euroc", "all", 0.36), fold = score("euroc", "fold 1 of 2", 9);
-  own.camera_imu = ErrorStatistics{};
-  own.camera_imu->rmse_px = 0.41;
-  CalibrationScore folds = score("euroc", "all 2 folds", 0.37);
-  folds.held_out = true;
-  const Verdict v = scoreVerdict(record({own, fold, folds}));
-  EXPECT_EQ(v.headline,
-            "camchain.yaml: 0.36 px RMSE on euroc (0.41 px with the IMU), 0.37 px RMSE in "
-            "all 2 folds, held out; only poses are estimated.");
-  EXPECT_EQ(v.level, VerdictLevel::kGood);
-}
-
-TEST(ScoreVerdict, TheShapeOfTheBoardThatWasNotUsedIsNamedWithItsCure) {
-  const Verdict v = scoreVerdict(record({score("euroc", "all", 0.46)}), "cal/target_shape.yaml");
-  EXPECT_EQ(v.level, VerdictLevel::kCaution);
-  EXPECT_THAT(v.headline, HasSubstr("run again with --target-shape cal/target_shape.yaml"));
-  const Finding f = unusedShape("cal/target_shape.yaml");
-  EXPECT_THAT(f.evidence, HasSubstr("cal/target_shape.yaml lies beside the calibration"));
-  EXPECT_THAT(f.advice, HasSubstr("if the calibration was estimated with that shape"));
-}
-
-TEST(ScoreVerdict, WhatCouldNotBeScoredIsSaid) {
-  CalibrationScore none = score("other", "all", 0);
-  none.reprojection.count = 0;
-  none.problem = "no frame's pose is determined";
-  const Verdict v = scoreVerdict(record({score("euroc", "all", 0.36), none}));
-  EXPECT_EQ(v.level, VerdictLevel::kBad);
-  EXPECT_THAT(v.headline, HasSubstr("Score on other, all: no frame's pose is determined"));
-}
-
-TEST(ScoreVerdict, HeldOutErrorsAreJudged) {
-  CalibrationScore other = score("other", "all", 1.5);
-  other.held_out = true;
-  EXPECT_EQ(scoreVerdict(record({score("euroc", "all", 0.36), other})).level,
-            VerdictLevel::kCaution);
-  CalibrationScore fold = score("euroc", "fold 1 of 2", 5);
-  fold.held_out = true;  // of the pool of all folds
-  CalibrationScore folds = score("euroc", "all 2 folds", 5);
-  folds.held_out = true;
-  const Verdict v = scoreVerdict(record({score("euroc", "all", 0.36), fold, folds}));
-  EXPECT_EQ(v.level, VerdictLevel::kBad);
-  ASSERT_EQ(v.findings.size(), 1u);
-  EXPECT_EQ(v.findings[0].rule, "Held-out reprojection error on euroc, all 2 folds");
-}
-
-TEST(ScoreVerdict, ARecordingThatIsNotHeldOutIsJudgedAndNamed) {
-  const Verdict v = scoreVerdict(record({score("euroc", "all", 0.36), score("copy", "all", 3)}));
-  ASSERT_EQ(v.findings.size(), 2u);
-  EXPECT_THAT(v.findings[0].evidence, HasSubstr("is not held out"));
-  EXPECT_EQ(v.findings[1].rule, "Reprojection error on copy, all");
-  EXPECT_EQ(v.findings[1].level, VerdictLevel::kBad);
-  EXPECT_THAT(v.headline, testing::Not(HasSubstr("held out,")));
-}
-
-TEST(ScoreVerdict, ACalibrationThatDoesNotFitTheRecordingIsBad) {
-  CalibrationRecord r = record({score("euroc", "all", 3)});
-  CameraStageResult stage;
-  stage.cameras.resize(1);
-  stage.cameras[0].name = "cam0";
-  stage.cameras[0].intrinsics.resolution = {752, 480};
-  ErrorStatistics errors;
-  errors.rmse_px = 3;
-  errors.count = 1000;
-  stage.summary.per_camera = {errors};
-  r.camera = stage;
-  const Verdict v = scoreVerdict(r);
-  EXPECT_EQ(v.level, VerdictLevel::kBad);
-  EXPECT_THAT(v.headline, HasSubstr("Reprojection error of cam0"));
-}
 
 CameraImuStageResult estimateOf(const Transform& T_SC0, double offset_s) {
   CameraImuStageResult stage;
@@ -113,7 +29,7 @@ Transform quarterTurn() {
           Eigen::Vector3d(-0.02, -0.065, 0.01)};
 }
 
-TEST(ScoreVerdict, AnExtrinsicOrOffsetThatTheRecordingContradictsIsBadAndTheMistakeNamed) {
+TEST(HeldImu, AnExtrinsicOrOffsetThatTheRecordingContradictsIsBadAndTheMistakeNamed) {
   const auto judged = [](const Transform& T_SC0, double offset_s) {
     ImuCalibration held;
     held.T_SC0 = T_SC0;
@@ -139,7 +55,7 @@ TEST(ScoreVerdict, AnExtrinsicOrOffsetThatTheRecordingContradictsIsBadAndTheMist
 }
 
 // Both sides are estimates: what the file itself states as its deviation is no contradiction.
-TEST(ScoreVerdict, TheDeviationsThatTheFileStatesCountToo) {
+TEST(HeldImu, TheDeviationsThatTheFileStatesCountToo) {
   ImuCalibration held;
   held.T_SC0 = quarterTurn();
   held.T_SC0.t.x() += 2e-3;
@@ -153,7 +69,7 @@ TEST(ScoreVerdict, TheDeviationsThatTheFileStatesCountToo) {
 }
 
 // A direction that the motion hardly determines must not hide what is wrong in another.
-TEST(ScoreVerdict, EveryComponentIsHeldAgainstItsOwnDeviation) {
+TEST(HeldImu, EveryComponentIsHeldAgainstItsOwnDeviation) {
   CameraImuStageResult seen = estimateOf(quarterTurn(), 8e-3);
   seen.imu.T_SC0_std->z() = 2e-2;
   ImuCalibration held;
@@ -173,7 +89,7 @@ TEST(ScoreVerdict, EveryComponentIsHeldAgainstItsOwnDeviation) {
 }
 
 // Robust deviations are those that `calibrate` states; of few degrees of freedom they are rough.
-TEST(ScoreVerdict, RobustDeviationsCountByTheirDegreesOfFreedom) {
+TEST(HeldImu, RobustDeviationsCountByTheirDegreesOfFreedom) {
   CameraImuStageResult seen = estimateOf(quarterTurn(), 8e-3);
   ImuCalibration held;
   held.T_SC0 = quarterTurn();
@@ -200,7 +116,7 @@ TEST(ScoreVerdict, RobustDeviationsCountByTheirDegreesOfFreedom) {
 
 // On a synchronised rig any offset agrees with a thousandth of itself, and nearly with its
 // opposite.
-TEST(ScoreVerdict, NoMistakeIsNamedThatNearZeroCannotBeTold) {
+TEST(HeldImu, NoMistakeIsNamedThatNearZeroCannotBeTold) {
   ImuCalibration held;
   held.T_SC0 = quarterTurn();
   held.time_offsets = {{8e-3}};
@@ -214,7 +130,7 @@ TEST(ScoreVerdict, NoMistakeIsNamedThatNearZeroCannotBeTold) {
       testing::Not(HasSubstr("negate")));
 }
 
-TEST(ScoreVerdict, AnOffsetThatTheFileDoesNotStateIsNoMoreThanACaution) {
+TEST(HeldImu, AnOffsetThatTheFileDoesNotStateIsNoMoreThanACaution) {
   ImuCalibration held;
   held.T_SC0 = quarterTurn();
   const Finding f =
@@ -236,7 +152,7 @@ TEST(ScoreVerdict, AnOffsetThatTheFileDoesNotStateIsNoMoreThanACaution) {
   EXPECT_THAT(turned.advice, HasSubstr("contradicts"));
 }
 
-TEST(ScoreVerdict, TheOffsetOfEachCameraIsHeldAgainstTheRecording) {
+TEST(HeldImu, TheOffsetOfEachCameraIsHeldAgainstTheRecording) {
   CameraImuStageResult seen = estimateOf(quarterTurn(), 8e-3);
   seen.cameras.resize(3);
   for (std::size_t c = 0; c < 3; ++c) seen.cameras[c].name = "cam" + std::to_string(c);
@@ -300,7 +216,7 @@ TEST(ScoreVerdict, TheOffsetOfEachCameraIsHeldAgainstTheRecording) {
   EXPECT_EQ(judged(0).level, VerdictLevel::kCaution);
 }
 
-TEST(ScoreVerdict, ARecordingThatMovesTooLittleToTellIsNoFault) {
+TEST(HeldImu, ARecordingThatMovesTooLittleToTellIsNoFault) {
   const Finding f =
       judgeHeldImu({}, HeldOffset::kStated, Failure{FailureCode::kMotionInformationSingular, {}})
           .front();
@@ -308,28 +224,12 @@ TEST(ScoreVerdict, ARecordingThatMovesTooLittleToTellIsNoFault) {
   EXPECT_THAT(f.evidence, HasSubstr("not tested"));
 }
 
-TEST(ScoreVerdict, AnExtrinsicThatCouldNotBeTestedIsNotGood) {
+TEST(HeldImu, AnExtrinsicThatCouldNotBeTestedIsNotGood) {
   const Finding f = judgeHeldImu({}, HeldOffset::kStated,
                                  Failure{FailureCode::kAccelerometerAxes, {{"rms", 1.6}}})
                         .front();
   EXPECT_EQ(f.level, VerdictLevel::kCaution);
   EXPECT_THAT(f.evidence, HasSubstr("not tested"));
-  const Verdict v = scoreVerdict(record({score("euroc", "all", 0.36)}), "", {f});
-  EXPECT_EQ(v.level, VerdictLevel::kCaution);
-}
-
-TEST(ScoreVerdict, NamesNoOptionThatTheCommandDoesNotHave) {
-  CalibrationRecord r = record({score("euroc", "all", 3)});
-  CameraStageResult stage;
-  stage.cameras.resize(1);
-  ErrorStatistics errors;
-  errors.rmse_px = 3;
-  errors.count = 1000;
-  stage.summary.per_camera = {errors};
-  r.camera = stage;
-  for (const Finding& f : scoreVerdict(r).findings) {
-    EXPECT_THAT(f.advice, testing::Not(HasSubstr("--models")));
-  }
 }
 
 }  // namespace
