@@ -14,8 +14,8 @@
 #include "evaluate/calibration/failure_causes.h"
 #include "evaluate/metrics/calibration/both_stages.h"
 #include "evaluate/metrics/calibration/uncertainty_maps.h"
-#include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/sample_intervals.h"
 #include "evaluate/session/load_session.h"
 
 namespace plumbline {

@@ -15,7 +15,7 @@
 #include "evaluate/metrics/calibration/held_imu.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/calibration/score.h"
-#include "evaluate/metrics/coverage.h"
+#include "evaluate/metrics/sample_intervals.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/session/load_session.h"
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/sample_intervals.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "evaluate/metrics/coverage.h"
 
 namespace plumbline {
 namespace {

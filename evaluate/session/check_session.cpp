@@ -13,7 +13,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/metrics/coverage.h"
+#include "evaluate/metrics/target_layout.h"
 #include "evaluate/session/load_session.h"
 
 namespace plumbline {

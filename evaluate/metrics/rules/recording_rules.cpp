@@ -13,6 +13,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/rules/rules.h"
+#include "evaluate/metrics/target_layout.h"
 
 namespace plumbline {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How evenly samples follow each other: gaps and what is missing in them, and what a plot shows.
+#include "evaluate/metrics/sample_intervals.h"
+
 #include <algorithm>
 #include <limits>
 #include <numeric>
 
 #include <gtest/gtest.h>
-
-#include "evaluate/metrics/coverage.h"
 
 namespace plumbline {
 namespace {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What target.yaml and sensor.yaml state against what the corners show.
+#include "evaluate/metrics/target_layout.h"
+
 #include <cmath>
 #include <string>
 
-#include "evaluate/metrics/coverage.h"
 #include "tests/evaluate/metrics/verdict_records.h"
 
 namespace plumbline {
