@@ -9,7 +9,6 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/information/projection_uncertainty.h"
 #include "datasets/calibration/calibration_reader.h"
-#include "evaluate/compare/findings.h"
 #include "evaluate/compare/projection_difference.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/calibration/uncertainty_maps.h"

@@ -10,6 +10,8 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
+#include "evaluate/compare/lone_parameters.h"
+#include "evaluate/compare/parameters.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 
@@ -92,13 +94,15 @@ std::vector<Geometry> geometryOf(const ComparisonRecord& record, std::size_t i) 
     if (!p.name.ends_with(".angle") || !p.difference[i]) continue;
     // Without ".angle".
     const std::string name = p.name.substr(0, p.name.size() - 6);
-    const ComparedParameter* lever = comparedParameter(record, name + ".lever");
+    const ComparedParameter* lever =
+        findBy(record.parameters, &ComparedParameter::name, name + ".lever");
     const bool explained = isExplained(record, i, name);
     all.push_back({name, *p.difference[i] / kDegree, kThresholds.angle_deg, "deg", explained});
     all.push_back(
         {name, 1e3 * lever->difference[i].value_or(0), kThresholds.lever_mm, "mm", explained});
   }
-  const ComparedParameter* offset = comparedParameter(record, "time_offset");
+  const ComparedParameter* offset =
+      findBy(record.parameters, &ComparedParameter::name, "time_offset");
   if (offset && offset->difference[i]) {
     all.push_back({"time offset", 1e3 * std::abs(*offset->difference[i]), kThresholds.offset_ms,
                    "ms", isExplained(record, i, "time_offset")});
@@ -307,11 +311,6 @@ std::string firstNames(std::vector<std::string> names, std::size_t most) {
 bool isHeldOut(const ComparisonRecord& record, const std::string& label) {
   return std::any_of(record.scores.begin(), record.scores.end(),
                      [&](const CalibrationScore& s) { return s.label == label && s.held_out; });
-}
-
-const ComparedParameter* comparedParameter(const ComparisonRecord& record,
-                                           const std::string& name) {
-  return findBy(record.parameters, &ComparedParameter::name, name);
 }
 
 std::vector<Finding> comparisonFindings(const ComparisonRecord& record) {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "evaluate/compare/compare_calibrations.h"
+#include "evaluate/compare/findings.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/results/text.h"
 #include "report/plots/characters.h"

@@ -1,29 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a comparison reads, and what it estimates on the session itself.
+// What a comparison reads.
 #include "evaluate/compare/compare_calibrations.h"
 
 #include <gtest/gtest.h>
 
-#include "calibrator/simulate/simulate_session.h"
 #include "tests/datasets/calibration/kalibr_texts.h"
 #include "tests/datasets/temporary_folder.h"
 
 namespace plumbline {
 namespace {
-
-TEST(OwnEstimateOfTheSession, AStageThatDidNotConvergeIsNoWitness) {
-  SimulationOptions simulation;
-  simulation.duration_s = 6;
-  simulation.camera_rate_hz = 5;
-  const SimulatedSession simulated = simulateSession(simulatedRig("euroc"), simulation);
-  ScoreOptions options;
-  options.camera_imu.max_iterations = 1;
-  const SessionEstimate own = sessionEstimate(
-      simulated.session, std::vector<Calibration>{simulated.truth}, options, TargetMode::kGiven);
-  EXPECT_NE(own.problem.find("did not converge"), std::string::npos) << own.problem;
-  EXPECT_EQ(own.calibration.cameras.size(), 2U);
-  EXPECT_FALSE(own.calibration.imu);
-}
 
 TEST(ReadCompared, AMissingTimeShiftIsUnknown) {
   const TemporaryFolder folder;

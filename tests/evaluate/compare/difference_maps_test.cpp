@@ -4,6 +4,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/compare/compare_calibrations.h"
+#include "evaluate/compare/findings.h"
 #include "tests/evaluate/compare/compared_rigs.h"
 
 namespace plumbline {

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "evaluate/compare/compare_calibrations.h"
+#include "evaluate/compare/parameters.h"
+#include "evaluate/metrics/lists.h"
 #include "tests/evaluate/compare/compared_rigs.h"
 
 namespace plumbline {
@@ -122,7 +124,7 @@ TEST(ComparisonFindings, OffsetsOfEachCameraCanBeExplained) {
   ComparisonRecord record;
   record.calibrations = {{"a", "", "", a, {}}, {"b", "", "", b, {}}};
   record.parameters = comparedParameters({a, b});
-  ASSERT_NE(comparedParameter(record, "time_offset.cam1"), nullptr);
+  ASSERT_NE(findBy(record.parameters, &ComparedParameter::name, "time_offset.cam1"), nullptr);
   EXPECT_EQ(find(comparisonFindings(record), "Transforms")->level, VerdictLevel::kGood);
 }
 

@@ -10,6 +10,7 @@
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/export/calibration_export.h"
 #include "evaluate/compare/compare_calibrations.h"
+#include "evaluate/compare/parameters.h"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
-#include "evaluate/compare/findings.h"
+#include "evaluate/compare/parameters.h"
 #include "tests/evaluate/compare/compared_rigs.h"
 
 namespace plumbline {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which of two calibrations predicts the corners of the same views better.
+// Which of two calibrations predicts the corners of the same views better, and what a comparison
+// estimates on the session itself.
+#include "evaluate/compare/on_session.h"
+
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "evaluate/compare/findings.h"
+#include "calibrator/simulate/simulate_session.h"
 #include "tests/evaluate/compare/compared_rigs.h"
 
 namespace plumbline {
@@ -82,6 +85,20 @@ TEST(PairedPrediction, OnlyViewsUnderBothCount) {
   ASSERT_EQ(paired.size(), 1u);
   EXPECT_EQ(paired[0].views, 2);
   EXPECT_EQ(paired[0].difference_px2, 0);
+}
+
+TEST(OwnEstimateOfTheSession, AStageThatDidNotConvergeIsNoWitness) {
+  SimulationOptions simulation;
+  simulation.duration_s = 6;
+  simulation.camera_rate_hz = 5;
+  const SimulatedSession simulated = simulateSession(simulatedRig("euroc"), simulation);
+  ScoreOptions options;
+  options.camera_imu.max_iterations = 1;
+  const SessionEstimate own = sessionEstimate(
+      simulated.session, std::vector<Calibration>{simulated.truth}, options, TargetMode::kGiven);
+  EXPECT_NE(own.problem.find("did not converge"), std::string::npos) << own.problem;
+  EXPECT_EQ(own.calibration.cameras.size(), 2U);
+  EXPECT_FALSE(own.calibration.imu);
 }
 
 }  // namespace

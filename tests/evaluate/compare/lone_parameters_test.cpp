@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which of several calibrations is the outlier, and when none is.
+#include "evaluate/compare/lone_parameters.h"
+
 #include <cmath>
 
 #include <gmock/gmock.h>
