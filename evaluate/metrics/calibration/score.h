@@ -45,27 +45,6 @@ struct SessionScores {
   std::optional<CameraImuStageResult> camera_imu;  ///< likewise
 };
 
-/// A session parted into what is calibrated on and what that is scored on.
-struct Fold {
-  Session training;
-  Session held_out;
-};
-
-/// Which part of a session is held out: 0 <= index < count, 2 <= count.
-struct FoldChoice {
-  int index = 0;
-  int count = 2;
-  double time_offset_s = 0;  ///< t_imu = t_cam + this, to cut the IMU's samples by
-};
-
-/// Fold `index` of `count`: the frames (see pairFrames()) in `count` runs of consecutive ones whose
-/// numbers differ by one at most; run `index` is held out, the others are for training. Neighbours
-/// in time resemble each other, so that scattered frames would not be held out in earnest. Views
-/// that no frame takes are in neither part. IMU samples between the first and the last frame that
-/// is held out are not for training: its chain of states breaks there. The held-out part keeps all
-/// samples, of which only those between its own frames enter.
-Fold foldOf(const Session& session, const FrameOptions& options, const FoldChoice& choice);
-
 /// Whether the program can estimate every camera's models; some it can only score.
 bool canBeCalibrated(const Calibration& calibration);
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/metrics/calibration/fold.h"
+
 #include <algorithm>
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include "calibrator/base/frames.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/metrics/calibration/score.h"
 
 namespace plumbline {
 namespace {
