@@ -42,7 +42,7 @@ std::vector<Eigen::Matrix3d> rotationsBetween(const std::vector<Frame>& frames, 
 }
 
 /// Median angle [deg] to the rotation of which that is least.
-double spreadOf(const std::vector<Eigen::Matrix3d>& rotations) {
+double turnSpreadOf(const std::vector<Eigen::Matrix3d>& rotations) {
   double least = std::numeric_limits<double>::infinity();
   for (const Eigen::Matrix3d& middle : rotations) {
     std::vector<double> angles;
@@ -89,7 +89,7 @@ std::optional<CamerasApart> camerasApart(const Session& session,
     for (std::size_t b = 0; b < c; ++b) {
       const auto between = rotationsBetween(frames, b, rotations[b], c, rotations[c]);
       if (between.size() < kFewestFrames) continue;
-      const double turn_deg = spreadOf(between);
+      const double turn_deg = turnSpreadOf(between);
       if (turn_deg <= kTurnDeg || (most && turn_deg <= most->turn_deg)) continue;
       most = {session.cameras[b].name, session.cameras[c].name, turn_deg,
               static_cast<int>(between.size())};

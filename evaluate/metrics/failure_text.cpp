@@ -339,7 +339,7 @@ Values ofTrajectory(const Failure& f) {
 }
 
 /// In place of the row's text where each camera was found to explain its corners alone.
-std::optional<FailureText> camerasApart(const Failure& f) {
+std::optional<FailureText> textOfApart(const Failure& f) {
   const auto turn = f.values.find("turn_deg");
   if (turn == f.values.end()) return std::nullopt;
   const auto& apart = std::get<std::vector<std::string>>(f.values.at("apart").content());
@@ -378,7 +378,7 @@ FailureText textOf(const Failure& failure) {
         std::visit(AddValue{words, name.c_str()}, value.content());
       }
     }
-    const auto apart = camerasApart(failure);
+    const auto apart = textOfApart(failure);
     FailureText text =
         apart ? *apart
               : FailureText{fmt::vformat(row.message, words), fmt::vformat(row.cure, words)};
