@@ -283,8 +283,8 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
         1e3 * estimated->imu.timeOffset());
   } else if (f.level != VerdictLevel::kGood) {
     f.advice = fmt::format(
-        "More than three deviations, but below {:g} mm, {:g} deg and {:g} ms: calibrate on this "
-        "recording where that matters",
+        "What differs by more than three deviations is below {:g} mm, {:g} deg and {:g} ms: "
+        "calibrate on this recording where that matters",
         1e3 * kUsualBounds.lever_arm_std_m.caution, kUsualBounds.rotation_std_deg.caution,
         kUsualBounds.offset_std_ms.caution);
   }
