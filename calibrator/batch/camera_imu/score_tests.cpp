@@ -119,9 +119,13 @@ VectorXd ScoreTests::scoreAtEstimate(std::size_t block) const {
 }
 
 RobustDeviations ScoreTests::clusterRobustDeviations() const {
-  const auto count = static_cast<int>(scores_.count());
+  std::vector<std::size_t> seen;  // the others add nothing to any sum
+  for (std::size_t b = 0; b < scores_.count(); ++b) {
+    if (scores_.isSeen(b)) seen.push_back(b);
+  }
+  const auto count = static_cast<int>(seen.size());
   MatrixXd pieces(S_.rows(), count);
-  for (int b = 0; b < count; ++b) pieces.col(b) = scoreAtEstimate(b);
+  for (int b = 0; b < count; ++b) pieces.col(b) = scoreAtEstimate(seen[b]);
   const double length = correlationLength(pieces, S_);
   const int joined = blocksOf(count, length);
   BlockScores blocks{MatrixXd::Zero(S_.rows(), joined), {}};
@@ -130,7 +134,7 @@ RobustDeviations ScoreTests::clusterRobustDeviations() const {
     // About equally many to each, in time order.
     for (int b = j * count / joined; b < (j + 1) * count / joined; ++b) {
       blocks.scores.col(j) += pieces.col(b);
-      information += scores_.information(model_, model_, b);
+      information += scores_.information(model_, model_, seen[b]);
     }
     blocks.information.push_back(std::move(information));
   }

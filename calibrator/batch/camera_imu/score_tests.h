@@ -159,9 +159,9 @@ class ScoreTests {
   /// see clusterRobustDeviations().
   Eigen::Matrix<double, 7, 1> robustStd() const;
   Eigen::Matrix<double, 7, 1> formalStd() const;
-  /// Those of the calibration: adjusted for the leverage of every block, blocks joined where
-  /// neighbours correlate (calibrator/information/covariance.h). Degrees of freedom are those
-  /// of the joined blocks.
+  /// Those of the calibration: adjusted for the leverage of every block, blocks that see the target
+  /// joined where neighbours correlate (calibrator/information/covariance.h). Degrees of freedom
+  /// are those of the joined blocks.
   RobustDeviations clusterRobustDeviations() const;
 
   /// How T_SC0 and the time offset follow parameters that are held: 7 rows, a column for each.
