@@ -196,6 +196,13 @@ void addLeftOut(const PosedFrames& posed, const CameraImuProblem& problem,
   }
 }
 
+void addDiagnosis(Diagnosis found, CameraImuStageResult& result) {
+  result.faults = std::move(found.faults);
+  if (!found.joint) return;
+  result.summary.robust_std = std::move(found.joint->std);
+  result.summary.robust_dof = std::move(found.joint->dof);
+}
+
 }  // namespace
 
 Result<CameraImuStageResult> scoreCameraImu(const Session& session,
@@ -256,23 +263,22 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   seconds.solve = watch.lap();
 
   // Before the residuals are listed: no other step takes as much memory.
-  std::optional<FaultDiagnosis> faults;
-  if (options.diagnose_faults) faults = diagnoseFaults(problem, solution, options.cameras_given);
+  std::optional<Diagnosis> found;
+  if (options.diagnose_faults) found = diagnoseFaults(problem, solution, options.cameras_given);
   seconds.checks = watch.lap();
   // Offsets that wander so far that no test at the optimum reaches them show in the rates alone.
   // Cameras of another recording are no explanation of them. Whoever asks for no tests is not
   // refused: the same recording may pass them.
-  const bool explained =
-      faults && std::any_of(faults->causes.begin(), faults->causes.end(), [](const FaultTest& t) {
-        return t.fault != UnmodelledFault::kGivenCameras;
-      });
+  const bool explained = found && std::ranges::any_of(found->faults.causes, [](const FaultTest& t) {
+                           return t.fault != UnmodelledFault::kGivenCameras;
+                         });
   const auto wandering = wanderingStamps(start->parts);
   if (wandering && options.diagnose_faults && !explained) return *wandering;
   auto result = stageResult(problem, solution, session, options);
   if (!result) return result;
   seconds.covariance = watch.lap();
   addLeftOut(*posed, problem, *selected, options, result.value());
-  result.value().faults = std::move(faults);
+  if (found) addDiagnosis(std::move(*found), result.value());
   // Last: the check takes problem and solution over.
   if (options.noise_check) {
     result.value().frame_errors = frameErrors(problem, solution.estimate);

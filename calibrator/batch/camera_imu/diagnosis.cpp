@@ -11,6 +11,8 @@
 namespace plumbline {
 namespace {
 
+using Eigen::MatrixXd;
+
 constexpr double kEdge = 0.1;  // share of the recording on either side in which no change is sought
 constexpr double kBlock = 1;   // [s] length of the blocks of the robust deviations
 constexpr std::size_t kFewestBlocks = 8;  // below that nothing is diagnosed
@@ -127,6 +129,24 @@ Terms heldCameras(const FaultColumns& columns, const CameraImuEstimate& estimate
   std::vector<int> out = givenCameras(columns, estimate);
   for (int term = 0; term < kBoardTerms; ++term) out.push_back(columns.shape + term);
   return termsOf(out);
+}
+
+/// The same deviations with what the held board's terms add. It adds without cross terms, as in
+/// batch/two_stages.h.
+RobustDeviations withBoard(RobustDeviations out, const ScoreTests& tests,
+                           const FaultColumns& columns, const MatrixXd& listed,
+                           const TargetShape& board) {
+  if (!board.covariance) return out;
+  // tag_edge moves no pose.
+  const MatrixXd J = listed * tests.response(termsOf(columnRange(columns.shape, kBoardTerms)));
+  const MatrixXd C = board.covariance->topLeftCorner<kBoardTerms, kBoardTerms>();
+  for (Eigen::Index k = 0; k < out.std.size(); ++k) {
+    const EstimatedVariance both =
+        sumOf({out.std(k) * out.std(k), out.dof(k)}, {J.row(k).dot(C * J.row(k).transpose())});
+    out.std(k) = std::sqrt(both.value);
+    out.dof(k) = both.dof;
+  }
+  return out;
 }
 
 /// A test with the terms that take the fault into the model.
@@ -299,23 +319,26 @@ std::size_t diagnosedBlocks(const std::vector<Frame>& frames) {
   return std::max(seen.size(), kFewestBlocks);
 }
 
-std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
-                                             const CameraImuSolution& solution,
-                                             bool cameras_given) {
+std::optional<Diagnosis> diagnoseFaults(const CameraImuProblem& problem,
+                                        const CameraImuSolution& solution, bool cameras_given) {
   const FaultColumns columns(solution.estimate, problem.free_cameras);
   auto found = effectiveScores(problem, solution, columns, kBlock);
   if (!found) return std::nullopt;
   const Scores scores(std::move(found->blocks));
   if (scores.seen() < kFewestBlocks) return std::nullopt;
   const Terms model = termsOf(columnRange(0, columns.border.size));
-  FaultDiagnosis out;
+  Diagnosis diagnosis;
+  FaultDiagnosis& out = diagnosis.faults;
   const ScoreTests tests(scores, model);
-  RobustDeviations robust = tests.clusterRobustDeviations();
-  out.robust_std = robust.std;
-  out.robust_dof = std::move(robust.dof);
+  const MatrixXd listed = listedByBorder(solution.estimate, problem.free_cameras);
+  RobustDeviations robust = tests.clusterRobustDeviations(listed);
+  out.robust_std = robust.std.head<7>();
+  out.robust_dof = robust.dof.head<7>();
   out.formal_std = tests.formalStd();
-  if (!problem.free_cameras) {
-    out.by_cameras = tests.response(heldCameras(columns, solution.estimate));
+  if (problem.free_cameras) {
+    diagnosis.joint = withBoard(std::move(robust), tests, columns, listed, problem.target.shape);
+  } else {
+    out.by_cameras = listed.topRows<7>() * tests.response(heldCameras(columns, solution.estimate));
   }
   std::vector<Candidate> all = faultCandidates(columns, solution.estimate, *found);
   if (cameras_given && !problem.free_cameras) {
@@ -323,7 +346,7 @@ std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
                    .columns = givenCameras(columns, solution.estimate)});
   }
   findCauses(scores, all, model, out);
-  return out;
+  return diagnosis;
 }
 
 }  // namespace plumbline

@@ -71,16 +71,15 @@ ParameterList withOwnOffsets(ParameterList list, const CameraImuEstimate& estima
   return list;
 }
 
-/// Of the listed parameters, from that of the border: J Sigma J', where an own offset is camera 0's
-/// plus the difference that its column holds.
-Eigen::MatrixXd listedCovariance(const ParameterList& list, const Eigen::MatrixXd& border) {
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(list.rows.size(), border.cols());
+/// J of the listed parameters by the border, where an own offset is camera 0's plus the difference
+/// that its column holds.
+Eigen::MatrixXd rowsOf(const ParameterList& list, int border) {
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(list.rows.size(), border);
   for (std::size_t i = 0; i < list.rows.size(); ++i) {
     J(i, list.rows[i]) = 1;
     if (i >= list.own_offsets) J(i, BorderLayout::kOffset) = 1;
   }
-  const Eigen::MatrixXd out = J * border * J.transpose();
-  return 0.5 * (out + out.transpose());
+  return J;
 }
 
 /// Covariance of the border's first `size` parameters, the others held. With the solution's own
@@ -236,15 +235,24 @@ Eigen::MatrixXd borderCovariance(const Eigen::MatrixXd& information) {
   return finiteInverse(information, kNoInformation, kWeakPrior);
 }
 
+Eigen::MatrixXd listedByBorder(const CameraImuEstimate& estimate, bool free_cameras) {
+  const ParameterList list =
+      withOwnOffsets(parameterList(estimate, free_cameras), estimate, free_cameras);
+  return rowsOf(list, BorderLayout(estimate, free_cameras).size);
+}
+
 Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
                                                 const CameraImuSolution& solution,
                                                 const CameraImuOptions& options) {
   const CameraImuEstimate& estimate = solution.estimate;
   const ParameterList list =
       withOwnOffsets(parameterList(estimate, problem.free_cameras), estimate, problem.free_cameras);
-  const auto full = sandwich(problem, solution, BorderLayout(estimate, problem.free_cameras).size);
+  const Eigen::MatrixXd J = rowsOf(list, BorderLayout(estimate, problem.free_cameras).size);
+  const auto full = sandwich(problem, solution, static_cast<int>(J.cols()));
   if (!full) return Failure{FailureCode::kMotionInformationSingular};
-  ParameterCovariance out = parameterCovariance(list.parameters, listedCovariance(list, *full));
+  const Eigen::MatrixXd listed = J * *full * J.transpose();
+  ParameterCovariance out =
+      parameterCovariance(list.parameters, 0.5 * (listed + listed.transpose()));
   if (const auto failure = unobservable(out.matrix, options)) return *failure;
   return out;
 }

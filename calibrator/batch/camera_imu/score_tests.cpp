@@ -118,7 +118,7 @@ VectorXd ScoreTests::scoreAtEstimate(std::size_t block) const {
          scores_.information(model_, model_, block) * (S_ * gradient_);
 }
 
-RobustDeviations ScoreTests::clusterRobustDeviations() const {
+RobustDeviations ScoreTests::clusterRobustDeviations(const MatrixXd& combinations) const {
   std::vector<std::size_t> seen;  // the others add nothing to any sum
   for (std::size_t b = 0; b < scores_.count(); ++b) {
     if (scores_.isSeen(b)) seen.push_back(b);
@@ -140,17 +140,17 @@ RobustDeviations ScoreTests::clusterRobustDeviations() const {
   }
   const ClusterRobust robust = clusterRobust(blocks, S_);
   const double share = shareWithin(static_cast<double>(count) / joined, length);
-  VectorXd dof(S_.rows());
-  for (Index k = 0; k < dof.size(); ++k) dof(k) = robust.degrees.of(VectorXd::Unit(dof.size(), k));
-  return {listed((robust.matrix.diagonal() / share).cwiseSqrt()), listed(dof)};
+  const MatrixXd covariance = combinations * robust.matrix * combinations.transpose() / share;
+  RobustDeviations out{covariance.diagonal().cwiseSqrt(), VectorXd(combinations.rows())};
+  for (Index k = 0; k < out.dof.size(); ++k) {
+    out.dof(k) = robust.degrees.of(combinations.row(k).transpose());
+  }
+  return out;
 }
 
 MatrixXd ScoreTests::response(const Terms& held) const {
   // The model's gradient stays zero: I_mm dm + I_mh dh = 0.
-  const MatrixXd P = -(S_ * scores_.information(model_, held));
-  MatrixXd out(7, P.cols());
-  out << P.topRows<6>(), P.row(BorderLayout::kOffset);
-  return out;
+  return -(S_ * scores_.information(model_, held));
 }
 
 FaultTest ScoreTests::test(const Terms& fault) const {

@@ -159,12 +159,12 @@ class ScoreTests {
   /// see clusterRobustDeviations().
   Eigen::Matrix<double, 7, 1> robustStd() const;
   Eigen::Matrix<double, 7, 1> formalStd() const;
-  /// Those of the calibration: adjusted for the leverage of every block, blocks that see the target
-  /// joined where neighbours correlate (calibrator/information/covariance.h). Degrees of freedom
-  /// are those of the joined blocks.
-  RobustDeviations clusterRobustDeviations() const;
+  /// Those of combinations of the model's parameters, a row each: adjusted for the leverage of
+  /// every block, blocks that see the target joined where neighbours correlate
+  /// (calibrator/information/covariance.h). Degrees of freedom are those of the joined blocks.
+  RobustDeviations clusterRobustDeviations(const Eigen::MatrixXd& combinations) const;
 
-  /// How T_SC0 and the time offset follow parameters that are held: 7 rows, a column for each.
+  /// How the model follows parameters that are held, a column for each.
   Eigen::MatrixXd response(const Terms& held) const;
 
   FaultTest test(const Terms& fault) const;

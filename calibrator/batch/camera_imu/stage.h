@@ -154,6 +154,10 @@ Result<ParameterCovariance> cameraImuCovariance(const CameraImuProblem& problem,
 /// beyond every limit.
 Eigen::MatrixXd borderCovariance(const Eigen::MatrixXd& information);
 
+/// The parameters of that list as combinations of the border's, a row each: T_SC0 and the time
+/// offset are the first seven.
+Eigen::MatrixXd listedByBorder(const CameraImuEstimate& estimate, bool free_cameras);
+
 /// The same parameters at a solution that held them (fixed_calibration): the inverse information
 /// with states and gravity's direction marginalised, cameras and the differences between the
 /// cameras' own offsets held, so that the list is the same for every calibration; with the
@@ -184,6 +188,14 @@ FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate
 /// many blocks.
 double significanceBound(double deviations, int dof, std::size_t blocks);
 
+struct Diagnosis {
+  FaultDiagnosis faults;
+  /// Of a batch that refines the cameras: cluster-robust deviations of all that
+  /// cameraImuCovariance() lists, with what the held board's terms add by their covariance, whose
+  /// degrees of freedom are not known and taken as infinite. Empty where the cameras are held.
+  std::optional<RobustDeviations> joint;
+};
+
 /// From how many blocks of time diagnoseFaults() estimates the dispersion for these frames, if it
 /// judges at all: below eight it does not.
 std::size_t diagnosedBlocks(const std::vector<Frame>& frames);
@@ -204,8 +216,8 @@ std::size_t diagnosedBlocks(const std::vector<Frame>& frames);
 /// that move the calibration far are found, their size is then a guess. Empty where the recording
 /// has too few blocks or the system has no inverse.
 /// `cameras_given`: the cameras are tested too, see CameraImuOptions.
-std::optional<FaultDiagnosis> diagnoseFaults(const CameraImuProblem& problem,
-                                             const CameraImuSolution& solution, bool cameras_given);
+std::optional<Diagnosis> diagnoseFaults(const CameraImuProblem& problem,
+                                        const CameraImuSolution& solution, bool cameras_given);
 
 /// Longer recordings are judged by checkImuNoise() on segments of 100 frames spread evenly over
 /// them, this many frames in all: more would cost as much as the calibration and say little more.

@@ -2,7 +2,9 @@
 // Robust deviations of both stages on recordings of 10 and 30 s: with white noise they are the
 // formal ones in the median; the 90 % intervals that they make with their degrees of freedom cover
 // the truth also where frames share corner noise, and formal ones do not (docs/models.md has the
-// figures). Not proven here: coverage on shorter recordings, and under longer correlations.
+// figures). Likewise those of a camera-IMU stage that refines the cameras too, whose formal ones
+// know nothing of an estimated board. Not proven here: coverage on shorter recordings, and under
+// longer correlations.
 #include <cmath>
 #include <map>
 #include <random>
@@ -21,6 +23,7 @@ namespace {
 
 constexpr int kCoverageRuns = 100;      // coverage is known to two percent
 constexpr double kCoverageSigma = 0.2;  // [px]
+constexpr int kJointRuns = 20;          // 15 parameters each
 constexpr double k90 = 1.645;           // quantile 0.95 of the normal distribution
 
 /// The noise of every corner of the board a first-order Markov process over the frames in which it
@@ -78,10 +81,12 @@ struct Stages {
   Deviates camera, camera_imu;
 };
 
-SimulatedSession recorded(int seed, double duration_s, double correlation) {
+SimulatedSession recorded(int seed, double duration_s, double correlation,
+                          const TargetTerms& board = TargetTerms::Zero()) {
   SimulationOptions simulation = test::noisyRecording(static_cast<std::uint64_t>(seed), duration_s);
   simulation.trajectory.seed = static_cast<std::uint64_t>(seed);
   simulation.camera_rate_hz = 5;
+  simulation.target.shape.terms = board;
   simulation.corner_sigma_px = correlation > 0 ? 0 : kCoverageSigma;
   SimulatedSession s = test::simulate(simulation);
   s.session.cameras.resize(1);
@@ -156,6 +161,55 @@ TEST_P(Correlated, RobustIntervalsCoverTheTruthAndFormalOnesDoNot) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seconds, Correlated, ::testing::Values(10.0, 30.0));
+
+/// One that refines the cameras too, from those of the camera stage and on its board.
+Deviates jointStage(const std::vector<SimulatedSession>& recordings, TargetMode target) {
+  Deviates out;
+  for (SimulatedSession s : recordings) {
+    CameraStageOptions cameras;
+    cameras.cauchy_px = 0;
+    cameras.pixel_sigma = kCoverageSigma;
+    cameras.target = target;
+    const auto first = calibrateCameras(s.session, cameras);
+    EXPECT_TRUE(first);
+    if (!first) continue;
+    s.session.target.shape = first->target;
+    CameraImuOptions options = test::matchedOptions(s, kCoverageSigma);
+    options.free_cameras = true;
+    const auto joint = calibrateCameraImu(s.session, first->cameras, options);
+    EXPECT_TRUE(joint && joint->summary.robust_std && joint->summary.robust_dof);
+    if (!joint || !joint->summary.robust_std) continue;
+    Eigen::VectorXd error(joint->summary.robust_std->size());
+    error << test::calibrationError(s, *joint), cameraDifference(s.truth.cameras, joint->cameras);
+    out.add(error, {*joint->summary.robust_std, *joint->summary.robust_dof},
+            joint->summary.covariance.standardDeviations());
+  }
+  return out;
+}
+
+TEST(JointStage, RobustDeviationsHoldWhereFormalOnesDoNot) {
+  std::vector<SimulatedSession> recordings;
+  for (int seed = 1; seed <= kJointRuns; ++seed) recordings.push_back(recorded(seed, 30, 0.8));
+  const Deviates joint = jointStage(recordings, TargetMode::kGiven);
+  EXPECT_GT(rms(joint.robust), 0.85);
+  EXPECT_LT(rms(joint.robust), 1.25);
+  EXPECT_GT(covered(joint.interval, 1), 0.85);
+  EXPECT_GT(rms(joint.formal), 1.5);
+}
+
+TEST(JointStage, DeviationsHaveThoseOfAnEstimatedBoard) {
+  TargetTerms board = TargetTerms::Zero();
+  board << 4e-4, -1.5e-4, 0, 0.2e-4, -1e-4, 0, 2e-4, 0, -3e-4, 0.5e-4, -1e-4, 0;
+  std::vector<SimulatedSession> recordings;
+  for (int seed = 1; seed <= kJointRuns; ++seed) {
+    recordings.push_back(recorded(seed, 20, 0, board));
+  }
+  const Deviates joint = jointStage(recordings, TargetMode::kEstimate);
+  EXPECT_GT(rms(joint.robust), 0.85);
+  EXPECT_LT(rms(joint.robust), 1.25);
+  EXPECT_GT(covered(joint.interval, 1), 0.85);
+  EXPECT_GT(rms(joint.formal), 1.4);
+}
 
 }  // namespace
 }  // namespace plumbline

@@ -39,7 +39,8 @@ RobustDeviations deviationsOf(const std::vector<ScoreBlock>& blocks) {
   Terms model;
   for (int column = 0; column < kColumns; ++column) model.push_back({column, 0});
   const Scores scores(blocks);
-  return ScoreTests(scores, model).clusterRobustDeviations();
+  return ScoreTests(scores, model)
+      .clusterRobustDeviations(Eigen::MatrixXd::Identity(kColumns, kColumns));
 }
 
 TEST(ScoreBlocks, APauseChangesNoDeviation) {
