@@ -7,6 +7,8 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/time.h"
+#include "calibrator/batch/camera_imu/frame_selection.h"
+#include "calibrator/batch/camera_imu/posed_frames.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/screening.h"

@@ -8,6 +8,7 @@
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/batch/camera/batch.h"
+#include "calibrator/batch/camera_imu/frame_selection.h"
 #include "calibrator/initialise/screening.h"
 
 namespace plumbline {

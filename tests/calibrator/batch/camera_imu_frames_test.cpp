@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/batch/camera_imu/frame_selection.h"
+#include "calibrator/batch/camera_imu/posed_frames.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/simulate/simulate_session.h"
 
