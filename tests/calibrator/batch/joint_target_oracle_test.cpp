@@ -12,6 +12,7 @@
 #include <ceres/solver.h>
 #include <gtest/gtest.h>
 
+#include "calibrator/batch/board/board_system.h"
 #include "calibrator/batch/board/joint_target.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/camera/camera.h"

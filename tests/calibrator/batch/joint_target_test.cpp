@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/batch/board/board_system.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/simulate/simulate_session.h"
 
