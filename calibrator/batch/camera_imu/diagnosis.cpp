@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "calibrator/batch/camera_imu/fault_columns.h"
 #include "calibrator/batch/camera_imu/score_tests.h"
 #include "calibrator/batch/camera_imu/stage.h"
 
@@ -22,100 +23,6 @@ constexpr double kSignificanceSince = 6;
 constexpr double kSignificanceFrequency = 7;
 constexpr int kMostCauses = 3;
 constexpr double kAlike = 0.9;  // share of the first cause's chi2 that an alternative explains
-
-/// A fault with its columns.
-struct Candidate {
-  UnmodelledFault fault{};
-  int camera = -1;
-  std::vector<int> columns;
-  bool begins = false;                   ///< at an instant
-  std::vector<int> nuisance{};           ///< free beside it, though the batch holds them
-  std::optional<TimeNs> at{};            ///< where its instant was found already
-  std::optional<double> frequency_hz{};  ///< likewise its frequency
-  int changes = 0;                       ///< at so many instants, evenly spaced
-  double dispersion = 0;                 ///< of what it explains by chance, where that is known
-};
-
-std::vector<int> columnRange(int first, int count) {
-  std::vector<int> out;
-  for (int k = 0; k < count; ++k) out.push_back(first + k);
-  return out;
-}
-
-/// All parameters of cameras that were not calibrated on the recording, in the order of the
-/// cameras' own stage.
-std::vector<int> givenCameras(const FaultColumns& columns, const CameraImuEstimate& estimate) {
-  std::vector<int> out;
-  const auto add = [&](int first, int count) {
-    for (int k = 0; k < count; ++k) out.push_back(first + k);
-  };
-  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
-    add(columns.intrinsics[c], static_cast<int>(estimate.cameras[c].intrinsics.stacked().size()));
-  }
-  for (std::size_t c = 1; c < estimate.cameras.size(); ++c) add(columns.T_C0Ci[c], 6);
-  return out;
-}
-
-/// The faults that are tested, with what effectiveScores() found about their instants and
-/// frequencies.
-std::vector<Candidate> faultCandidates(const FaultColumns& columns,
-                                       const CameraImuEstimate& estimate,
-                                       const EffectiveScores& found) {
-  using Fault = UnmodelledFault;
-  std::vector<Candidate> out;
-  const auto add = [&](Fault fault, std::vector<int> of) -> Candidate& {
-    return out.emplace_back(Candidate{.fault = fault, .columns = std::move(of)});
-  };
-  // Of the inertial samples, all along. Of a 3 x 3 matrix, row by row.
-  const int a = columns.samples + SampleFaults::kAccel;
-  const int g = columns.samples + SampleFaults::kGyro;
-  add(Fault::kAccelScale, {a, a + 4, a + 8});
-  add(Fault::kAccelMisalignment, {a + 1, a + 2, a + 3, a + 5, a + 6, a + 7});
-  add(Fault::kGyroScale, {g, g + 4, g + 8});
-  add(Fault::kGyroMisalignment, {g + 1, g + 2, g + 3, g + 5, g + 6, g + 7});
-  add(Fault::kGSensitivity, columnRange(columns.samples + SampleFaults::kGSensitivity, 9));
-  add(Fault::kImuDelay, {columns.samples + SampleFaults::kDelay});
-  // Of the stamps; an offset of its own in each eighth of the recording.
-  add(Fault::kClockDrift, {columns.drift});
-  // One readout time of all cameras, and of each alone.
-  add(Fault::kLineDelay, {columns.line_delay});
-  const auto cameras = columns.line_delays.size();
-  for (std::size_t c = 0; c < (cameras > 1 ? cameras : 0); ++c) {
-    add(Fault::kLineDelay, {columns.line_delays[c]}).camera = static_cast<int>(c);
-  }
-  add(Fault::kClockStep, {BorderLayout::kOffset}).begins = true;
-  add(Fault::kStampsWander, {BorderLayout::kOffset}).changes = 7;
-  // Of the target, and an IMU that slipped. Beside the target's shape stands what a calibration of
-  // the cameras has adapted to it.
-  add(Fault::kTargetSize, {columns.target_size});
-  add(Fault::kImuMoved, columnRange(BorderLayout::kExtrinsics, 6)).begins = true;
-  add(Fault::kTargetShape, columnRange(columns.shape, kBoardTerms)).nuisance =
-      givenCameras(columns, estimate);
-  // Jumps, whose instants were found. Those of the biases are measured against the stated walk of
-  // the biases, which a pixel_sigma that is too large does not touch, though the calibration's
-  // deviations do shrink by it.
-  const auto addJump = [&](Fault fault, int column, TimeNs at, double dispersion) {
-    Candidate& jump = add(fault, columnRange(column, 3));
-    jump.at = at;
-    jump.dispersion = dispersion;
-  };
-  const JumpPlaces& jumps = found.jumps;
-  addJump(Fault::kTargetMoved, columns.target_jump, jumps.target_at, jumps.target_dispersion);
-  add(Fault::kTargetSways, columnRange(columns.sway, 6)).frequency_hz = found.sway_hz;
-  addJump(Fault::kGyroBiasJump, columns.gyro_jump, jumps.gyro_at, 1);
-  addJump(Fault::kAccelBiasJump, columns.accel_jump, jumps.accel_at, 1);
-  for (std::size_t c = 1; c < columns.T_C0Ci.size(); ++c) {
-    const int camera = static_cast<int>(c);
-    // Otherwise the batch estimates it already.
-    if (columns.own_offset[c] >= columns.border.size) {
-      add(Fault::kCameraDelay, {columns.own_offset[c]}).camera = camera;
-    }
-    Candidate& moved = add(Fault::kCameraMoved, columnRange(columns.T_C0Ci[c], 6));
-    moved.camera = camera;
-    moved.begins = true;
-  }
-  return out;
-}
 
 /// Columns that act from a block of time on.
 Terms termsOf(const std::vector<int>& columns, std::size_t from = 0) {
@@ -172,7 +79,8 @@ Terms withColumns(Terms model, const std::vector<int>& columns) {
 
 /// One that changes at instants that are evenly spaced: its column acts in the model all along, and
 /// each term adds a step. (The time offset, which is a column of the border.)
-Tested testedInParts(const Scores& scores, const ScoreTests& tests, const Candidate& candidate) {
+Tested testedInParts(const Scores& scores, const ScoreTests& tests,
+                     const FaultCandidate& candidate) {
   Tested out;
   const std::size_t parts = candidate.changes + 1;
   for (std::size_t k = 1; k < parts; ++k) {
@@ -185,7 +93,7 @@ Tested testedInParts(const Scores& scores, const ScoreTests& tests, const Candid
 /// One that begins at an instant: that of the largest chi2. Its columns are free from the beginning
 /// on, so that what is tested is a change. At the ends few blocks lie on one side, and any noise
 /// looks like one. O(blocks) tests.
-Tested testedSince(const Scores& scores, const ScoreTests& tests, const Candidate& candidate) {
+Tested testedSince(const Scores& scores, const ScoreTests& tests, const FaultCandidate& candidate) {
   Tested out;
   const ScoreTests changes(scores, withColumns(tests.model(), candidate.columns));
   const std::size_t n = scores.seen();
@@ -205,7 +113,8 @@ Tested testedSince(const Scores& scores, const ScoreTests& tests, const Candidat
 }
 
 /// One whose columns act all along, or from an instant that is in them.
-Tested testedThroughout(const Scores& scores, const ScoreTests& tests, const Candidate& candidate) {
+Tested testedThroughout(const Scores& scores, const ScoreTests& tests,
+                        const FaultCandidate& candidate) {
   Tested out;
   out.terms = termsOf(candidate.columns);
   if (candidate.nuisance.empty()) {
@@ -226,7 +135,7 @@ Tested testedThroughout(const Scores& scores, const ScoreTests& tests, const Can
   return out;
 }
 
-Tested tested(const Scores& scores, const ScoreTests& tests, const Candidate& candidate) {
+Tested tested(const Scores& scores, const ScoreTests& tests, const FaultCandidate& candidate) {
   Tested out = candidate.changes > 0 ? testedInParts(scores, tests, candidate)
                : candidate.begins    ? testedSince(scores, tests, candidate)
                                      : testedThroughout(scores, tests, candidate);
@@ -284,12 +193,12 @@ bool standsAlone(const FaultTest& test, const FaultDiagnosis& found) {
 }
 
 /// Takes the faults that explain most into the model, one after the other.
-void findCauses(const Scores& scores, const std::vector<Candidate>& all, Terms model,
+void findCauses(const Scores& scores, const std::vector<FaultCandidate>& all, Terms model,
                 FaultDiagnosis& out) {
   for (int round = 0; round < kMostCauses; ++round) {
     const ScoreTests tests(scores, model);
     std::vector<Tested> significant;
-    for (const Candidate& candidate : all) {
+    for (const FaultCandidate& candidate : all) {
       Tested t = tested(scores, tests, candidate);
       if (round == 0) out.tests.push_back(t.test);
       if (!isSignificant(t.test, scores.seen())) continue;
@@ -340,7 +249,7 @@ std::optional<Diagnosis> diagnoseFaults(const CameraImuProblem& problem,
   } else {
     out.by_cameras = listed.topRows<7>() * tests.response(heldCameras(columns, solution.estimate));
   }
-  std::vector<Candidate> all = faultCandidates(columns, solution.estimate, *found);
+  std::vector<FaultCandidate> all = faultCandidates(columns, solution.estimate, *found);
   if (cameras_given && !problem.free_cameras) {
     all.push_back({.fault = UnmodelledFault::kGivenCameras,
                    .columns = givenCameras(columns, solution.estimate)});

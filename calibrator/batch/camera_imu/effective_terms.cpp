@@ -224,45 +224,6 @@ class LinkRows {
 
 }  // namespace
 
-/// What the batch estimates already keeps its column in the border.
-FaultColumns::FaultColumns(const CameraImuEstimate& estimate, bool free_cameras)
-    : border(estimate, free_cameras) {
-  int at = border.size;
-  const auto take = [&at](int count) {
-    const int first = at;
-    at += count;
-    return first;
-  };
-  // First what links touch, so that their J_B need not be wider; then what views alone show.
-  samples = take(SampleFaults::kCount);
-  drift = take(1);
-  sway = take(6);
-  gyro_jump = take(3);
-  accel_jump = take(3);
-  target_jump = take(3);
-  of_links = at;
-  line_delay = take(1);
-  target_size = take(1);
-  shape = take(kBoardTerms);
-  const bool one = estimate.cameras.size() == 1;
-  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
-    line_delays.push_back(one ? line_delay : take(1));
-  }
-  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
-    // A fault's column only where the batch does not estimate the camera's offset already.
-    const bool own = border.own_offset[c] >= 0;
-    own_offset.push_back(c == 0 ? -1 : own ? border.own_offset[c] : take(1));
-  }
-  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
-    T_C0Ci.push_back(c == 0 ? -1 : free_cameras ? border.T_C0Ci[c] : take(6));
-  }
-  for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
-    const auto count = static_cast<int>(estimate.cameras[c].intrinsics.stacked().size());
-    intrinsics.push_back(free_cameras ? border.intrinsics[c] : take(count));
-  }
-  size = at;
-}
-
 std::vector<FaultViewTerms> viewTerms(const CameraImuProblem& problem,
                                       const CameraImuSolution& solution,
                                       const FaultColumns& columns) {

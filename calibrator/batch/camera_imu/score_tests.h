@@ -10,6 +10,7 @@
 #include "calibrator/base/results.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/problem.h"
+#include "calibrator/batch/camera_imu/fault_columns.h"
 #include "calibrator/batch/camera_imu/problem.h"
 #include "calibrator/linear/block_arrow.h"
 #include "calibrator/residuals/imu_residual.h"
@@ -18,28 +19,6 @@ namespace plumbline {
 
 // Internal to the score tests: whitened rows of views and links by the columns of the batch and of
 // every fault.
-
-/// Columns of faults that the batch does not estimate, behind those of its border.
-struct FaultColumns {
-  FaultColumns(const CameraImuEstimate& estimate, bool free_cameras);
-
-  BorderLayout border;           ///< the calibration's own columns
-  int samples = 0;               ///< first of SampleFaults
-  int drift = 0;                 ///< of the IMU's clock: t_d grows by this a second
-  int sway = 0;                  ///< target displaced by a sine, a cosine along x, y, z of F [m]
-  int gyro_jump = 0;             ///< of the gyroscope's bias in one link, 3 [rad/s]
-  int accel_jump = 0;            ///< of the accelerometer's bias in one link, 3 [m/s^2]
-  int target_jump = 0;           ///< of the target in one link, along x, y, z of F [m]
-  int of_links = 0;              ///< links touch no column from here on
-  int line_delay = 0;            ///< readout time of the image's height, of all cameras [s]
-  int target_size = 0;           ///< relative; the target is larger than stated
-  int shape = 0;                 ///< kBoardTerms, of TargetBasis [m]
-  std::vector<int> line_delays;  ///< per camera; of the only one, line_delay
-  std::vector<int> own_offset;   ///< per camera, less camera 0's [s]; -1 for camera 0
-  std::vector<int> T_C0Ci;       ///< per camera, 6; -1 for camera 0
-  std::vector<int> intrinsics;   ///< per camera, first of stacked()
-  int size = 0;
-};
 
 /// Whitened rows of the link from frame `at` to the next.
 struct LinkTerms {
@@ -161,7 +140,7 @@ class ScoreTests {
   Eigen::Matrix<double, 7, 1> formalStd() const;
   /// Those of combinations of the model's parameters, a row each: adjusted for the leverage of
   /// every block, blocks that see the target joined where neighbours correlate
-  /// (calibrator/information/covariance.h). Degrees of freedom are those of the joined blocks.
+  /// (calibrator/information/cluster_robust.h). Degrees of freedom are those of the joined blocks.
   RobustDeviations clusterRobustDeviations(const Eigen::MatrixXd& combinations) const;
 
   /// How the model follows parameters that are held, a column for each.
