@@ -100,7 +100,7 @@ double halfWidth90(double std, double dof);
 std::optional<Eigen::VectorXd> halfWidths90(const std::optional<Eigen::VectorXd>& std,
                                             const std::optional<Eigen::VectorXd>& dof);
 
-/// Degrees of freedom of cluster-robust variances (calibrator/information/covariance.h). That
+/// Degrees of freedom of cluster-robust variances (calibrator/information/cluster_robust.h). That
 /// of a combination l' p of the parameters is a sum over blocks,
 ///   v = sum_b (a_b' s_b)^2,   a_b = A_b l,
 /// of scores s_b that have under white noise the covariance G_b where b = c less G_b G_c, G_b the

@@ -7,6 +7,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/batch/corners.h"
+#include "calibrator/information/cluster_robust.h"
 #include "calibrator/information/covariance.h"
 
 namespace plumbline {

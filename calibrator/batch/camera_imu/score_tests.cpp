@@ -9,7 +9,7 @@
 #include <boost/math/distributions/normal.hpp>
 
 #include "calibrator/batch/camera_imu/stage.h"
-#include "calibrator/information/covariance.h"
+#include "calibrator/information/cluster_robust.h"
 #include "calibrator/linear/dense.h"
 
 namespace plumbline {

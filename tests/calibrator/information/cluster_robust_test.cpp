@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The cluster-robust covariance of a linear model by blocks that are few and unlike.
+#include "calibrator/information/cluster_robust.h"
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
@@ -7,8 +9,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "calibrator/information/covariance.h"
 
 namespace plumbline {
 namespace {
