@@ -188,7 +188,7 @@ struct StageSummary {
   /// Cluster-robust standard deviations in the order of `covariance`, which hold where corners err
   /// together or the model misfits (calibrator/batch/camera/information.h); empty where too
   /// few blocks of time tell. Of the camera-IMU stage T_SC0 and the time offset through both stages
-  /// (batch/two_stages.h).
+  /// (batch/two_stages.h), or, where it has estimated the cameras again, of all that it lists.
   std::optional<Eigen::VectorXd> robust_std;
   /// Degrees of freedom of their squares, by which they make intervals (halfWidth90()).
   std::optional<Eigen::VectorXd> robust_dof;

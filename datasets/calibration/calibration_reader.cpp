@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -220,15 +221,18 @@ std::optional<ParameterCovariance> camerasCovariance(const YamlMap& file) {
 
 constexpr std::size_t kImuParameters = 7;  // T_SC0 and the time offset, in front
 
-/// Of the first parameters of a stage; null (not finite) is infinite.
-std::vector<double> robustNumbers(const YamlMap& record, const char* key, std::size_t parameters) {
+/// Of the first parameters of a stage, `counts` of which there may be; null (not finite) is
+/// infinite.
+std::vector<double> robustNumbers(const YamlMap& record, const char* key,
+                                  const std::set<std::size_t>& counts) {
   std::vector<double> values;
   for (const auto& value : record.numbersOrNull(key, "deviations")) {
     values.push_back(value.value_or(std::numeric_limits<double>::infinity()));
   }
-  if (values.size() != parameters) {
-    throw record.fault(key, {InputFault::kContradiction, "does not fit the stage's parameters",
-                             fmt::format("{} numbers", parameters), "copy the file again"});
+  if (!counts.contains(values.size())) {
+    throw record.fault(
+        key, {InputFault::kContradiction, "does not fit the stage's parameters",
+              fmt::format("{} numbers", fmt::join(counts, " or ")), "copy the file again"});
   }
   if (std::any_of(values.begin(), values.end(), [](double x) { return x < 0; })) {
     throw record.fault(
@@ -237,12 +241,13 @@ std::vector<double> robustNumbers(const YamlMap& record, const char* key, std::s
   return values;
 }
 
-/// Over the formal ones of the first `count` parameters. Those of no degree of freedom say nothing.
-void addRobust(const YamlMap& record, std::size_t count, std::vector<StatedDeviation>& stated) {
-  const std::vector<double> std = robustNumbers(record, "robust_std", count);
-  std::vector<double> dof(count, std::numeric_limits<double>::infinity());
-  if (record.has("robust_dof")) dof = robustNumbers(record, "robust_dof", count);
-  for (std::size_t i = 0; i < count; ++i) {
+/// Over the formal ones of the first parameters. Those of no degree of freedom say nothing.
+void addRobust(const YamlMap& record, const std::set<std::size_t>& counts,
+               std::vector<StatedDeviation>& stated) {
+  const std::vector<double> std = robustNumbers(record, "robust_std", counts);
+  std::vector<double> dof(std.size(), std::numeric_limits<double>::infinity());
+  if (record.has("robust_dof")) dof = robustNumbers(record, "robust_dof", {std.size()});
+  for (std::size_t i = 0; i < std.size(); ++i) {
     if (std::isfinite(std[i]) && std[i] > 0 && dof[i] > 0) stated[i] = {std[i], dof[i]};
   }
 }
@@ -259,11 +264,12 @@ void addDeviations(const YamlMap& file, const char* stage, StatedDeviations& out
   if (stages.has(stage)) {
     const YamlMap record = stages.map(stage, "a stage");
     if (record.has("robust_std")) {
-      addRobust(record, count, stated);
+      // Through both stages they are not of cameras' own time offsets, which stand behind.
+      addRobust(record, {std::min(count, kImuParameters), count}, stated);
     } else if (record.has("faults") && count >= kImuParameters) {
       // Given cameras: no deviations through both stages, but those of the tests for faults.
       const YamlMap faults = record.map("faults", "tests for faults");
-      if (faults.has("robust_std")) addRobust(faults, kImuParameters, stated);
+      if (faults.has("robust_std")) addRobust(faults, {kImuParameters}, stated);
     }
   }
   for (std::size_t i = 0; i < count; ++i) out[covariance.names[i]] = stated[i];

@@ -41,23 +41,29 @@ bool hasCameras(const ParameterCovariance& covariance,
   });
 }
 
-// Deviations robust where they are known, the formal ones beside them. Of a joint stage, which has
-// estimated the cameras again, they are not known.
+// Deviations robust where they are known, the formal ones beside them: of the camera-IMU stage
+// where that has estimated the cameras again.
 void addCameras(Text& text, const CalibrationRecord& record) {
-  const bool joint = record.camera_imu &&
-                     hasCameras(record.camera_imu->summary.covariance, record.camera_imu->cameras);
-  const bool known = !joint && record.camera && record.camera->summary.robust_std;
-  const Eigen::VectorXd* robust = known ? &*record.camera->summary.robust_std : nullptr;
-  Eigen::Index first = 0;  // of the camera in the stage's parameters, which begin with the lenses
+  const StageSummary* stage = record.camera ? &record.camera->summary : nullptr;
+  if (record.camera_imu &&
+      hasCameras(record.camera_imu->summary.covariance, record.camera_imu->cameras)) {
+    stage = &record.camera_imu->summary;
+  }
   for (const CameraCalibration& camera : record.cameras()) {
     const Intrinsics& k = camera.intrinsics;
     add(text, "  {} {}-{}  [{}]  [{}]\n", camera.name, toString(k.projection_model),
         toString(k.distortion_model), numbers(k.projection), numbers(k.distortion));
     if (!camera.intrinsics_std) continue;
     const Eigen::Index size = camera.intrinsics_std->size();
-    if (robust) add(text, "       std [{}] (robust)\n", numbers(robust->segment(first, size)));
+    if (stage && stage->robust_std) {
+      const auto& names = stage->covariance.names;
+      const auto lens = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+        return name.starts_with(camera.name + ".");
+      });
+      add(text, "       std [{}] (robust)\n",
+          numbers(stage->robust_std->segment(lens - names.begin(), size)));
+    }
     add(text, "       formal std [{}]\n", numbers(*camera.intrinsics_std));
-    first += size;
   }
 }
 

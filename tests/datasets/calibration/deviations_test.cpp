@@ -81,15 +81,41 @@ TEST_F(Deviations, OfNullDegreesOfFreedomAreTakenForKnown) {
   EXPECT_EQ(stated.at("T_SC0.ty").std, 5);
 }
 
+/// A stage of T_SC0, the time offset and `further`, whose variances are 0 but the first, 4.
+std::string imuCovariance(const std::vector<std::string>& further = {}) {
+  std::vector<std::string> names{"tx", "ty", "tz", "rx", "ry", "rz", "offset"};
+  names.insert(names.end(), further.begin(), further.end());
+  std::vector<std::string> parameters, rows;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    std::vector<int> row(names.size(), 0);
+    if (i == 0) row[0] = 4;
+    parameters.push_back(fmt::format(R"({{"name": "{}", "unit": "m"}})", names[i]));
+    rows.push_back(fmt::format("[{}]", fmt::join(row, ", ")));
+  }
+  return fmt::format(R"({{"parameters": [{}], "matrix": [{}]}})", fmt::join(parameters, ", "),
+                     fmt::join(rows, ", "));
+}
+
+// Cameras that trigger apart have time offsets behind T_SC0 and camera 0's, without robust ones.
+TEST_F(Deviations, ThroughBothStagesMayLeaveOutCamerasOwnOffsets) {
+  const std::string robust = R"("robust_std": [3, 1, 1, 1, 1, 1, 1])";
+  const auto stated =
+      readDeviations(write(file(imuCovariance({"time_offset.cam1"}), robust.c_str())));
+  EXPECT_EQ(stated.at("tx").std, 3);
+  EXPECT_EQ(stated.at("time_offset.cam1").std, 0);
+  const auto refused = [&](const std::vector<std::string>& further, const char* words) {
+    return faultOf([&] { (void)readDeviations(write(file(imuCovariance(further), words))); });
+  };
+  EXPECT_EQ(refused({"a", "b"}, R"("robust_std": [1, 1, 1, 1, 1, 1, 1, 1])"),
+            InputFault::kContradiction);
+  EXPECT_EQ(refused({"a"}, R"("robust_std": [1, 1, 1, 1, 1, 1, 1], "robust_dof": [1, 1])"),
+            InputFault::kContradiction);
+}
+
 // With given cameras there are none through both stages, but those of the tests for faults.
 TEST_F(Deviations, OfGivenCamerasAreThoseOfTheTestsForFaults) {
-  std::string names, rows;
-  for (const char* name : {"tx", "ty", "tz", "rx", "ry", "rz", "offset"}) {
-    names += fmt::format(R"({}{{"name": "{}", "unit": "m"}})", names.empty() ? "" : ", ", name);
-    rows += rows.empty() ? "[4, 0, 0, 0, 0, 0, 0]" : ", [0, 0, 0, 0, 0, 0, 0]";
-  }
   const auto stated = readDeviations(write(file(
-      fmt::format(R"({{"parameters": [{}], "matrix": [{}]}})", names, rows),
+      imuCovariance(),
       R"("faults": {"robust_std": [3, 1, 1, 1, 1, 1, 1], "robust_dof": [6, 1, 1, 1, 1, 1, 1]})")));
   EXPECT_EQ(stated.at("tx").std, 3);  // formal: 2
   EXPECT_EQ(stated.at("tx").dof, 6);
