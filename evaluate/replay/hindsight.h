@@ -90,10 +90,15 @@ OperatorCompliance operatorCompliance(const ReplayRun& run,
                                       const std::vector<Suggestion>& suggestions,
                                       const std::vector<CameraCalibration>& cameras);
 
-/// Throws InputError where none of the file's suggestions was shown within a minute of the frames
-/// of a whole recording: they are another recording's, or of another clock.
+/// Where a file of suggestions comes from: an option, or beside the recording.
+enum class SuggestionsFile { kGiven, kFound };
+
+/// Throws InputError where none of the file's suggestions was shown within a minute of a frame of a
+/// whole recording: they are another recording's, or of another clock. A frame without another one
+/// so near does not count, for its stamp may be wrong.
 void checkShownWithin(const std::vector<GuideFrame>& frames,
-                      const std::vector<Suggestion>& suggestions, const std::string& path);
+                      const std::vector<Suggestion>& suggestions, const std::string& path,
+                      SuggestionsFile file);
 
 /// The compliance in a recording that is not replayed; its suggestions are those that it has beside
 /// it.

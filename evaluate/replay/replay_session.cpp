@@ -336,7 +336,10 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   const std::vector<GuideFrame> frames = guideFrames(session, arrival);
   // In a part of a recording there may have been none.
   const bool whole = request.load.read.from_s == 0 && std::isinf(request.load.read.to_s);
-  if (suggestions && whole) checkShownWithin(frames, *suggestions, *shown);
+  if (suggestions && whole) {
+    checkShownWithin(frames, *suggestions, *shown,
+                     request.suggestions ? SuggestionsFile::kGiven : SuggestionsFile::kFound);
+  }
   std::optional<std::vector<CameraCalibration>> given;
   if (request.cameras_file) given = readCameras(*request.cameras_file, session);
   Played played = playBothStages(request, guideRig(session, models), frames, given, progress);

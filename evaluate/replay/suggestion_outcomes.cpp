@@ -63,6 +63,23 @@ std::map<TimeNs, Transform> posesOf(const ReplayRun& run,
   return poses;
 }
 
+// A guide may show one before the first image is there, or behind the last.
+constexpr TimeNs kShownWithin = 60'000'000'000;
+
+/// Stamps of the frames, ascending, without those that have no other frame so near, as a first
+/// frame that is stamped 0. All of them where none has.
+std::vector<TimeNs> stampsInCompany(const std::vector<GuideFrame>& frames) {
+  std::vector<TimeNs> all, near;
+  for (const GuideFrame& frame : frames) all.push_back(frame.t);
+  std::sort(all.begin(), all.end());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool after = i > 0 && all[i] - all[i - 1] <= kShownWithin;
+    const bool before = i + 1 < all.size() && all[i + 1] - all[i] <= kShownWithin;
+    if (after || before) near.push_back(all[i]);
+  }
+  return near.empty() ? all : near;
+}
+
 ReachRule ruleOf(const GuideOptions& guide, GuideStage stage) {
   const auto& views = guide.views;
   const auto& trajectories = guide.trajectories;
@@ -183,24 +200,31 @@ OperatorCompliance operatorCompliance(const Session& session,
 }
 
 void checkShownWithin(const std::vector<GuideFrame>& frames,
-                      const std::vector<Suggestion>& suggestions, const std::string& path) {
-  if (frames.empty() || suggestions.empty()) return;
-  // A guide may show one before the first image is there, or behind the last.
-  constexpr TimeNs kMinute = 60'000'000'000;
-  const TimeNs first = frames.front().t, last = frames.back().t;
+                      const std::vector<Suggestion>& suggestions, const std::string& path,
+                      SuggestionsFile file) {
+  const std::vector<TimeNs> stamps = stampsInCompany(frames);
+  if (stamps.empty() || suggestions.empty()) return;
   const bool any = std::any_of(suggestions.begin(), suggestions.end(), [&](const Suggestion& s) {
-    return s.t >= first - kMinute && s.t <= last + kMinute;
+    const auto next = std::lower_bound(stamps.begin(), stamps.end(), s.t - kShownWithin);
+    return next != stamps.end() && *next - s.t <= kShownWithin;
   });
   if (any) return;
   const TimeNs shown = suggestions.front().t;
+  const auto next = std::upper_bound(stamps.begin(), stamps.end(), shown);
   const std::string where =
-      shown < first ? fmt::format("{:.1f} s before its first frame", secondsBetween(shown, first))
-                    : fmt::format("{:.1f} s after its last frame", secondsBetween(last, shown));
+      next == stamps.end()
+          ? fmt::format("{:.1f} s after its last frame", secondsBetween(stamps.back(), shown))
+          : fmt::format("{:.1f} s before its {} frame", secondsBetween(shown, *next),
+                        next == stamps.begin() ? "first" : "next");
+  const char* const cure = file == SuggestionsFile::kGiven
+                               ? "give this recording's file (--suggestions)"
+                               : "it was found beside the recording: move it away to replay "
+                                 "without suggestions, or give this recording's file "
+                                 "(--suggestions)";
   throw InputError(path, 0,
                    fmt::format("none of its {} suggestions was shown during the recording, the "
-                               "first {}; expected stamps of the recording's clock; give this "
-                               "recording's file (--suggestions)",
-                               suggestions.size(), where));
+                               "first {}; expected stamps of the recording's clock; {}",
+                               suggestions.size(), where, cure));
 }
 
 }  // namespace plumbline

@@ -16,6 +16,7 @@ namespace plumbline {
 namespace {
 
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -274,6 +275,17 @@ TEST_F(CommandReplay, SuggestionsOfTheRecordingAreFollowed) {
   write(folder / "suggestions.csv", "#t_ns,stage,id,T_FC0\n1400000001000000000,view,0,0,0,1\n");
   fs::remove_all(out());
   expectRefusal(replay(folder), 2, HasSubstr("suggestions.csv:2:"));
+}
+
+TEST_F(CommandReplay, SuggestionsOfAnotherHourBesideTheRecordingAreToldWithTheWayOut) {
+  const fs::path folder = spoiled();
+  const fs::path file = folder / "suggestions.csv";
+  write(file, "#t_ns,stage,id,T_FC0\n1400003600000000000,camera,0,0.3,0.3,1.2,1,0,0,0\n");
+  const std::string away = "it was found beside the recording: move it away";
+  expectRefusal(replay(folder), 2, AllOf(HasSubstr(file.string() + ": none"), HasSubstr(away)));
+  fs::rename(file, scratch() / "other.csv");
+  expectRefusal(replay(folder, "--suggestions " + (scratch() / "other.csv").string()), 2,
+                AllOf(HasSubstr("other.csv: none"), Not(HasSubstr(away))));
 }
 
 TEST_F(CommandReplay, SuggestionsAreNotJudgedWithoutCameras) {

@@ -28,6 +28,18 @@ class Following : public ::testing::Test {
     return r;
   }
   TimeNs at(std::size_t frame) const { return frames_[frame].t; }
+  /// Of a file whose only suggestion was shown at `t`; empty where it is taken.
+  std::string refusal(TimeNs t, SuggestionsFile file = SuggestionsFile::kFound) const {
+    Suggestion shown;
+    shown.t = t;
+    try {
+      checkShownWithin(frames_, {shown}, "suggestions.csv", file);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  static constexpr TimeNs kHour = 3'600'000'000'000;
 
   SimulatedSession recording_ = simulated();
   std::vector<GuideFrame> frames_ = guideFrames(recording_.session);
@@ -36,23 +48,53 @@ class Following : public ::testing::Test {
 
 // They were left out, and it was said that none had been shown.
 TEST_F(Following, SuggestionsOfAnotherRecordingAreRefused) {
-  const auto refusal = [&](TimeNs t) -> std::string {
-    Suggestion shown;
-    shown.t = t;
-    try {
-      checkShownWithin(frames_, {shown}, "suggestions.csv");
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  constexpr TimeNs kHour = 3'600'000'000'000;
   EXPECT_EQ(refusal(at(20)), "");
   EXPECT_EQ(refusal(frames_.front().t - 2'000'000'000), "");
   EXPECT_THAT(refusal(frames_.front().t - kHour),
               testing::HasSubstr("the first 3600.0 s before its first frame"));
   EXPECT_THAT(refusal(frames_.back().t + kHour),
               testing::HasSubstr("the first 3600.0 s after its last frame"));
+  EXPECT_EQ(refusal(frames_.back().t + 50'000'000'000), "") << "within a minute";
+}
+
+// Whoever never gave the option is told of the file.
+TEST_F(Following, ARefusedFileIsMovedAwayOrGivenAnew) {
+  const TimeNs other = frames_.back().t + kHour;
+  EXPECT_THAT(refusal(other, SuggestionsFile::kFound),
+              testing::AllOf(testing::StartsWith("suggestions.csv: "),
+                             testing::HasSubstr("found beside the recording: move it away")));
+  EXPECT_THAT(refusal(other, SuggestionsFile::kGiven),
+              testing::AllOf(testing::HasSubstr("give this recording's file (--suggestions)"),
+                             testing::Not(testing::HasSubstr("beside"))));
+}
+
+// From a frame stamped 0 to the last one lies every hour before the recording.
+TEST_F(Following, AFrameWithAWrongStampDoesNotTakeSuggestionsOfAnotherHour) {
+  const TimeNs first = frames_.front().t, last = frames_.back().t;
+  frames_.front().t = 0;
+  EXPECT_EQ(refusal(at(20)), "");
+  EXPECT_THAT(refusal(first - kHour), testing::HasSubstr("s before its first frame"));
+  EXPECT_THAT(refusal(10'000'000'000), testing::HasSubstr("s before its first frame"))
+      << "near the wrong stamp alone";
+  frames_.front().t = first;
+  frames_.back().t = last + 2 * kHour;
+  EXPECT_THAT(refusal(last + kHour), testing::HasSubstr("s after its last frame"));
+  EXPECT_EQ(refusal(at(20)), "");
+}
+
+// Another clock in the first frames, set in a running recording: no hour between is the
+// recording's.
+TEST_F(Following, SuggestionsBetweenTheFramesOfTwoClocksAreRefused) {
+  for (std::size_t i = 0; i < 10; ++i) frames_[i].t -= 5 * kHour;
+  EXPECT_THAT(refusal(frames_.back().t - kHour), testing::HasSubstr("s before its next frame"));
+  EXPECT_EQ(refusal(at(20)), "");
+}
+
+TEST_F(Following, AFewFramesMinutesApartAreARecordingToo) {
+  frames_.resize(3);
+  for (std::size_t i = 0; i < 3; ++i) frames_[i].t += static_cast<TimeNs>(i) * 200'000'000'000;
+  EXPECT_EQ(refusal(at(1)), "");
+  EXPECT_NE(refusal(at(0) - kHour), "");
 }
 
 TEST_F(Following, AnOperatorWhoGoesThereReachesIt) {
