@@ -114,7 +114,7 @@ int simulate(SimulateOptions o) {
   writeSimulatedSession(simulated, o.simulation, out.path(), format);
   out.commit();
   bar.clear();
-  say("Simulated {:.0f} s of rig {} (seed {}) in {}\n", o.simulation.duration_s, o.rig,
+  say("Simulated {:g} s of rig {} (seed {}) in {}\n", o.simulation.duration_s, o.rig,
       o.simulation.seed, o.output.out);
   say("The truth is in {}/truth\n", o.output.out);
   return kDone;
@@ -243,7 +243,7 @@ int simulateSequenceFolder(SimulateSequenceOptions o) {
   const SimulatedFlight flight = simulateSequence(o.sequence, out.path(), bar.sink());
   out.commit();
   bar.clear();
-  say("Simulated a flight of {:.0f} s and {:.1f} m with rig {} (seed {}) in {}\n",
+  say("Simulated a flight of {:g} s and {:.1f} m with rig {} (seed {}) in {}\n",
       o.sequence.simulation.duration_s, flight.length_m, o.sequence.rig, o.sequence.simulation.seed,
       o.output.out);
   const FlightOptions& asked = o.sequence.flight;

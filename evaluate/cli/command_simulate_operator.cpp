@@ -27,17 +27,18 @@ struct SkillFigure {
   const char* option;
   double OperatorSkill::*figure;
   double unit;
-  double least, most;  ///< within what OperatorSkill::check() takes, in round numbers
+  double least, most;  ///< what OperatorSkill::check() takes, of radians to six digits
   const char* text;
 };
 
 constexpr SkillFigure kFigures[] = {
     {"--reaction-s", &OperatorSkill::reaction_s, 1, 0, 10, "Reaction time [s]"},
     {"--speed", &OperatorSkill::speed_m_s, 1, 0.001, 10, "Speed of the hand [m/s]"},
-    {"--turn", &OperatorSkill::turn_rad_s, kDegree, 0.06, 572, "Turning speed of the hand [deg/s]"},
+    {"--turn", &OperatorSkill::turn_rad_s, kDegree, 0.0572958, 572.957,
+     "Turning speed of the hand [deg/s]"},
     {"--position-error-mm", &OperatorSkill::position_error_m, 1e-3, 0, 1000,
      "Initial position error at a suggested view, std [mm]"},
-    {"--angle-error", &OperatorSkill::angle_error_rad, kDegree, 0, 57,
+    {"--angle-error", &OperatorSkill::angle_error_rad, kDegree, 0, 57.2957,
      "Initial rotation error at a suggested view, std [deg]"},
     {"--correction-s", &OperatorSkill::correction_s, 1, 0.001, 100,
      "Time constant with which errors are corrected [s]"},
@@ -45,9 +46,9 @@ constexpr SkillFigure kFigures[] = {
      "Overshoot of a suggested view, as a fraction of the path"},
     {"--tremor-mm", &OperatorSkill::tremor_m, 1e-3, 0, 100,
      "Tremor of the hand: position, std [mm]"},
-    {"--tremor", &OperatorSkill::tremor_rad, kDegree, 0, 5.7,
+    {"--tremor", &OperatorSkill::tremor_rad, kDegree, 0, 5.72957,
      "Tremor of the hand: rotation, std [deg]"},
-    {"--off-axis", &OperatorSkill::off_axis_rad, kDegree, 1.2, 180,
+    {"--off-axis", &OperatorSkill::off_axis_rad, kDegree, 1.14592, 180,
      "Largest angle between the board's centre and the optical axis of camera 0 [deg]"},
     {"--fatigue", &OperatorSkill::fatigue_per_min, 1, 0, 10,
      "Fatigue: growth of tremor and of slowness per minute"},
@@ -105,6 +106,18 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   app.add_flag("--judge", s.judge, "Also find when the recording was sufficient");
 }
 
+/// Without a guide they would change nothing that is recorded.
+void refuseGuideOptions(const std::string& method, const CLI::App& app) {
+  const auto refuse = [&](const char* option) {
+    if (app.count(option) == 0) return;
+    throw InputError(fmt::format(
+        "{} is of the guide, which --method {} does without; omit it, or give --method guided",
+        option, method));
+  };
+  refuse("--trajectories");
+  for (const char* option : kGuideOptions) refuse(option);
+}
+
 /// The words are places on the scale of clumsiness.
 OperatorSkill skillFrom(const std::string& word) {
   if (word == "expert") return personSkill(0);
@@ -118,10 +131,11 @@ OperatorSkill skillFrom(const std::string& word) {
   return personSkill(*clumsiness);
 }
 
-OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
+OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o, const CLI::App& app) {
   OperatorSimulationOptions s = o.simulation;
   // Never empty: CLI11 has let through known words only.
   s.method = *enumFrom<OperatorMethod>(o.method);
+  if (s.method != OperatorMethod::kGuided) refuseGuideOptions(o.method, app);
   s.guide_board = *enumFrom<GuideBoard>(o.guide_board);
   s.guide.views.criterion = s.guide.trajectories.criterion =
       enumValue<ViewCriterion>("--criterion", o.criterion);
@@ -133,33 +147,6 @@ OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o) {
   }
   s.check();
   return s;
-}
-
-/// Of a stage that was recorded for `recorded_s`.
-std::string convergenceText(const std::string& what, double recorded_s,
-                            const StageConvergence& stage) {
-  if (stage.points.empty()) {
-    return fmt::format("{}: {}\n", what, recorded_s > 0 ? "not calibrated" : "not recorded");
-  }
-  const std::string right = stage.right_s ? fmt::format("accurate after {:.1f} s and {} views",
-                                                        *stage.right_s, *stage.right_views)
-                                          : "not accurate at the end";
-  const std::string stop =
-      stage.stopped_s ? fmt::format("; the guide stopped after {:.1f} s", *stage.stopped_s) : "";
-  return fmt::format("{}: {}{}\n", what, right, stop);
-}
-
-/// The guide's stop against the stage continued: what the guide predicted, what was to be expected
-/// of the same views, and from when that would have been good enough.
-std::string stopText(const char* stage, const std::optional<StopHindsight>& stop) {
-  if (!stop) return "";
-  const auto px = [](const std::optional<double>& error) {
-    return error ? fmt::format("{:.3f} px", *error) : "unknown";
-  };
-  const std::string best =
-      stop->best_s ? fmt::format("after {:.1f} s", *stop->best_s) : "later than the recording";
-  return fmt::format("{}: stopped after {:.1f} s, predicted {}, expected {}; best stop: {}\n",
-                     stage, stop->stopped_s, px(stop->predicted_px), px(stop->expected_px), best);
 }
 
 /// The replay of what was recorded, by a guide that knows what the recording's did.
@@ -180,7 +167,7 @@ std::string replayOf(const SimulateOperatorOptions& o, const OperatorSimulationO
 }
 
 int simulateOperatorFolder(const SimulateOperatorOptions& o, const CLI::App& app) {
-  const OperatorSimulationOptions simulation = simulationOf(o);
+  const OperatorSimulationOptions simulation = simulationOf(o, app);
   OutputFolder out(o.output.request("session"));
   const OperatorSimulationSummary made = simulateOperator(simulation, out.path());
   out.commit();
@@ -192,17 +179,7 @@ int simulateOperatorFolder(const SimulateOperatorOptions& o, const CLI::App& app
     say("{} of {} suggestions reached{}\n", made.reached, made.suggestions,
         made.open ? "; one was open at the end" : "");
   }
-  if (made.convergence) {
-    const OperatedConvergence& c = *made.convergence;
-    const ConvergenceOptions bars;  // which no option changes
-    say("{}", convergenceText(fmt::format("Cameras ({:g} px)", bars.projection_px), made.camera_s,
-                              c.cameras));
-    say("{}", convergenceText(fmt::format("T_SC0 ({:g} mm, {:g} deg)", 1e3 * bars.translation_m,
-                                          bars.rotation_rad / kDegree),
-                              made.camera_imu_s, c.camera_imu));
-    say("{}{}", stopText("Camera stage", made.stops.cameras),
-        stopText("Camera-IMU stage", made.stops.camera_imu));
-  }
+  say("{}", judgementText(made));
   say("Run it: {}; the truth is in {}/truth\n", replayOf(o, simulation, app), o.output.out);
   return kDone;
 }

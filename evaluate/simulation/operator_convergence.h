@@ -122,6 +122,9 @@ struct StopHindsight {
   std::optional<double> best_s;
   std::optional<int> best_views;
   std::optional<double> predicted_at_best_px;
+  /// Where there is none: until when it was looked for, and what is expected with the views kept
+  /// then; empty: that is not known either.
+  std::optional<double> searched_s, expected_at_end_px;
 };
 
 template <class V>
@@ -134,6 +137,8 @@ void fields(V& v, StopHindsight& s) {
   v("best_s", s.best_s, "s", "first time with an expected error within the bar");
   v("best_views", s.best_views, "1", "views kept then");
   v("predicted_at_best_px", s.predicted_at_best_px, "px", "what the guide predicted then");
+  v("searched_s", s.searched_s, "s", "without such a time: until when it was looked for");
+  v("expected_at_end_px", s.expected_at_end_px, "px", "expected with the views kept then");
 }
 
 /// Of both stages; empty: the stage did not end by a bar in pixels.

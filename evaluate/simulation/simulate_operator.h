@@ -63,4 +63,8 @@ struct OperatorSimulationSummary {
 OperatorSimulationSummary simulateOperator(const OperatorSimulationOptions& options,
                                            const std::filesystem::path& folder);
 
+/// For people, lines on when the recording was sufficient and on the guide's stops; empty unless
+/// that was judged.
+std::string judgementText(const OperatorSimulationSummary& made);
+
 }  // namespace plumbline

@@ -139,8 +139,13 @@ class Crossing {
 };
 
 void tellBest(Crossing& crossing, StopHindsight& s) {
+  if (crossing.kept().empty()) return;
   const auto best = crossing.first();
-  if (!best) return;
+  if (!best) {
+    s.searched_s = crossing.kept().back().t_s;
+    s.expected_at_end_px = crossing.expectedPx(crossing.kept().size() - 1);
+    return;
+  }
   const KeptViews& kept = crossing.kept()[*best];
   s.best_s = kept.t_s;
   s.best_views = static_cast<int>(kept.frames.size());

@@ -134,6 +134,24 @@ TEST(CommandSimulateOperator, PredictsTheWayToItsSuggestions) {
   fs::remove_all(session), fs::remove_all(out);
 }
 
+// They would change nothing, and whoever gives them expects that they do.
+TEST(CommandSimulateOperator, RefusesOptionsOfTheGuideWithoutOne) {
+  const std::string out = emptyFolder("operator_unguided").string();
+  for (const std::string method : {"free", "dance"}) {
+    for (const std::string option :
+         {"--trajectories 2", "--criterion mi", "--stop-projection-px 0.1",
+          "--stop-reprojection-px 0.2", "--trajectory-s 2", "--trajectory-amplitude 1",
+          "--trajectory-held-s 1", "--first-trajectory scored", "--operator-speed 0.3"}) {
+      const Outcome refused =
+          plumbline("simulate operator --method " + method + " " + option + " --out " + out);
+      EXPECT_EQ(refused.exit_code, 2) << option;
+      EXPECT_THAT(refused.text, HasSubstr("plumbline: " + option.substr(0, option.find(' ')) +
+                                          " is of the guide, which --method " + method));
+      EXPECT_FALSE(fs::exists(out)) << option;
+    }
+  }
+}
+
 TEST(CommandSimulateOperator, NamesASkillOutOfItsRange) {
   for (const std::string bad :
        {"--skill 1.5", "--skill clumsy", "--compliance 2", "--overshoot -0.1", "--method slow"}) {
@@ -150,14 +168,14 @@ TEST(CommandSimulateOperator, NamesTheOptionAndTheValueAsItWasWritten) {
   };
   expect("--reaction-s", {"0", "10"}, {"-0.1", "nan"});
   expect("--speed", {"0.001", "10"}, {"0", "11"});
-  expect("--turn", {"0.06", "572"}, {"0", "573"});
+  expect("--turn", {"0.0572958", "572.957"}, {"0.0572", "572.96"});
   expect("--position-error-mm", {"0", "1000"}, {"-1", "1001"});
-  expect("--angle-error", {"0", "57"}, {"-1", "58"});
+  expect("--angle-error", {"0", "57.2957"}, {"-1", "57.3"});
   expect("--correction-s", {"0.001", "100"}, {"0", "101"});
   expect("--overshoot", {"0", "1"}, {"-0.1", "1.1"});
   expect("--tremor-mm", {"0", "100"}, {"-1", "101"});
-  expect("--tremor", {"0", "5.7"}, {"-1", "5.8"});
-  expect("--off-axis", {"1.2", "180"}, {"1", "181"});
+  expect("--tremor", {"0", "5.72957"}, {"-1", "5.73"});
+  expect("--off-axis", {"1.14592", "180"}, {"1.14", "180.001"});
   expect("--fatigue", {"0", "10"}, {"-1", "11"});
   expect("--compliance", {"0", "1"}, {"-1", "2"});
   expect("--patience-s", {"0", "100000"}, {"-1", "1000000"});

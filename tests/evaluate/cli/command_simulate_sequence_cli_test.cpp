@@ -76,6 +76,15 @@ TEST_F(SimulatedSequence, SameSeedSameBytes) {
   }
 }
 
+TEST_F(SimulatedSequence, AFractionOfASecondIsNotNone) {
+  const std::string out = (folder_ / "short").string();
+  EXPECT_THAT(plumbline("simulate --duration 0.2 --out " + out).text,
+              HasSubstr("Simulated 0.2 s of rig euroc"));
+  EXPECT_THAT(
+      plumbline("simulate sequence --duration 0.4 --rests 0 --turns 0 --out " + out + "2").text,
+      HasSubstr("Simulated a flight of 0.4 s and"));
+}
+
 TEST_F(SimulatedSequence, RestsAndTurnsThatDoNotFitAreSaid) {
   const fs::path flight = folder_ / "flight";
   const Outcome outcome =

@@ -191,6 +191,25 @@ TEST(StopHindsight, AnEarlyStopOfTheImuStageIsContinued) {
   EXPECT_NEAR(*stop->predicted_at_best_px, 0.4, 0.04);
 }
 
+// No number of views makes up for a board that is not as it is taken to be: there is no time to
+// name, and what is expected in the end says so.
+TEST(StopHindsight, ABarThatIsNeverReachedHasNoBestTime) {
+  OperatedOptions o = stoppedAt(0.1, 1);
+  o.simulation.target.shape.terms[8] = 3e-3;  // z_xx, RMS
+  o.guide_shape = o.simulation.target.shape;
+  const OperatedSession s = recordGuided(hindsightRig(), o);
+  OperatedOptions flat = o;
+  flat.guide_shape = {};
+  HindsightOptions few;
+  few.draws = 1;
+  const auto stop = stopHindsight({s, flat, hindsightRig()}, GuideStage::kCamera, few);
+  ASSERT_TRUE(stop);
+  EXPECT_FALSE(stop->best_s);
+  ASSERT_TRUE(stop->searched_s && stop->expected_at_end_px);
+  EXPECT_GT(*stop->searched_s, 0);
+  EXPECT_GT(*stop->expected_at_end_px, 0.1);
+}
+
 TEST(StopHindsight, TheRecordingThatGoesOnIsTheSameUpToTheStop) {
   const OperatedOptions o = stoppedAt(0.2, 3);
   OperatedOptions longer = o;
