@@ -8,6 +8,7 @@
 #include "calibrator/base/enum_words.h"
 #include "evaluate/simulation/operator_convergence.h"
 #include "evaluate/simulation/simulate_study.h"
+#include "evaluate/simulation/stop_hindsight.h"
 
 namespace plumbline {
 

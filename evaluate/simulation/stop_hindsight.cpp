@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/simulation/stop_hindsight.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -47,11 +49,7 @@ CameraStageOptions startingAt(const std::vector<CameraCalibration>& truth) {
 /// of the stage's pixel_sigma.
 std::optional<double> unitMeanSquare(const CameraStageResult& found, std::size_t camera) {
   const Intrinsics& intrinsics = found.cameras[camera].intrinsics;
-  const CameraLayout layout([&] {
-    std::vector<Intrinsics> all;
-    for (const CameraCalibration& c : found.cameras) all.push_back(c.intrinsics);
-    return all;
-  }());
+  const CameraLayout layout(estimateOf(found.cameras).intrinsics);
   const int k = layout.intrinsics[camera], size = layout.intrinsics_size[camera];
   const Eigen::MatrixXd& covariance = found.summary.covariance.matrix;
   // Without a covariance of the cameras.

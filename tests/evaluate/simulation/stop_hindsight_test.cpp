@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The best stop in hindsight: the expected error is that of the noise, the crossing is one, and the
 // recording that goes on is the same up to the stop.
+#include "evaluate/simulation/stop_hindsight.h"
+
 #include <cmath>
 #include <limits>
 
