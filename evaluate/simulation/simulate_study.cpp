@@ -14,8 +14,8 @@
 #include "calibrator/simulate/rig.h"
 #include "datasets/files/file_io.h"
 #include "datasets/session/session_writer.h"
+#include "evaluate/simulation/motion_capture.h"
 #include "evaluate/simulation/operated_session.h"
-#include "evaluate/simulation/simulate_sequence.h"
 
 namespace plumbline {
 namespace {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a motion-capture system delivers: stamps, gaps, columns. That its poses are the rig's, by
-// its own clock and worlds, is in study_participants_test.
+// What a motion-capture system delivers: poses by its own clock and worlds, stamps, gaps, columns.
+#include "evaluate/simulation/motion_capture.h"
+
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -26,6 +28,30 @@ SimulatedSession recordedFor(double duration_s) {
   SimulationOptions simulation;
   simulation.duration_s = duration_s;
   return simulateSession(simulatedRig("euroc"), simulation);
+}
+
+// Back through the marker body, the worlds and the clock the poses are the rig's, but for noise.
+TEST(MotionCapture, SeesTheMarkerBodyByItsOwnClock) {
+  SimulationOptions simulation;
+  simulation.duration_s = 8;
+  const SimulatedSession session = simulateSession(simulatedRig("d435i"), simulation);
+  const MotionCaptureOptions o;
+  const MotionCapture capture = simulateMotionCapture(session, o);
+  ASSERT_EQ(capture.gaps_s.size(), 2U);
+  double squares = 0;
+  for (const StampedPose& pose : capture.trajectory.poses) {
+    const TimeNs t_imu = pose.t + toNanoseconds(o.clock_offset_s);
+    const double t_s = secondsBetween(session.start_ns, t_imu);
+    for (const auto& [begin, end] : capture.gaps_s) EXPECT_FALSE(t_s >= begin && t_s < end - 1e-9);
+    const Transform T_WS = o.T_VW.inverse() * pose.transform() * o.T_SM.inverse();
+    const Transform truth = session.T_WF() * session.motionAtImuTime(t_imu).T_FB;
+    squares += (T_WS.t - truth.t).squaredNorm();
+    EXPECT_LT(rotationAngle(T_WS.R.transpose() * truth.R), 6 * o.noise_rad);
+  }
+  const auto n = static_cast<double>(capture.trajectory.poses.size());
+  EXPECT_GT(n, 600);
+  // The marker body is 0.1 m from the IMU: its orientation's noise adds a little.
+  EXPECT_NEAR(std::sqrt(squares / n / 3), o.noise_m, 0.3 * o.noise_m);
 }
 
 TEST(MotionCapture, CoversAllFramesAtItsOwnRate) {
