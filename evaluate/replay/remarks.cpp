@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "evaluate/replay/counterfactual_curves.h"
 #include "evaluate/replay/counterfactuals.h"
 
 namespace plumbline {

@@ -9,7 +9,7 @@
 #include "calibrator/base/guide_decision.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/replay/counterfactuals.h"
-#include "evaluate/replay/hindsight.h"
+#include "evaluate/replay/stopping_rule.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"
 #include "report/records/replay_record.h"
@@ -46,6 +46,10 @@ struct ReplayRequest {
 /// recording does not allow (too short to start, no IMU, ...) is said in the record: there is no
 /// failure beside bad input, which throws InputError.
 ReplayRecord replaySession(const ReplayRequest& request, const ProgressSink& progress);
+
+/// What a replay's figures say of the recording and of the guide, stage by stage: whether it could
+/// start, whether it stopped and rightly so, how far its calibration is from that of all frames.
+Verdict replayVerdict(const ReplayRecord& record, const ReplayRequest& request);
 
 /// One decision as one line of decisions.jsonl, with its line end: its fields (guide_fields.h),
 /// null where there is no value. Suggestions and rounds of candidates appear on the line of the

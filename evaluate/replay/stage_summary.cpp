@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/stage_summary.h"
+
 #include <algorithm>
 #include <cassert>
 #include <limits>
@@ -12,7 +14,6 @@
 #include "calibrator/information/covariance.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/rules/rules.h"
-#include "evaluate/replay/hindsight.h"
 
 namespace plumbline {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/stopping_rule.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,8 +14,8 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
 #include "calibrator/information/covariance.h"
+#include "evaluate/replay/frame_split.h"
 #include "evaluate/replay/frames.h"
-#include "evaluate/replay/hindsight.h"
 
 namespace plumbline {
 namespace {

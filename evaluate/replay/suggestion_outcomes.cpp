@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/suggestion_outcomes.h"
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -10,7 +12,6 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/guidance/guide_stage.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/replay/hindsight.h"
 
 namespace plumbline {
 namespace {

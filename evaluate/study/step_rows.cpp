@@ -11,7 +11,7 @@
 #include "datasets/session/suggestions_reader.h"
 #include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/headline.h"
-#include "evaluate/replay/hindsight.h"
+#include "evaluate/replay/suggestion_outcomes.h"
 #include "evaluate/results/result_folder.h"
 #include "evaluate/study/run_step.h"
 #include "report/store/store.h"

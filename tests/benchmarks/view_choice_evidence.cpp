@@ -25,8 +25,11 @@
 #include "calibrator/information/view_selection.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/target.h"
+#include "evaluate/replay/counterfactual_curves.h"
 #include "evaluate/replay/counterfactuals.h"
 #include "evaluate/replay/frames.h"
+#include "evaluate/replay/online_order.h"
+#include "evaluate/replay/view_orders.h"
 #include "evaluate/replay/view_pool.h"
 
 namespace plumbline {

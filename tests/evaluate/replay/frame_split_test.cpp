@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/frame_split.h"
+
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/frames.h"
-#include "evaluate/replay/frames.h"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "calibrator/base/session.h"
 #include "evaluate/replay/counterfactuals.h"
-#include "evaluate/replay/frames.h"
+#include "evaluate/replay/frame_split.h"
 
 namespace plumbline::test {
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A stage in figures, for decisions made up on a simulated recording.
+#include "evaluate/replay/stage_summary.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "evaluate/replay/hindsight.h"
 #include "tests/evaluate/replay/decided_recording.h"
 
 namespace plumbline {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Was the stop right? On a simulated recording, for decisions made up so that the answer is known.
+#include "evaluate/replay/stopping_rule.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
-#include "evaluate/replay/hindsight.h"
 #include "tests/evaluate/replay/decided_recording.h"
 
 namespace plumbline {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How suggestions ended, and how an operator followed those of a guided recording.
+#include "evaluate/replay/suggestion_outcomes.h"
+
 #include <string>
 
 #include <gmock/gmock.h>
@@ -7,7 +9,6 @@
 
 #include "calibrator/simulate/simulate_session.h"
 #include "evaluate/replay/frames.h"
-#include "evaluate/replay/hindsight.h"
 
 namespace plumbline {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "evaluate/replay/hindsight.h"
+#include "evaluate/replay/stage_summary.h"
 
 namespace plumbline {
 namespace {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/replay/view_orders.h"
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include <gmock/gmock.h>
@@ -8,7 +11,6 @@
 
 #include "calibrator/information/view_selection.h"
 #include "calibrator/simulate/random_stream.h"
-#include "evaluate/replay/view_pool.h"
 
 namespace plumbline {
 namespace {

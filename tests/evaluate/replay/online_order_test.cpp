@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Views chosen while they come, on simulated pools of which the truth is known.
+#include "evaluate/replay/online_order.h"
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -8,7 +10,6 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/information/view_selection.h"
-#include "evaluate/replay/view_pool.h"
 #include "tests/evaluate/replay/simulated_pools.h"
 
 namespace plumbline {
