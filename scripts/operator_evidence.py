@@ -5,7 +5,7 @@
 docs/counterfactuals.md: seconds and views until the projection error against the truth, over the
 image, is below 0.1 px, and T_SC0 within 1 mm and 0.05 degrees, and how near the guide's stops are to
 the best ones: of the cameras by the error of the recording's own noise, of both stages by the expected error
-(stopHindsight(), evaluate/simulation/operator_convergence.h).
+(stopHindsight(), evaluate/simulation/stop_hindsight.h).
 
   nice -n 15 scripts/operator_evidence.py --plumbline build/evaluate/plumbline --work FOLDER \\
       [--persons 50] [--rig euroc] [--duration 120] [--first-seed 1] [--only PATTERN] [--table]
