@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "calibrator/simulate/motion.h"
+#include "calibrator/simulate/flight_motion.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

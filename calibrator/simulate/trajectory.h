@@ -9,7 +9,7 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/enum_words.h"
-#include "calibrator/simulate/motion.h"
+#include "calibrator/simulate/flight_motion.h"
 #include "calibrator/simulate/rig.h"
 
 namespace plumbline {
