@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "calibrator/camera/camera.h"
+#include "calibrator/simulate/image_formation.h"
 #include "calibrator/simulate/random_stream.h"
 
 namespace plumbline {

@@ -13,6 +13,8 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/simulate/image_formation.h"
+#include "calibrator/simulate/printed_board.h"
 #include "calibrator/simulate/rig.h"
 #include "calibrator/target/tag_family.h"
 

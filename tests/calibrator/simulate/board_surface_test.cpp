@@ -2,7 +2,7 @@
 // The surface between a board's corners passes through them.
 #include <gtest/gtest.h>
 
-#include "calibrator/simulate/render.h"
+#include "calibrator/simulate/printed_board.h"
 
 namespace plumbline {
 namespace {
