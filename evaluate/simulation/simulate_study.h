@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "calibrator/base/enum_words.h"
-#include "calibrator/simulate/operator/simulated_operator.h"
+#include "calibrator/simulate/operator/operator_skill.h"
 #include "evaluate/results/progress.h"
 
 namespace plumbline {

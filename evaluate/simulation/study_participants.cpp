@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/simulate/random_stream.h"
 #include "evaluate/simulation/simulate_study.h"
 
 namespace plumbline {
