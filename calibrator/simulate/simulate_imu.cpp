@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibrator/simulate/faults/recording_faults.h"
+#include "calibrator/simulate/faults/imu_faults.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/simulate_session.h"
 

@@ -7,7 +7,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/option_check.h"
-#include "calibrator/simulate/faults/recording_faults.h"
+#include "calibrator/simulate/faults/view_faults.h"
 
 namespace plumbline {
 void SimulationOptions::check() const {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/faults/imu_faults.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "calibrator/base/transform.h"
-#include "calibrator/simulate/faults/recording_faults.h"
 
 namespace plumbline {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/simulate/faults/view_faults.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -6,7 +8,6 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/simulate/faults/recording_faults.h"
 
 namespace plumbline {
 namespace {

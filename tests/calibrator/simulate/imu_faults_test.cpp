@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Each fault of the IMU is found again in the samples by a formula of its own, noise off.
+#include "calibrator/simulate/faults/imu_faults.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
-#include "calibrator/simulate/faults/recording_faults.h"
 #include "tests/calibrator/simulate/fault_recordings.h"
 
 namespace plumbline {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Each fault of cameras, target and frames is found again in the corners by a formula of its own.
+#include "calibrator/simulate/faults/view_faults.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,7 +11,6 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/simulate/faults/recording_faults.h"
 #include "tests/calibrator/simulate/fault_recordings.h"
 
 namespace plumbline {
