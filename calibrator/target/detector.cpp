@@ -9,6 +9,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/target/grid_search.h"
 #include "calibrator/target/quad_finder.h"
+#include "calibrator/target/tag_sets.h"
 
 namespace plumbline {
 namespace {

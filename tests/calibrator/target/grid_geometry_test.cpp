@@ -5,8 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/target/grid_search.h"
+#include "calibrator/target/local_map.h"
 #include "calibrator/target/quad_finder.h"
+#include "calibrator/target/tag_sets.h"
 #include "tests/calibrator/target/rendered_grid.h"
 
 namespace plumbline {
