@@ -77,7 +77,10 @@ Command evaluateCommand();  ///< with subcommands
 /// vector; no file is opened. Throws CLI::ParseError or InputError.
 void checkCalibrateLine(std::vector<std::string> reversed);
 
-Command simulateOperatorCommand();  ///< of `simulate`, whose others are in command_simulate.cpp
+// Of `simulate`.
+Command simulateStudyCommand();
+Command simulateSequenceCommand();
+Command simulateOperatorCommand();
 
 /// Prints a failure of a command with its cure in one line and returns the exit code: data that
 /// contradict what a file states are bad input.
