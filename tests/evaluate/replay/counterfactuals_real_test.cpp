@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "datasets/session/session_reader.h"
+#include "evaluate/replay/counterfactual_curves.h"
 #include "evaluate/replay/counterfactuals.h"
 
 namespace plumbline {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "evaluate/replay/counterfactual_curves.h"
 #include "evaluate/replay/counterfactuals.h"
 #include "tests/evaluate/replay/simulated_pools.h"
 
