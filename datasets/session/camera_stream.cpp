@@ -101,20 +101,39 @@ std::vector<ImageFile> imagesByName(const fs::path& data) {
   return images;
 }
 
+// A last line without its newline may have lost the end of its name. Beside corners images need not
+// be there, so that only the ending shows it: every image's, or that of the row above.
+void checkNameIsWhole(const TextTable& table, const fs::path& name, const fs::path& above) {
+  if (!table.truncatedHere() || isImageName(name)) return;
+  const bool longer = above.native().size() > name.native().size();
+  if (!above.empty() && above.extension() == name.extension() && !longer) return;
+  throw table.fault({InputFault::kTruncated,
+                     "the last line ends without a newline and '" + name.string() +
+                         "' has no ending of an image, so it may be cut",
+                     "a whole last line",
+                     "copy the file again, or end the line if it is complete"});
+}
+
 /// What data.csv of the camera's folder lists. Beside corners the images, and their names, may be
-/// missing.
+/// missing: the names in all rows.
 std::vector<ImageFile> readList(const std::string& folder, bool with_images) {
   const std::string path = folder + "/data.csv";
   const MappedFile file(path);
   TextTable table(path, file.text(), kListLayout);
-  table.readHeader();
+  const std::vector<std::string_view>& header = table.readHeader();
+  const bool states_names = !header.empty() && csvCells(header.back()).size() > 1;
   std::vector<ImageFile> list;
+  std::string name;
   while (table.nextRow()) {
     const TimeNs t = table.stamp();
     if (!list.empty()) checkAscending(table, t, list.back().t, "sort the rows");
-    const bool named = with_images || table.moreCells();
-    const std::string name = named ? imageName(table) : "";
+    // Of a single row only the header tells that its name is lost.
+    const bool cut = list.empty() && states_names && table.truncatedHere();
+    const bool named = with_images || table.moreCells() || !name.empty() || cut;
+    const std::string above = name;
+    if (named) name = imageName(table);
     table.endRow();
+    if (named) checkNameIsWhole(table, name, above);
     list.push_back({t, name.empty() ? "" : folder + "/data/" + name});
     if (with_images) checkExists(table, list.back().path);
   }

@@ -49,6 +49,7 @@ std::vector<ImageView> readCorners(const std::string& path, const CornerLimits& 
 
 /// Reads the stamps (and file names, where there are any) of camN/data.csv:
 /// `#timestamp [ns],filename`. The paths are those of `folder`/data/<filename>; empty without one.
+/// Throws InputError for a last row that is cut, and for rows without a name below one that has it.
 std::vector<ImageFile> readFrameList(const std::string& folder);
 
 /// The images of camN: as data.csv lists them (each must exist), or without it all of camN/data

@@ -177,10 +177,30 @@ const std::vector<BadFile> kBadYamls = {
     {"BadResolution", "cam0/sensor.yaml", "resolution: [752]\n", 1, InputFault::kBadNumber},
 };
 
+// Beside corners no image proves a name of the list: a copy that was cut is told by its last line.
+const std::string kList = "cam1/data.csv";
+std::string list(const std::string& rows) { return "#timestamp [ns],filename\n" + rows; }
+const std::vector<BadFile> kBadLists = {
+    {"CutName", kList, list("1400000000000000000,1.png\n1400000000050000000,2.pn"), 3,
+     InputFault::kTruncated},
+    {"CutBeforeName", kList, list("1400000000000000000,1.png\n1400000000050000000"), 3,
+     InputFault::kTruncated},
+    {"CutStamp", kList, list("1400000000000000000,1.png\n14000000000500"), 3,
+     InputFault::kTruncated},
+    {"CutInTheOnlyRow", kList, list("14000000000500"), 2, InputFault::kTruncated},
+    {"CutNameOfAnotherFormat", kList, list("1400000000000000000,1.pgm\n1400000000050000000,2.pg"),
+     3, InputFault::kTruncated},
+    {"CutNameWithoutEnding", kList, list("1400000000000000000,f_1\n1400000000050000000,f"), 3,
+     InputFault::kTruncated},
+    {"NameMissing", kList, list("1400000000000000000,1.png\n1400000000050000000\n"), 3,
+     InputFault::kBadColumns},
+};
+
 const auto kCaseName = [](const auto& info) { return info.param.name; };
 INSTANTIATE_TEST_SUITE_P(Corners, BadSession, testing::ValuesIn(kBadCorners), kCaseName);
 INSTANTIATE_TEST_SUITE_P(Imu, BadSession, testing::ValuesIn(kBadSamples), kCaseName);
 INSTANTIATE_TEST_SUITE_P(Target, BadSession, testing::ValuesIn(kBadTargets), kCaseName);
+INSTANTIATE_TEST_SUITE_P(List, BadSession, testing::ValuesIn(kBadLists), kCaseName);
 INSTANTIATE_TEST_SUITE_P(Yaml, BadSession, testing::ValuesIn(kBadYamls), kCaseName);
 
 TEST(TargetFile, ATagTooLargeMayBeInMillimetresOrCentimetres) {

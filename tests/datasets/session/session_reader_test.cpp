@@ -63,6 +63,19 @@ TEST(SessionReader, FramesWithoutCornersAreKeptWhereAListNamesThem) {
   EXPECT_EQ(session.cameras[1].views.size(), 2U);
 }
 
+// Scripts end the last line or do not; beside corners names may be missing.
+TEST(SessionReader, AWholeListNeedsNoNewlineAtItsEnd) {
+  const TemporaryFolder folder;
+  writeGoodSession(folder);
+  for (const char* rows : {"1400000000000000000,9.png\n1400000000050000000,10.PNG",
+                           "1400000000000000000\n1400000000050000000",
+                           "1400000000000000000,a_9.pgm\n1400000000050000000,a_10.pgm",
+                           "1400000000000000000,a.jpeg"}) {
+    folder.write("cam0/data.csv", std::string("#timestamp [ns],filename\n") + rows);
+    EXPECT_EQ(readSession(folder.path()).cameras[0].views.size(), 2U) << rows;
+  }
+}
+
 TEST(SessionReader, ACornersRowMayComeInAnyOrderOfIds) {
   const TemporaryFolder folder;
   writeGoodSession(folder);
