@@ -19,10 +19,15 @@ std::vector<std::string> openVinsWarnings(const ExportSource& source) {
                   "gravity_mag: {}, relative_config_imu: \"kalibr_imu_chain.yaml\", "
                   "relative_config_imucam: \"kalibr_imucam_chain.yaml\".",
                   calibration.cameras.size(), yamlNumber(calibration.imu->gravity_m_s2)));
+  // Of an offset that is unknown there is nothing to keep, and 0 would stay.
   warnings.emplace_back(
-      "OpenVINS refines the calibration while it runs unless calib_cam_extrinsics, "
-      "calib_cam_intrinsics and calib_cam_timeoffset are false: switch them off when you judge "
-      "this calibration with it.");
+      source.options.offset_known
+          ? "OpenVINS refines the calibration while it runs unless calib_cam_extrinsics, "
+            "calib_cam_intrinsics and calib_cam_timeoffset are false: switch them off when you "
+            "judge this calibration with it."
+          : "OpenVINS refines the calibration while it runs unless calib_cam_extrinsics and "
+            "calib_cam_intrinsics are false: switch these two off when you judge this calibration "
+            "with it, and leave calib_cam_timeoffset true.");
   return warnings;
 }
 

@@ -123,6 +123,18 @@ TEST(ExportRefusals, AnUnknownTimeOffsetIsSaidAndLeftOutWhereItMay) {
   }
 }
 
+// What is to estimate the offset is not to be switched off.
+TEST(ExportRefusals, AnUnknownTimeOffsetIsLeftToOpenVins) {
+  ExportOptions options = exportOptions();
+  const auto advice = [&] {
+    return exportCalibration(rig("euroc"), ExportTool::kOpenVins, options).warnings.back();
+  };
+  EXPECT_THAT(advice(), HasSubstr("and calib_cam_timeoffset are false"));
+  options.offset_known = false;
+  EXPECT_THAT(advice(), HasSubstr("calib_cam_extrinsics and calib_cam_intrinsics are false"));
+  EXPECT_THAT(advice(), HasSubstr("leave calib_cam_timeoffset true"));
+}
+
 TEST(ExportRefusals, RatesThatNoCameraHas) {
   ExportOptions options = exportOptions();
   for (const double rate : {0.0, -20.0, 1e30, std::nan(""), 0.4, 20.5}) {
