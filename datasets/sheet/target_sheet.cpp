@@ -231,24 +231,6 @@ std::string targetSheetPdf(const SheetOptions& options) {
   return pdf;
 }
 
-GrayImage targetSheetImage(const SheetOptions& options, double pixels_per_mm) {
-  options.check();
-  const Layout l = layoutOf(options);
-  GrayImage image(static_cast<int>(std::lround(pixels_per_mm * l.paper.width_mm)),
-                  static_cast<int>(std::lround(pixels_per_mm * l.paper.height_mm)));
-  Context page(cairo_image_surface_create(CAIRO_FORMAT_RGB24, image.width(), image.height()));
-  cairo_scale(page.cr, pixels_per_mm, pixels_per_mm);
-  draw(page.cr, l, options);
-  requireDrawn(cairo_status(page.cr));
-  cairo_surface_flush(page.surface);
-  const unsigned char* data = cairo_image_surface_get_data(page.surface);
-  const int stride = cairo_image_surface_get_stride(page.surface);
-  for (int v = 0; v < image.height(); ++v) {
-    for (int u = 0; u < image.width(); ++u) image.at(u, v) = data[v * stride + 4 * u];  // all grey
-  }
-  return image;
-}
-
 std::string targetYamlText(const AprilGrid& grid) {
   return fmt::format(
       "# {}\ntarget_type: aprilgrid\ntagCols: {}\ntagRows: {}\ntagSize: {:.10g}     # [m]\n"

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "calibrator/base/april_grid.h"
-#include "calibrator/base/image.h"
 #include "calibrator/target/tag_family.h"
 
 namespace plumbline {
@@ -38,9 +37,6 @@ struct SheetOptions {
 /// The sheet as a PDF of one page, all vectors. Paper that may be turned lies the way that the
 /// target fits best.
 std::string targetSheetPdf(const SheetOptions& options);
-
-/// The same drawing as pixels, `pixels_per_mm` of them.
-GrayImage targetSheetImage(const SheetOptions& options, double pixels_per_mm);
 
 /// Kalibr's target.yaml of a grid.
 std::string targetYamlText(const AprilGrid& grid);

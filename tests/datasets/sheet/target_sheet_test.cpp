@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/base/image.h"
 #include "calibrator/target/detector.h"
+#include "tests/datasets/sheet/printed_page.h"
 
 namespace plumbline {
 namespace {
@@ -24,7 +26,7 @@ SheetOptions april() {
 TEST(TargetSheet, EveryTagIsDetectedWhereTheGridHasIt) {
   const SheetOptions options = april();
   constexpr double kPixelsPerMm = 1.2;
-  const GrayImage image = targetSheetImage(options, kPixelsPerMm);
+  const GrayImage image = printedPage(targetSheetPdf(options), kPixelsPerMm);
   const AprilGridDetector detector(options.target);
   const std::vector<Corner> corners = detector.detect(image.view()).corners;
   ASSERT_EQ(corners.size(), static_cast<std::size_t>(options.target.cornerCount()));
@@ -85,8 +87,8 @@ TEST(TargetSheet, AWideBoardTurnsThePaper) {
   options.target.rows = 4;
   options.target.cols = 8;
   options.target.tag_size = 0.1;
-  const GrayImage image = targetSheetImage(options, 0.5);
-  EXPECT_GT(image.width(), image.height());
+  const Eigen::Vector2d page = pageSize(targetSheetPdf(options));
+  EXPECT_GT(page.x(), page.y());
 }
 
 TEST(TargetSheet, PaperOfStatedSidesLiesAsItIsStated) {
@@ -94,9 +96,9 @@ TEST(TargetSheet, PaperOfStatedSidesLiesAsItIsStated) {
   options.target.tag_size = 0.02;
   for (const char* word : {"300x200", "200x300"}) {
     options.paper = *paperSizeFrom(word);
-    const GrayImage image = targetSheetImage(options, 1);
-    EXPECT_EQ(image.width(), options.paper.width_mm);
-    EXPECT_EQ(image.height(), options.paper.height_mm);
+    const Eigen::Vector2d page = pageSize(targetSheetPdf(options));
+    EXPECT_NEAR(page.x(), options.paper.width_mm, 1e-3);
+    EXPECT_NEAR(page.y(), options.paper.height_mm, 1e-3);
   }
   options.target.cols = 10;
   try {
