@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "datasets/session/corner_cache.h"
+
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -10,7 +12,6 @@
 
 #include "datasets/files/bad_input.h"
 #include "datasets/files/file_io.h"
-#include "datasets/session/streams.h"
 
 namespace plumbline {
 namespace {

@@ -11,8 +11,11 @@
 
 #include "calibrator/base/frames.h"
 #include "datasets/files/bad_input.h"
+#include "datasets/session/camera_description.h"
+#include "datasets/session/corners.h"
+#include "datasets/session/image_list.h"
+#include "datasets/session/imu.h"
 #include "datasets/session/session_folder.h"
-#include "datasets/session/streams.h"
 #include "datasets/session/target.h"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 
 #include "calibrator/base/frames.h"
 #include "calibrator/base/session.h"
-#include "datasets/session/streams.h"
+#include "datasets/session/image_list.h"
 
 namespace plumbline {
 

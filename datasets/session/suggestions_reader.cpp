@@ -9,7 +9,7 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
 #include "datasets/session/session_folder.h"
-#include "datasets/session/streams.h"
+#include "datasets/session/stamps.h"
 
 namespace plumbline {
 namespace {

@@ -11,7 +11,7 @@
 #include "calibrator/initialise/camera_start.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/export/calibration_export.h"
-#include "datasets/session/streams.h"
+#include "datasets/session/imu.h"
 #include "generated/version.h"
 
 namespace plumbline {

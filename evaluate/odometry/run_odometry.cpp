@@ -8,7 +8,7 @@
 #include "calibrator/base/option_check.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/files/file_io.h"
-#include "datasets/session/streams.h"
+#include "datasets/session/imu.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/trajectory/verdict.h"
 #include "evaluate/odometry/judged_run.h"

@@ -10,7 +10,7 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/odometry/feature_tracker.h"
 #include "calibrator/odometry/odometry.h"
-#include "datasets/session/streams.h"
+#include "datasets/session/image_list.h"
 #include "evaluate/odometry/calibration_hint.h"
 #include "evaluate/odometry/runner.h"
 #include "evaluate/results/progress.h"

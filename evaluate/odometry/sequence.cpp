@@ -5,8 +5,11 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/session/camera_description.h"
+#include "datasets/session/corners.h"
+#include "datasets/session/image_list.h"
+#include "datasets/session/imu.h"
 #include "datasets/session/session_folder.h"
-#include "datasets/session/streams.h"
 #include "datasets/session/target.h"
 #include "evaluate/odometry/run_odometry.h"
 

@@ -8,8 +8,8 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "datasets/images/image_io.h"
+#include "datasets/session/corner_cache.h"
 #include "datasets/session/session_writer.h"
-#include "datasets/session/streams.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"
 

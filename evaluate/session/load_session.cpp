@@ -17,8 +17,8 @@
 #include "datasets/files/bad_input.h"
 #include "datasets/files/workplace.h"
 #include "datasets/images/image_io.h"
+#include "datasets/session/corner_cache.h"
 #include "datasets/session/session_reader.h"
-#include "datasets/session/streams.h"
 #include "datasets/session/target.h"
 
 namespace plumbline {

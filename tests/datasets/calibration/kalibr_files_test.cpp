@@ -9,7 +9,7 @@
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr_writer.h"
-#include "datasets/session/streams.h"
+#include "datasets/session/imu.h"
 #include "datasets/session/target.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"

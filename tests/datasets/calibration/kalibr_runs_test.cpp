@@ -13,7 +13,7 @@
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr/run.h"
-#include "datasets/session/streams.h"
+#include "datasets/session/imu.h"
 #include "tests/datasets/calibration/kalibr_texts.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"

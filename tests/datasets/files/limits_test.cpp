@@ -12,7 +12,8 @@
 #include "datasets/calibration/kalibr_writer.h"
 #include "datasets/files/numbers.h"
 #include "datasets/files/yaml_map.h"
-#include "datasets/session/streams.h"
+#include "datasets/session/camera_description.h"
+#include "datasets/session/image_list.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"
 

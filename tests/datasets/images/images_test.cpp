@@ -16,8 +16,8 @@
 
 #include "calibrator/base/error.h"
 #include "datasets/images/image_io.h"
+#include "datasets/session/corner_cache.h"
 #include "datasets/session/session_reader.h"
-#include "datasets/session/streams.h"
 #include "tests/datasets/refusal.h"
 
 namespace plumbline {

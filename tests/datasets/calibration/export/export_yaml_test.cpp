@@ -11,7 +11,7 @@
 
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/export/calibration_export.h"
-#include "datasets/session/streams.h"
+#include "datasets/session/imu.h"
 #include "tests/datasets/calibration/export/exported_rigs.h"
 #include "tests/datasets/temporary_folder.h"
 
