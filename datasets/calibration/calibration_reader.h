@@ -20,7 +20,8 @@ bool isBasaltCalibration(const YamlMap& file);
 /// not read. InputError for other types and quaternions that are not of unit length to 1e-3.
 Calibration readBasaltCalibration(const YamlMap& file);
 
-/// What was simplified in reading it, a sentence each: densities that differ between the axes.
+/// What was simplified in reading it, a sentence each: densities that differ between the axes,
+/// scale and misalignment of the IMU.
 std::vector<std::string> basaltRemarks(const YamlMap& file);
 
 /// Whether the file is a result of yac (github.com/chutsu/yac): its cameras have `proj_model`.

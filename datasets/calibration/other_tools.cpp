@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <initializer_list>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -167,6 +169,18 @@ std::vector<std::string> basaltRemarks(const YamlMap& file) {
     const auto unlike = [&](double density) { return density != values.front(); };
     if (std::none_of(values.begin(), values.end(), unlike)) continue;
     remarks.push_back(std::string(key) + " differs between the axes: the largest serves all");
+  }
+  // Three biases, which are estimated anew, and behind them what would correct samples.
+  for (const char* key : {"calib_accel_bias", "calib_gyro_bias"}) {
+    if (!value.has(key)) continue;
+    const auto values = value.numbers(key, "three biases, then scale and misalignment");
+    if (std::none_of(values.begin() + std::min<std::ptrdiff_t>(3, std::ssize(values)), values.end(),
+                     [](double v) { return v != 0; })) {
+      continue;
+    }
+    remarks.push_back(
+        std::string(key) +
+        " states scale and misalignment of the IMU, which are not applied to samples");
   }
   return remarks;
 }

@@ -28,18 +28,23 @@ constexpr const char* kRefusedModel =
 /// first.
 void refuseModel(const YamlMap& map) {
   const std::string model = map.textOr("model", "calibrated");
-  if (model == "calibrated") return;
+  // OpenVINS' words for how its matrices are meant, which refuseDistorted() judges.
+  if (model == "calibrated" || model == "kalibr" || model == "rpng") return;
   throw map.fault("model", {InputFault::kUnsupported, "the IMU model is '" + model + "'",
                             "model: calibrated", kRefusedModel});
 }
 
 void refuseDistorted(const YamlMap& map, const KalibrImu& imu) {
   if (!imu.isDistorted()) return;
-  throw map.fault(
-      map.has("accelerometers") ? "accelerometers" : "gyroscopes",
-      {InputFault::kUnsupported,
-       "M, A or C_gyro_i of the accelerometers or gyroscopes is not that of an IMU without faults",
-       "model: calibrated", kRefusedModel});
+  const char* const key = imu.openvins_distorted      ? "Tw"
+                          : map.has("accelerometers") ? "accelerometers"
+                                                      : "gyroscopes";
+  throw map.fault(key, {InputFault::kUnsupported,
+                        std::string(imu.openvins_distorted
+                                        ? "Tw, Ta, R_IMUtoGYRO, R_IMUtoACC or Tg"
+                                        : "M, A or C_gyro_i of the accelerometers or gyroscopes") +
+                            " is not that of an IMU without faults",
+                        "model: calibrated", kRefusedModel});
 }
 
 /// Kalibr's results stand below imu0:, its inputs at the top.
@@ -57,16 +62,19 @@ YamlMap unwrapped(const YamlMap& file) {
 
 constexpr const char* kImuLayout = "timestamp [ns], w_x, w_y, w_z [rad/s], a_x, a_y, a_z [m/s^2]";
 
-bool startsWith(const std::string& text, std::initializer_list<const char*> prefixes) {
-  return std::any_of(prefixes.begin(), prefixes.end(),
-                     [&](const char* prefix) { return text.starts_with(prefix); });
+bool isOneOf(const std::string& name, const char* part,
+             std::initializer_list<const char*> prefixes) {
+  return name.find(part) != std::string::npos ||
+         std::ranges::any_of(prefixes, [&](const char* p) { return name.starts_with(p); });
 }
 
-/// "w_RS_S_x", "gyro_x", "omega_x", "angular_velocity.x" in small letters.
-bool namesGyro(const std::string& name) { return startsWith(name, {"w", "gyr", "omega", "ang"}); }
+/// "w_RS_S_x", "gyro_x", "xgyro", "gx", "omega_x", "angular_velocity.x" in small letters.
+bool namesGyro(const std::string& name) {
+  return isOneOf(name, "gyr", {"w", "omega", "ang", "g_", "gx", "gy", "gz"});
+}
 // Not "a" alone, with which "angular" begins, too.
 bool namesAccel(const std::string& name) {
-  return startsWith(name, {"a_", "ax", "ay", "az", "acc", "lin", "f_"});
+  return isOneOf(name, "acc", {"a_", "ax", "ay", "az", "lin", "f_"});
 }
 
 /// What the header states and the numbers cannot tell: degrees, or g.
@@ -85,6 +93,7 @@ bool accelerationFirst(const std::string& path, std::string_view text,
   for (const std::string_view line : header) {
     std::vector<std::string> names;
     for (const std::string_view name : csvCells(line)) names.push_back(lowered(name));
+    if (names.back().empty()) names.pop_back();  // a comma may end the line, as a row
     // A stamp and six axes; a table of another width is refused at its first row.
     if (names.size() != 7) continue;
     const auto number = 1 + std::count(text.data(), line.data(), '\n');

@@ -167,14 +167,28 @@ void refuseRollingShutter(const KalibrCamchain& chain) {
 
 constexpr const char* kWhat = "Kalibr's imu.yaml (update_rate and noise densities, or imu0: ...)";
 
-std::optional<Eigen::Matrix3d> matrixOf(const YamlMap& imu, const std::string& sensor,
-                                        const std::string& key) {
-  if (!imu.has(sensor)) return std::nullopt;
-  const YamlMap map = imu.map(sensor, "a mapping");
+std::optional<Eigen::Matrix3d> matrixOf(const YamlMap& map, const std::string& key) {
   if (!map.has(key)) return std::nullopt;
   const auto M = map.matrix(key, "a 3x3 matrix, as rows", 3, 3);
   if (M) return *M;
   throw map.fault(key, {InputFault::kBadNumber, key + " is not 3x3", "three rows of three"});
+}
+
+std::optional<Eigen::Matrix3d> matrixOf(const YamlMap& imu, const std::string& sensor,
+                                        const std::string& key) {
+  return imu.has(sensor) ? matrixOf(imu.map(sensor, "a mapping"), key) : std::nullopt;
+}
+
+bool differs(const std::optional<Eigen::Matrix3d>& M, const Eigen::Matrix3d& none) {
+  return M && !(*M - none).isZero(1e-9);
+}
+
+bool isOpenVinsDistorted(const YamlMap& map) {
+  const auto turns = [&](const char* key) {
+    return differs(matrixOf(map, key), Eigen::Matrix3d::Identity());
+  };
+  return turns("Tw") || turns("Ta") || turns("R_IMUtoGYRO") || turns("R_IMUtoACC") ||
+         differs(matrixOf(map, "Tg"), Eigen::Matrix3d::Zero());
 }
 
 }  // namespace
@@ -192,6 +206,7 @@ KalibrImu kalibrImu(const YamlMap& map, const std::string& rate_key) {
   imu.gyro_M = matrixOf(map, "gyroscopes", "M");
   imu.gyro_A = matrixOf(map, "gyroscopes", "A");
   imu.C_gyro_i = matrixOf(map, "gyroscopes", "C_gyro_i");
+  imu.openvins_distorted = isOpenVinsDistorted(map);
   return imu;
 }
 
@@ -263,12 +278,9 @@ Calibration calibrationOf(const KalibrCamchain& chain) {
 }
 
 bool KalibrImu::isDistorted() const {
-  const auto differs = [](const std::optional<Eigen::Matrix3d>& M, const Eigen::Matrix3d& none) {
-    return M && !(*M - none).isZero(1e-9);
-  };
   const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
-  return differs(accel_M, identity) || differs(gyro_M, identity) || differs(C_gyro_i, identity) ||
-         differs(gyro_A, Eigen::Matrix3d::Zero());
+  return openvins_distorted || differs(accel_M, identity) || differs(gyro_M, identity) ||
+         differs(C_gyro_i, identity) || differs(gyro_A, Eigen::Matrix3d::Zero());
 }
 
 KalibrImuFile readKalibrImus(const std::string& path) {

@@ -70,14 +70,18 @@ std::optional<ChainContradiction> chainContradiction(const KalibrCamchain& chain
 /// is read by readImuDescription(), which refuses models with scale and misalignment.
 struct KalibrImu {
   std::string rostopic;
-  std::string model = "calibrated";  ///< or "scale-misalignment", "scale-misalignment-size-effect"
-  ImuNoise noise;                    ///< continuous-time densities
+  /// Or "scale-misalignment", "scale-misalignment-size-effect"; OpenVINS': "kalibr", "rpng".
+  std::string model = "calibrated";
+  ImuNoise noise;  ///< continuous-time densities
   /// measured = M true + bias (accelerometer), M and g-sensitivity A [(rad/s)/(m/s^2)] of the gyro,
   /// and its frame C_gyro_i; missing for a calibrated IMU.
   std::optional<Eigen::Matrix3d> accel_M;
   std::optional<Eigen::Matrix3d> gyro_M;
   std::optional<Eigen::Matrix3d> gyro_A;
   std::optional<Eigen::Matrix3d> C_gyro_i;
+  /// Whether OpenVINS' Tw, Ta, R_IMUtoGYRO, R_IMUtoACC or Tg (all of "kalibr" and "rpng", its words
+  /// for the model) are not those of an IMU without faults.
+  bool openvins_distorted = false;
 
   /// Whether the model has scale, misalignment, g-sensitivity or a turned gyroscope, which a
   /// Calibration has no place for.

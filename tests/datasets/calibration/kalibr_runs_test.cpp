@@ -132,6 +132,26 @@ TEST(KalibrImus, EveryMatrixCountsWhateverTheModelIsCalled) {
   }
 }
 
+// OpenVINS' own files say "kalibr" and the identity; what they estimated would be lost.
+TEST(KalibrImus, MatricesOfOpenVinsCountToo) {
+  const TemporaryFolder folder;
+  const std::string first = "    - [1.0, 0.0, 0.0]\n", third = "    - [0.0, 0.0, 1.0]\n";
+  for (const char* model : {"calibrated", "kalibr", "rpng"}) {
+    std::string text = "%YAML:1.0\n\n" + std::string(kImuYaml);
+    text.replace(text.find("calibrated"), 10, model);
+    const auto fault = [&](const char* key, const char* second) {
+      const std::string rows = std::string("  ") + key + ":\n" + first + second + third;
+      const std::string path = folder.write("imu.yaml", text + rows);
+      return faultOf([&] { (void)readImuDescription(path); });
+    };
+    for (const char* key : {"Tw", "R_IMUtoGYRO", "Ta", "R_IMUtoACC"}) {
+      EXPECT_EQ(fault(key, "    - [0.0, 1.0, 0.0]\n"), std::nullopt) << model << key;
+      EXPECT_EQ(fault(key, "    - [0.0, 0.99, 0.0]\n"), InputFault::kUnsupported) << model << key;
+    }
+    EXPECT_EQ(fault("Tg", "    - [0.0, 0.0, 0.0]\n"), InputFault::kUnsupported) << model;
+  }
+}
+
 // The samples are in the IMU's own frame, as results are.
 TEST(KalibrImus, TheBodyOfEurocDoesNotMatter) {
   const TemporaryFolder folder;

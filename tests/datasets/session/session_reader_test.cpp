@@ -98,6 +98,18 @@ TEST(SessionReader, AHeaderThatNamesAccelerationFirstIsHonoured) {
   }
 }
 
+// Names of loggers, of MAVLink, and a line that ends in a comma as its rows do.
+TEST(SessionReader, AccelerationFirstIsKnownByOtherNamesToo) {
+  const TemporaryFolder folder;
+  writeGoodSession(folder);
+  for (const char* names : {"t,ax,ay,az,gx,gy,gz", "time,xacc,yacc,zacc,xgyro,ygyro,zgyro",
+                            "#t,imu_acc_x,imu_acc_y,imu_acc_z,imu_gyr_x,imu_gyr_y,imu_gyr_z",
+                            "#timestamp [ns],a_x,a_y,a_z,w_x,w_y,w_z,"}) {
+    folder.write("imu0/data.csv", std::string(names) + "\n1000000000,9.8,1,2,0.1,0.2,0.3,\n");
+    EXPECT_EQ(readSession(folder.path()).imu->samples[0].accel.x(), 9.8) << names;
+  }
+}
+
 // "az" begins like an acceleration; a header counts only where all six names fit.
 TEST(SessionReader, AHeaderOfOtherNamesLeavesTheUsualOrder) {
   const TemporaryFolder folder;

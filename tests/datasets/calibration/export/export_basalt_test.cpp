@@ -86,6 +86,22 @@ TEST(ExportBasalt, OfUnlikeAxesTheLargestDensityIsReadAndSaid) {
   EXPECT_EQ(readCalibration(folder.path("unlike.json")).imu->noise.accel_density, 0.02);
 }
 
+// Basalt's own calibrations have them; biases alone leave samples as they are here.
+TEST(ExportBasalt, ScaleAndMisalignmentThatAreNotReadAreSaid) {
+  const auto files = exportCalibration(rig("tumvi"), ExportTool::kBasalt, exportOptions());
+  Json json = Json::parse(fileText(files, "basalt_calib.json"));
+  const TemporaryFolder folder;
+  const auto remarks = [&] {
+    return readCalibrationExtras(folder.write("calibration.json", json.dump())).remarks;
+  };
+  json["value0"]["calib_accel_bias"][2] = 0.1;
+  EXPECT_THAT(remarks(), testing::IsEmpty());
+  json["value0"]["calib_accel_bias"][3] = 0.002;
+  json["value0"]["calib_gyro_bias"][11] = -0.001;
+  EXPECT_THAT(remarks(), testing::ElementsAre(testing::HasSubstr("calib_accel_bias states scale"),
+                                              testing::HasSubstr("calib_gyro_bias states scale")));
+}
+
 TEST(ExportBasalt, PosesOffsetAndNoiseReadBack) {
   const Calibration truth = rig("tumvi");
   const Json json = exported(truth);
