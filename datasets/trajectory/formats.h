@@ -104,7 +104,8 @@ std::optional<TableHeader> parseTableHeader(std::string_view line);
 
 /// Rows of stamp, position and quaternion, separated by commas or blanks: TUM, OpenVINS, EuRoC.
 ///
-/// A header line that names the columns decides their order and may state the stamps' unit. One
+/// A header line that names the columns decides their order and may state the stamps' unit; names
+/// of a quaternion begin with q, or are four side by side that differ in their last letter. One
 /// that names a position but no quaternion: orientations are read only where the first row has a
 /// unit quaternion in the usual columns.
 /// Without one: 8 columns are x y z w and seconds; where commas separate them and the stamps are

@@ -21,6 +21,13 @@ bool areEmpty(const Cells& cells, std::span<const std::size_t> columns) {
                              [&](std::size_t c) { return c < cells.size() && cells[c].empty(); });
 }
 
+void refuseCutRow(const TextTable& table, const Cells& cells, std::size_t columns) {
+  if (!table.truncatedHere() || cells.size() >= columns) return;
+  throw table.fault({InputFault::kTruncated,
+                     fmt::format("the last line has {} of {} columns", cells.size(), columns),
+                     "a whole last line", table.rowCure()});
+}
+
 const Body& chooseBody(const TrajectorySource& source, const std::vector<Body>& bodies,
                        const std::string& wanted) {
   const auto found = std::ranges::find(bodies, wanted, &Body::name);

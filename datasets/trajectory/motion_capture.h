@@ -38,6 +38,9 @@ struct Body {
 std::string_view cellAt(const Cells& cells, std::size_t i);
 /// Whether the row has these cells and all are empty: what was not seen.
 bool areEmpty(const Cells& cells, std::span<const std::size_t> columns);
+/// Throws InputError where the file stops in this row before its last column: the number there may
+/// have lost digits.
+void refuseCutRow(const TextTable& table, const Cells& cells, std::size_t columns);
 /// The body that `wanted` names, or the only one. Throws InputError with the names.
 const Body& chooseBody(const TrajectorySource& source, const std::vector<Body>& bodies,
                        const std::string& wanted);

@@ -19,6 +19,7 @@ using namespace capture_internal;
 struct Take {
   std::map<std::string, std::string, std::less<>> properties;  // of the first line
   std::vector<Body> bodies;
+  std::size_t columns = 0;
   std::size_t other_columns = 0;  // markers and the like
 };
 
@@ -99,6 +100,7 @@ Take readTake(TextTable& table) {
     }
     if (!table.row().empty()) rows.push_back(table.cells());
   }
+  take.columns = rows.back().size();
   // Fewer rows have no types, and so no rigid bodies: bodyOf() says so.
   if (rows.size() >= 4) takeColumns(take, rows);
   return take;
@@ -138,11 +140,12 @@ std::optional<StampedPose> poseOf(const TextTable& table, const Cells& cells, co
   return StampedPose{0, {v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};
 }
 
-std::vector<BodyFrame> readFrames(TextTable& table, const Body& body) {
+std::vector<BodyFrame> readFrames(TextTable& table, const Body& body, std::size_t columns) {
   std::vector<BodyFrame> frames;
   while (table.nextLine()) {
     if (table.row().empty()) continue;
     const Cells cells = table.cells();
+    refuseCutRow(table, cells, columns);
     frames.push_back({std::round(table.numberIn(cells, 0)), table.numberIn(cells, 1),
                       poseOf(table, cells, body), table.line()});
   }
@@ -174,7 +177,7 @@ TrajectoryFile readMotive(const TrajectorySource& source, const TrajectoryReadOp
   const double divisor = lengthDivisor(source, take);
   const double rate =
       frameRate(source, 1, "export frame rate", property(source, take, "Export Frame Rate"));
-  const std::vector<BodyFrame> frames = readFrames(table, body);
+  const std::vector<BodyFrame> frames = readFrames(table, body, take.columns);
   checkTimes(source, frames, rate);
   TrajectoryBuilder builder(source, TrajectoryFormat::kMotive, true);
   std::size_t occluded = 0;

@@ -82,11 +82,36 @@ std::optional<int> positionColumn(const std::vector<ColumnName>& names) {
   return std::nullopt;
 }
 
+/// The columns of x, y, z, w among four names from `first` on that differ in their last letters
+/// alone: "rot_w", "rot_x", "rot_y", "rot_z".
+std::optional<std::array<int, 4>> adjacentQuaternion(const std::vector<ColumnName>& names,
+                                                     std::size_t first) {
+  const std::string& text = names[first].text;
+  std::string axes;
+  for (std::size_t j = first; j < first + 4; ++j) {
+    if (names[j].text.starts_with(text.substr(0, text.size() - 1)) &&
+        names[j].text.size() == text.size()) {
+      axes += names[j].text.back();
+    }
+  }
+  // Of single letters x, y, z are the position's.
+  if (text.size() < 2 || !std::ranges::is_permutation(axes, std::string("xyzw"))) {
+    return std::nullopt;
+  }
+  std::array<int, 4> columns{};
+  for (std::size_t k = 0; k < 4; ++k) columns[k] = static_cast<int>(first + axes.find("xyzw"[k]));
+  return columns;
+}
+
+/// "qx", "q_RS_w" and the like, wherever they stand; else of another word, side by side.
 std::optional<std::array<int, 4>> quaternionColumns(const std::vector<ColumnName>& names) {
   const std::array<int, 4> columns = {columnOf(names, 'q', 'x'), columnOf(names, 'q', 'y'),
                                       columnOf(names, 'q', 'z'), columnOf(names, 'q', 'w')};
-  const bool found = std::ranges::all_of(columns, [](int c) { return c > 0; });
-  return found ? std::optional(columns) : std::nullopt;
+  if (std::ranges::all_of(columns, [](int c) { return c > 0; })) return columns;
+  for (std::size_t i = 1; i + 3 < names.size(); ++i) {
+    if (const auto adjacent = adjacentQuaternion(names, i)) return adjacent;
+  }
+  return std::nullopt;
 }
 
 constexpr double kEpochNanoseconds = 6.3e17;  // 1990; smaller stamps are no nanoseconds since 1970
@@ -313,6 +338,11 @@ std::optional<TableHeader> parseTableHeader(std::string_view line) {
   header.stamp_power = powerOf(names.front().unit);
   header.position = positionColumn(names);
   header.quaternion = quaternionColumns(names);
+  // A position by words that are not known here stands where every format has it.
+  const auto later = [](int column) { return column > 3; };
+  if (!header.position && header.quaternion && std::ranges::all_of(*header.quaternion, later)) {
+    header.position = 1;
+  }
   if (!header.position) return std::nullopt;
   return header;
 }

@@ -176,6 +176,7 @@ TrajectoryFile readVicon(const TrajectorySource& source, const TrajectoryReadOpt
   // An empty line ends the section; others may follow.
   for (; table.nextLine() && !table.row().empty(); ++frames) {
     const Cells cells = table.cells();
+    refuseCutRow(table, cells, header.columns.size());
     const TimeNs t = viconStamp(table, cells, header.rate);
     if (!isSeen(table, cells, object.columns)) {
       ++occluded;

@@ -160,6 +160,21 @@ TEST(MotiveExport, ACutRowNamesItsLine) {
   EXPECT_EQ(refused->code(), InputFault::kTruncated);
 }
 
+// Behind the pose stand the marker error, or another object: a pose may end in half a number.
+TEST(MotiveExport, ARowThatIsCutInThePosesLastNumberIsRefused) {
+  const std::string rows = "0,0.0,0,0,0,1,0,0,1234.5,0.1\n1,0.003,0,0,0,1,0,0,";
+  EXPECT_EQ(refusal(motiveHeader() + kOneBody + rows + "12"), InputFault::kTruncated);
+  EXPECT_EQ(refusal(motiveHeader() + kOneBody + rows + "1234.5,0.1"), std::nullopt);
+}
+
+TEST(ViconExport, ARowThatIsCutInThePosesLastNumberIsRefused) {
+  const std::string text =
+      "Objects\n200\n,,rig,,,,,,wand\nFrame,Sub Frame,RX,RY,RZ,TX,TY,TZ,RX\n"
+      ",,rad,rad,rad,mm,mm,mm,rad\n1,0,0,0,0,1,2,3000,0\n2,0,0,0,0,1,2,";
+  EXPECT_EQ(refusal(text + "30", "rig"), InputFault::kTruncated);
+  EXPECT_EQ(refusal(text + "3000,0", "rig"), std::nullopt);
+}
+
 std::string vicon(const std::string& rotation, const std::string& units, const std::string& rows) {
   return "Objects\n200\n,,Global Angle rig,,,,,,\nFrame,Sub Frame," + rotation + ",TX,TY,TZ\n,," +
          units + "\n" + rows;

@@ -92,6 +92,18 @@ TEST(TumTrajectory, MayNameItsColumnsInAnotherOrder) {
   EXPECT_EQ(first.trajectory.poses[0].p, Eigen::Vector3d(10, 20, 30));
 }
 
+TEST(TumTrajectory, AnOrderThatIsStatedInOtherWordsCounts) {
+  const std::string row = "1 10 20 30 0.8 0 0.6 0\n";
+  for (const char* header : {"# t px py pz rw rx ry rz",
+                             "time pos_x pos_y pos_z orientation_w orientation_x "
+                             "orientation_y orientation_z",
+                             "# timestamp loc_x loc_y loc_z qw qx qy qz"}) {
+    const TrajectoryFile file = read(std::string(header) + "\n" + row);
+    expectQuaternion(file.trajectory.poses[0].q, {0, 0.6, 0, 0.8});
+    EXPECT_EQ(file.trajectory.poses[0].p, Eigen::Vector3d(10, 20, 30)) << header;
+  }
+}
+
 // Columns 4 to 7 hold velocities, or the position itself: nobody's quaternion.
 TEST(TumTrajectory, AHeaderWithoutAQuaternionMayNameOtherColumns) {
   for (const char* text : {"# t px py pz vx vy vz speed\n1 10 20 30 0.3 0 0.4 0.5\n",
