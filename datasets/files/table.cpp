@@ -161,9 +161,12 @@ TimeNs TextTable::stamp() {
   }
   // Told apart from other faults, as seconds with decimals are what most tools write.
   if (text.find('.') != std::string_view::npos) {
+    constexpr double kMostSeconds = 1e11;  // the year 5138; of nanoseconds two minutes
+    const bool seconds = parseNumber(text).value_or(0) < kMostSeconds;
     throw fault({InputFault::kWrongUnit, "the stamp '" + quotable(text) + "' has a decimal point",
                  "an integer number of nanoseconds",
-                 "stamps in seconds must be multiplied by 1e9 and written as integers"});
+                 seconds ? "stamps in seconds must be multiplied by 1e9 and written as integers"
+                         : "write all digits, without a point or an exponent"});
   }
   failCell(cell, "timestamp [ns]", "an integer number of nanoseconds, not negative");
 }

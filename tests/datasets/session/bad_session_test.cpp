@@ -241,6 +241,20 @@ TEST(TargetFile, AGridMayUseTheWholeFamily) {
 
 // ---- stamps
 
+// Seconds, and nanoseconds that went through a table of floating-point numbers.
+TEST(StampUnit, ADecimalPointIsNotAlwaysOfSeconds) {
+  const TemporaryFolder folder;
+  writeGoodSession(folder);
+  for (const auto& [stamp, cure] :
+       {std::pair{"1400000000.05", "multiplied by 1e9"}, std::pair{"1.40000000005e9", "multiplied"},
+        std::pair{"1400000000050000000.0", "all digits"}, std::pair{"1.4e+18", "all digits"}}) {
+    folder.write(kSamples, samples(std::string(stamp) + ",0,0,0,0,0,9.8\n"));
+    const auto refusal = refusalOf([&] { readSession(folder.path()); });
+    ASSERT_TRUE(refusal);
+    EXPECT_THAT(refusal->what(), testing::HasSubstr(cure)) << stamp;
+  }
+}
+
 // Samples at 200 Hz: 5 ms are 5000 us.
 TEST(StampUnit, IsNamedByTheRateThatItWouldGive) {
   const TemporaryFolder folder;
