@@ -31,15 +31,32 @@ void refuseRollingShutter(const YamlMap& map) {
                    "rolling shutters are not supported yet"});
 }
 
+// Translation and rotation each by itself: no one number weighs metres against radians.
+bool agree(const Transform& a, const Transform& b) {
+  const Vector6d d = boxminus(a, b);
+  return d.head<3>().norm() <= kTranslation && d.tail<3>().norm() <= kRotation;
+}
+
+/// T_CiS by either key; where both are there, they must be each other's inverse.
+std::optional<Transform> imuPlace(const YamlMap& map) {
+  std::optional<Transform> T_CiS;
+  if (map.has("T_cam_imu")) T_CiS = transformField(map, "T_cam_imu");
+  if (!map.has("T_imu_cam")) return T_CiS;
+  const Transform inverse = transformField(map, "T_imu_cam").inverse();
+  if (!T_CiS) return inverse;
+  if (agree(*T_CiS, inverse)) return T_CiS;
+  throw map.fault("T_imu_cam", {InputFault::kContradiction,
+                                "T_imu_cam is not the inverse of the T_cam_imu beside it",
+                                "one of them, or both of one calibration", "delete the wrong one"});
+}
+
 KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
   KalibrCamera camera;
   camera.stated.emplace(map);
   camera.name = name;
   camera.rostopic = map.textOr("rostopic", "");
   camera.intrinsics = intrinsicsField(map, {"camera_model", "distortion_model"});
-  const char* const imu_key = imuKey(map);
-  if (map.has(imu_key)) camera.T_cam_imu = transformField(map, imu_key);
-  if (map.has("T_imu_cam") && !map.has("T_cam_imu")) camera.T_cam_imu = camera.T_cam_imu->inverse();
+  camera.T_cam_imu = imuPlace(map);
   if (map.has("T_cn_cnm1")) camera.T_cn_cnm1 = transformField(map, "T_cn_cnm1");
   if (map.has("timeshift_cam_imu")) {
     camera.timeshift_cam_imu = map.number("timeshift_cam_imu", "seconds");
@@ -51,15 +68,9 @@ KalibrCamera cameraOf(const YamlMap& map, const std::string& name) {
   imu.time_offsets = {{shift}};
   if (camera.T_cam_imu) imu.T_SC0 = camera.T_cam_imu->inverse();
   refuseImplausible(map, implausible(imu),
-                    {{Part::kOffset, "timeshift_cam_imu"}, {Part::kPlace, imu_key}});
+                    {{Part::kOffset, "timeshift_cam_imu"}, {Part::kPlace, imuKey(map)}});
   refuseRollingShutter(map);
   return camera;
-}
-
-// Translation and rotation each by itself: no one number weighs metres against radians.
-bool agree(const Transform& a, const Transform& b) {
-  const Vector6d d = boxminus(a, b);
-  return d.head<3>().norm() <= kTranslation && d.tail<3>().norm() <= kRotation;
 }
 
 std::string suspectText(ChainContradiction::Suspect suspect, const KalibrCamera& camera,

@@ -9,6 +9,7 @@
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr_writer.h"
+#include "datasets/files/numbers.h"
 #include "datasets/session/imu.h"
 #include "datasets/session/target.h"
 #include "tests/datasets/refusal.h"
@@ -55,6 +56,23 @@ TEST(KalibrFiles, CamchainComesBack) {
   ASSERT_TRUE(again.imu);
   EXPECT_EQ(again.imu->timeOffset(), -1e-5);
   EXPECT_LT(boxminus(again.imu->T_SC0, rig.imu->T_SC0).norm(), 1e-14);
+}
+
+// Kalibr's key and OpenVINS' in one camera: whoever edits one may forget the other.
+TEST(KalibrFiles, BothPlacesOfTheImuMustBeOne) {
+  const TemporaryFolder folder;
+  const Calibration rig = threeCameraRig();
+  const auto with = [&](const Transform& T_imu_cam) {
+    std::string text = kalibrCamchainText(rig);
+    text.insert(text.find("  T_cam_imu"), "  T_imu_cam:\n" + yamlRows(T_imu_cam.matrix(), "  "));
+    return folder.write("camchain-imucam.yaml", text);
+  };
+  const Calibration again = readCalibration(with(rig.imu->T_SC0));
+  EXPECT_LT(boxminus(again.imu->T_SC0, rig.imu->T_SC0).norm(), 1e-14);
+  const auto refusal = refusalOf([&] { readCalibration(with(rig.imu->T_SC0.inverse())); });
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->code(), InputFault::kContradiction);
+  EXPECT_EQ(refusal->line(), 3);
 }
 
 TEST(KalibrFiles, TheImuIsWhereAnotherCameraThanTheFirstSaysIt) {
