@@ -182,20 +182,20 @@ const std::vector<BadFile> kBadYamls = {
 
 // Beside corners no image proves a name of the list: a copy that was cut is told by its last line.
 const std::string kList = "cam1/data.csv";
-std::string list(const std::string& rows) { return "#timestamp [ns],filename\n" + rows; }
+std::string frames(const std::string& rows) { return "#timestamp [ns],filename\n" + rows; }
 const std::vector<BadFile> kBadLists = {
-    {"CutName", kList, list("1400000000000000000,1.png\n1400000000050000000,2.pn"), 3,
+    {"CutName", kList, frames("1400000000000000000,1.png\n1400000000050000000,2.pn"), 3,
      InputFault::kTruncated},
-    {"CutBeforeName", kList, list("1400000000000000000,1.png\n1400000000050000000"), 3,
+    {"CutBeforeName", kList, frames("1400000000000000000,1.png\n1400000000050000000"), 3,
      InputFault::kTruncated},
-    {"CutStamp", kList, list("1400000000000000000,1.png\n14000000000500"), 3,
+    {"CutStamp", kList, frames("1400000000000000000,1.png\n14000000000500"), 3,
      InputFault::kTruncated},
-    {"CutInTheOnlyRow", kList, list("14000000000500"), 2, InputFault::kTruncated},
-    {"CutNameOfAnotherFormat", kList, list("1400000000000000000,1.pgm\n1400000000050000000,2.pg"),
+    {"CutInTheOnlyRow", kList, frames("14000000000500"), 2, InputFault::kTruncated},
+    {"CutNameOfAnotherFormat", kList, frames("1400000000000000000,1.pgm\n1400000000050000000,2.pg"),
      3, InputFault::kTruncated},
-    {"CutNameWithoutEnding", kList, list("1400000000000000000,f_1\n1400000000050000000,f"), 3,
+    {"CutNameWithoutEnding", kList, frames("1400000000000000000,f_1\n1400000000050000000,f"), 3,
      InputFault::kTruncated},
-    {"NameMissing", kList, list("1400000000000000000,1.png\n1400000000050000000\n"), 3,
+    {"NameMissing", kList, frames("1400000000000000000,1.png\n1400000000050000000\n"), 3,
      InputFault::kBadColumns},
 };
 
