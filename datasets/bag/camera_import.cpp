@@ -9,7 +9,7 @@
 #include "datasets/bag/message_faults.h"
 #include "datasets/bag/pixels.h"
 #include "datasets/bag/sensor_import.h"
-#include "datasets/bag/stamps.h"
+#include "datasets/bag/sensor_summary.h"
 #include "datasets/files/file_io.h"
 #include "datasets/images/image_io.h"
 

@@ -12,8 +12,8 @@
 #include "datasets/bag/message_faults.h"
 #include "datasets/bag/sensor_import.h"
 #include "datasets/files/file_io.h"
+#include "datasets/session/imu.h"
 #include "datasets/session/session_writer.h"
-#include "datasets/session/streams.h"
 #include "datasets/session/target.h"
 
 namespace plumbline {

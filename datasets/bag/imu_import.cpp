@@ -4,7 +4,7 @@
 #include "datasets/bag/choose_topics.h"
 #include "datasets/bag/message_faults.h"
 #include "datasets/bag/sensor_import.h"
-#include "datasets/bag/stamps.h"
+#include "datasets/bag/sensor_summary.h"
 
 namespace plumbline {
 

@@ -14,6 +14,7 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/cli/commands.h"
+#include "evaluate/cli/options/option_lists.h"
 #include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/session_options.h"
@@ -150,10 +151,8 @@ void GuideOptionSet::declare(CLI::App& app) {
   addWithDefault(app, "--expires-s", guide.views.expires_s,
                  "Time after which a suggestion expires [s]")
       ->check(positiveNumber());
-  app.add_option("--latency-ms", latencies,
-                 "Simulated computing time of a step, e.g. camera-frame=5,next-view=40 [ms]")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  addList(app, "--latency-ms", latencies,
+          "Simulated computing time of a step, e.g. camera-frame=5,next-view=40 [ms]");
   addWithDefault(app, "--arrival-ms", arrival_ms,
                  "Simulated delay of an image after its stamp; the IMU samples until then are "
                  "there too [ms]")

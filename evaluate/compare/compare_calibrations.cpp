@@ -286,7 +286,7 @@ std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
     file.extras = readCalibrationExtras(paths[i]);
     file.states_noise = statesImuNoise(paths[i]);
     file.states_offset = statesTimeOffset(paths[i]);
-    addRemarks(file.extras.remarks, "IMU noise", file);
+    addRemarks(file.extras.remarks, "IMU model", file);
     if (file.extras.tool == "kalibr") readKalibr(file);
     if (file.compared.calibration.imu && !file.states_offset) addUnknownOffset(file);
     file.compared.label = names[i];
