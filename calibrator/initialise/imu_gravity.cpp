@@ -209,13 +209,24 @@ std::vector<Equation> agreeing(const std::vector<Equation>& all) {
 
 InertialAlignment solve(const std::vector<Equation>& all) {
   constexpr double kHeld = 1e9;
+  constexpr double kToldFromZero = 4;  // deviations
   const std::vector<Equation> equations = agreeing(all);
-  const Fit fit = fitted(equations, 0);
+  Fit fit = fitted(equations, 0);
+  const Fit held = fitted(equations, kHeld);
   const Unknowns& x = fit.x;
   InertialAlignment out;
   out.equations = static_cast<int>(equations.size());
   out.residual_rms = rmsOf(equations, x);
-  out.fixed_rms = rmsOf(equations, fitted(equations, kHeld).x);
+  out.fixed_rms = rmsOf(equations, held.x);
+  // The deviation of 1 / k to first order is dk / k^2.
+  const double inverse_std = out.residual_rms * std::sqrt(fit.ldlt.solve(Unknowns::Unit(0))(0));
+  out.scale_std = inverse_std / (x(0) * x(0));
+  // A camera that turns in place has no acceleration, and nothing times k explains that as well as
+  // the truth: size and sign of k are noise then, and all else that k divides.
+  if (!(std::abs(x(0)) > kToldFromZero * inverse_std)) {
+    fit = held;
+    out.residual_rms = out.fixed_rms;
+  }
   double variance = 0;
   bool known = true;
   for (const Equation& e : equations) {
@@ -223,9 +234,7 @@ InertialAlignment solve(const std::vector<Equation>& all) {
     known = known && e.positions > 0;
   }
   out.noise_rms = known ? std::sqrt(variance) : 0;
-  out.scale = 1 / x(0);  // and its deviation to first order, d(1/k) = dk / k^2
-  out.scale_std =
-      out.residual_rms * std::sqrt(fit.ldlt.solve(Unknowns::Unit(0))(0)) * out.scale * out.scale;
+  out.scale = 1 / x(0);
   Unknowns down = Unknowns::Zero();
   down.segment<3>(4) = x.segment<3>(4).normalized();
   // Up to here in metres of the stated target, from here on in true ones; the deviation of gravity

@@ -2,6 +2,7 @@
 // First guesses of the camera-IMU stage from exact poses and samples of an analytic trajectory.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <random>
 #include <span>
@@ -10,6 +11,7 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/initialise/imu_sanity.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {
@@ -328,6 +330,64 @@ TEST(InertialAlignment, TheStatedSizeLeavesMoreThanTheTrueOne) {
   EXPECT_EQ(right.noise_rms, 0) << "the poses' noise is not known";
   for (CameraPose& p : poses) p.T_FC0.t *= 2;
   EXPECT_GT(aligned().fixed_rms, 10 * aligned().residual_rms);
+}
+
+/// A camera that turns in place, on a tripod or in the hand, with the sensor beside it; poses and
+/// samples with noise.
+struct TurningInPlace {
+  std::vector<CameraPose> poses;
+  std::vector<ImuSample> samples;
+  Eigen::Vector3d t_SC0{0.1, -0.03, 0.05};
+  Eigen::Vector3d gravity_F{0, -9.81, 0};
+
+  TurningInPlace(double rate_rad_s, std::uint64_t seed) {
+    constexpr double kPosition = 3e-4, kAttitude = 5e-4, kGyro = 2.4e-3, kAccel = 0.028,
+                     kStep = 1e-3;
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    const auto noise = [&](double std) {
+      return Eigen::Vector3d(std * normal(random), std * normal(random), std * normal(random));
+    };
+    const auto R = [&](double t) {
+      const double a = rate_rad_s * t;
+      return expSO3({0.3 * std::sin(a), 0.25 * std::sin(1.3 * a + 1), 0.3 * std::sin(0.7 * a + 2)});
+    };
+    const Eigen::Vector3d centre(0.3, 0.3, 1);
+    for (int k = -200; k < 6200; ++k) {
+      const double t = 0.005 * k;
+      // Of p_S = centre - R t_SC0, by differences.
+      const Eigen::Matrix3d turns = R(t + kStep) - 2 * R(t) + R(t - kStep);
+      const Eigen::Vector3d a_F = -turns * t_SC0 / (kStep * kStep);
+      samples.push_back(
+          {TimeNs{5'000'000} * k,
+           logSO3(R(t - kStep).transpose() * R(t + kStep)) / (2 * kStep) + noise(kGyro),
+           R(t).transpose() * (a_F - gravity_F) + noise(kAccel)});
+    }
+    for (int k = 0; k < 600; ++k) {
+      const Eigen::Matrix3d turned = expSO3(noise(kAttitude)) * R(0.05 * k);
+      poses.push_back({TimeNs{50'000'000} * k,
+                       {turned, Eigen::Vector3d(centre + noise(kPosition))},
+                       kPosition * kPosition,
+                       kAttitude * kAttitude});
+    }
+  }
+};
+
+TEST(InertialAlignment, ACameraThatTurnsInPlaceTellsNoScale) {
+  for (const double rate_rad_s : {0.5, 1.0, 2.0}) {
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+      const TurningInPlace r(rate_rad_s, seed);
+      const auto a = alignInertially(r.poses, r.samples, Eigen::Matrix3d::Identity(), {0, 0, 0}, 0);
+      ASSERT_TRUE(a);
+      EXPECT_NEAR(a->scale, 1, 1e-5);
+      EXPECT_GT(a->scale_std, 0.25);
+      EXPECT_NEAR(residualRatio(*a), 1, 0.15);
+      EXPECT_LT((a->gravity_F - r.gravity_F).norm(), 0.1);
+      EXPECT_LT((a->t_SC0 - r.t_SC0).norm(), 0.25);
+      // Nothing is wrong with this accelerometer: neither its axes nor its sign.
+      EXPECT_FALSE(checkInertial(*a, AprilGrid())) << rate_rad_s << ", seed " << seed;
+    }
+  }
 }
 
 }  // namespace
