@@ -7,7 +7,7 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/calibration.h"
-#include "calibrator/base/results.h"
+#include "calibrator/base/results/screening.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/residuals/packed_corners.h"

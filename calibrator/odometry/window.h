@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "calibrator/base/results.h"
+#include "calibrator/base/results/imu_residuals.h"
 #include "calibrator/linear/dense.h"
 #include "calibrator/linear/levenberg_marquardt.h"
 #include "calibrator/odometry/rig_model.h"

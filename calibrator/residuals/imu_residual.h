@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "calibrator/base/results.h"
+#include "calibrator/base/results/imu_residuals.h"
 #include "calibrator/base/session.h"
 #include "calibrator/base/time.h"
 
