@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/odometry/corner_picker.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/odometry/feature_tracker.h"
 
 namespace plumbline {
 namespace {

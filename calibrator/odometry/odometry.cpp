@@ -11,6 +11,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/odometry/window_problem.h"
 
 namespace plumbline {
 namespace {

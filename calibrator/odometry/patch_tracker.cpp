@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Image pyramids, and the search for a patch in them.
+#include "calibrator/odometry/patch_tracker.h"
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -7,7 +8,6 @@
 #include <cstring>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/odometry/feature_tracker.h"
 
 namespace plumbline {
 namespace {

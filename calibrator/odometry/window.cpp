@@ -33,6 +33,15 @@ void Window::dropFrame(std::size_t index) {
   dropSightings([&](const Landmark&, const LandmarkSighting& s) { return s.frame == serial; });
 }
 
+Eigen::VectorXd displacements(const Window& window) {
+  const WindowPrior& prior = window.prior;
+  Eigen::VectorXd d(kState * prior.frames.size());
+  for (std::size_t i = 0; i < prior.frames.size(); ++i) {
+    d.segment<kState>(kState * i) = boxminus(window.frame(prior.frames[i]).state, prior.points[i]);
+  }
+  return d;
+}
+
 namespace {
 
 /// Whether a pause of more than max_gap_s lies between the samples about [from, to], or they do not

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The cost of a window and what is left of it when a frame leaves: terms computed by hand, a
 // minimum that is known, and elimination held against that of all at once.
+#include "calibrator/odometry/window_problem.h"
+
 #include <cmath>
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "calibrator/odometry/window.h"
 #include "tests/calibrator/odometry/exact_window.h"
 
 namespace plumbline {

@@ -2,7 +2,7 @@
 // The start of an odometry from exact sightings of a rig in motion, and what it needs.
 #include <gtest/gtest.h>
 
-#include "calibrator/odometry/odometry.h"
+#include "calibrator/odometry/start_estimate.h"
 #include "tests/calibrator/odometry/exact_window.h"
 
 namespace plumbline {
