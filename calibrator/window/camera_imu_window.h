@@ -7,43 +7,10 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/batch/camera_imu/problem.h"
-#include "calibrator/window/linear_prior.h"
+#include "calibrator/window/camera_imu_prior.h"
+#include "calibrator/window/window_knowledge.h"
 
 namespace plumbline {
-
-/// On the first state (15), T_SC0 (6), gravity's direction (2) and the time offset (1), in the
-/// tangents of its point (gravity: angles along tangentBasis()), which has one state.
-using CameraImuPrior = LinearPrior<CameraImuEstimate>;
-Displacement displacementOf(const CameraImuEstimate& to, const CameraImuEstimate& from);
-
-/// Adds the prior's normal equations and cost to those of a chain that begins with its state.
-void addPrior(const CameraImuPrior& prior, const CameraImuEstimate& estimate,
-              CameraImuNormals& normals);
-
-/// The chain's terms on its first blocks 0 .. count, and the border, with blocks 0 .. count - 1
-/// eliminated one after the other (marginalised()): a cost of (block `count` (15), border), whose
-/// noise is that of `corners`, the corners' part of the chain. What the chain holds after block
-/// `count` is left out. Empty where a block eliminated is not determined.
-std::optional<QuadraticCost> frontEliminated(const BlockArrow& chain, const BlockArrow& corners,
-                                             int count);
-
-/// All that problem and prior (on the first state, if there is one) say of frame `count` and the
-/// border, the frames before it eliminated (frontEliminated()), by informationAt(). Empty where
-/// those are not determined or left the IMU samples.
-std::optional<QuadraticCost> frontCost(const CameraImuProblem& problem,
-                                       const CameraImuEstimate& estimate, const ImuWeights& weights,
-                                       const std::optional<CameraImuPrior>& prior, int count);
-
-/// All terms of the problem's first `count` frames (their corners, the links after them, and the
-/// prior on the first state, if there is one) as a prior on the frame after them. Weights of
-/// information are used (informationAt()), so that the loss counts by re-weighted squares. The
-/// problem's cameras are fixed. Empty where the frames dropped are not determined or left the IMU
-/// samples.
-std::optional<CameraImuPrior> marginaliseFront(const CameraImuProblem& problem,
-                                               const CameraImuEstimate& estimate,
-                                               const ImuWeights& weights,
-                                               const std::optional<CameraImuPrior>& prior,
-                                               int count);
 
 struct CameraImuWindowOptions {
   int states = 3;           ///< frames in the window, at least 2
@@ -70,18 +37,6 @@ enum class WindowEnd {
   kWaiting,    ///< no inertial link reaches the frame: it waits for the next one, which then
                ///< brings it along; without such a link it is dropped
   kNotSolved,  ///< the window with the frame has no solution: it is as it was before
-};
-
-/// What a window knows at its last frame.
-struct WindowKnowledge {
-  /// Of (last state (15), T_SC0 (6), gravity (2), time offset (1)), all earlier states
-  /// marginalised.
-  Eigen::MatrixXd information;
-  CameraImuEstimate estimate;  ///< with the last state alone
-  TimeNs t = 0;                ///< of the last frame
-  /// Variance of the gradient by these by the noise of corners, of pixel_sigma, alone
-  /// (QuadraticCost::noise): what corners bring of the information.
-  Eigen::MatrixXd corners{};
 };
 
 /// Fixed-lag estimator of the camera-IMU problem (the paper's, for its next best trajectory):
@@ -138,22 +93,5 @@ class CameraImuWindow {
   double cost_ = 0;
   double squared_px_ = 0;
 };
-
-/// Information of T_SC0, and with `offset` of the time offset after it, from that of (.., T_SC0
-/// (6), gravity (2), time offset (1)), all else marginalised; without `offset` the offset counts as
-/// known. Empty where the rest is not determined.
-std::optional<Eigen::MatrixXd> calibrationInformation(const Eigen::MatrixXd& information,
-                                                      bool offset);
-
-/// True variances over those that the weights assume.
-struct NoiseVariances {
-  double corners = 1;
-  double imu = 1;  ///< of all inertial rows alike
-};
-
-/// Covariance of T_SC0 (6) and the time offset (7 x 7) under other noise than assumed:
-/// covarianceUnder() of a window. Empty where they are not determined.
-std::optional<Eigen::MatrixXd> calibrationCovariance(const WindowKnowledge& known,
-                                                     const NoiseVariances& variances);
 
 }  // namespace plumbline
