@@ -72,7 +72,7 @@ enum class FailureCode {
   kAccelerometerReversed,  ///< its sign
   kGravityDisagrees,       ///< measured, expected [m/s^2]
   kScaleDisagrees,         ///< scale, scale_std, tag_size [m]
-  // Time offsets (calibrator/initialise/imu_alignment, clock_offset).
+  // Time offsets (calibrator/initialise/rate_alignment, clock_offset).
   kTooFewRates,               ///< rates, needed
   kImuDoesNotCover,           ///< covered, intervals, needed, range_s, frames_to_s; samples_from_s,
                               ///< samples_to_s where there are any

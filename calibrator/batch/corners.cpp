@@ -8,7 +8,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/initialise/camera_poses.h"
-#include "calibrator/initialise/screening.h"
+#include "calibrator/initialise/view_screening.h"
 
 namespace plumbline {
 namespace {

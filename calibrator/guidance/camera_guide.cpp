@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/guidance/frame_corners.h"
 #include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/guide_stage.h"
+#include "calibrator/guidance/start_check.h"
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/guidance/views/view_judge.h"
 #include "calibrator/information/covariance.h"

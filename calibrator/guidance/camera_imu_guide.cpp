@@ -10,7 +10,8 @@
 #include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/guide_stage.h"
 #include "calibrator/guidance/imu_stage_tracker.h"
-#include "calibrator/guidance/trajectory_gain.h"
+#include "calibrator/guidance/noise_watch.h"
+#include "calibrator/guidance/trajectories/trajectory_gain.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/simulate/simulate_session.h"
 

@@ -11,37 +11,12 @@
 #include "calibrator/base/enum_words.h"
 #include "calibrator/base/guide_decision.h"
 #include "calibrator/base/session.h"
-#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/view_terms.h"
+#include "calibrator/guidance/operator_pace.h"
 #include "calibrator/information/predicted_error.h"
 
 namespace plumbline {
-
-/// How fast the operator is taken to move the rig. Where it is known suggestions are chosen by what
-/// they gain per second.
-struct OperatorPace {
-  double speed_m_s = 0;  ///< of the hand [m/s]; 0: not known, the way does not count
-  double turn_rad_s = 0.8;
-  double reaction_s = 0.5;  ///< before anything moves [s]
-
-  bool isKnown() const { return speed_m_s > 0; }
-  /// reaction + max(distance / speed, angle / turn) [s], straight, while turning.
-  double secondsTo(const Transform& from, const Transform& to) const;
-
-  /// Throws InputError naming the field that is out of its range.
-  void check() const;
-};
-
-/// Index of the highest score; of scores that are as good as equal, of the first. Those that are
-/// not a number do not count; -1 where none is one.
-int bestCandidate(const std::vector<double>& scores);
-
-/// The candidates in the order of gain per second, the best first (bestCandidate() of those that
-/// are left): gains [nats] over the seconds that each takes. Those whose gain is not a number are
-/// left out; of infinite gains the quickest is the first.
-std::vector<std::size_t> byGainPerSecond(const std::vector<double>& gains,
-                                         const std::vector<double>& seconds);
 
 /// 0.2 bits in nats: the threshold of Kalibr and of the paper.
 inline constexpr double kGuideThresholdNats = 0.2 * 0.693147180559945309;

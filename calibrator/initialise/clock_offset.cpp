@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/initialise/clock_offset.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
 #include "calibrator/base/option_check.h"
-#include "calibrator/base/transform.h"
-#include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/initialise/rate_alignment.h"
 #include "calibrator/linear/dense.h"
 
 namespace plumbline {

@@ -6,7 +6,8 @@
 
 #include "calibrator/base/april_grid.h"
 #include "calibrator/base/error.h"
-#include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/initialise/inertial_alignment.h"
+#include "calibrator/initialise/rate_alignment.h"
 
 namespace plumbline {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/initialise/lens_fit.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -8,7 +8,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/initialise/camera_start.h"
+#include "calibrator/initialise/lens_fit.h"
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/export/calibration_export.h"
 #include "datasets/session/imu.h"

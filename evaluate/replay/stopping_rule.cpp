@@ -12,7 +12,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/guidance/imu_stage_tracker.h"
+#include "calibrator/guidance/trajectories/imu_reprojection.h"
 #include "calibrator/information/covariance.h"
 #include "evaluate/replay/frame_split.h"
 #include "evaluate/replay/frames.h"

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "calibrator/guidance/guide_stage.h"
+#include "calibrator/guidance/open_suggestion.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
-#include "calibrator/guidance/imu_stage_tracker.h"
+#include "calibrator/guidance/trajectories/imu_reprojection.h"
 #include "evaluate/compare/projection_difference.h"
 
 namespace plumbline {

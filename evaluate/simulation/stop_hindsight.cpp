@@ -10,7 +10,7 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/camera_imu/stage.h"
-#include "calibrator/guidance/imu_stage_tracker.h"
+#include "calibrator/guidance/trajectories/imu_reprojection.h"
 #include "calibrator/information/projection_uncertainty.h"
 #include "calibrator/simulate/operator/rig_sensors.h"
 #include "evaluate/simulation/operator_convergence.h"

@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "calibrator/guidance/trajectory_gain.h"
+#include "calibrator/guidance/trajectories/trajectory_gain.h"
 #include "tests/benchmarks/call_times.h"
 #include "tests/calibrator/guidance/imu_guide_replay.h"
 #include "tests/calibrator/window/imu_window_recording.h"

@@ -11,7 +11,7 @@
 #include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/initialise/camera_start.h"
+#include "calibrator/initialise/lens_fit.h"
 
 namespace plumbline {
 namespace {

@@ -11,7 +11,7 @@
 #include "calibrator/batch/board/target.h"
 #include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/stage.h"
-#include "calibrator/initialise/screening.h"
+#include "calibrator/initialise/view_screening.h"
 
 namespace plumbline {
 namespace {

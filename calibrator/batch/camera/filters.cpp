@@ -11,7 +11,7 @@
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/camera/view_terms.h"
 #include "calibrator/information/view_selection.h"
-#include "calibrator/initialise/screening.h"
+#include "calibrator/initialise/view_screening.h"
 
 namespace plumbline {
 namespace {

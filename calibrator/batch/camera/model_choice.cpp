@@ -9,7 +9,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/batch/board/target.h"
-#include "calibrator/initialise/camera_start.h"
+#include "calibrator/initialise/lens_fit.h"
 
 namespace plumbline {
 namespace {

@@ -7,6 +7,7 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/stage.h"
+#include "calibrator/initialise/camera_graph.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/camera_start.h"
 

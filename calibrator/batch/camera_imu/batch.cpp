@@ -11,7 +11,7 @@
 #include "calibrator/batch/camera_imu/posed_frames.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/initialise/camera_poses.h"
-#include "calibrator/initialise/screening.h"
+#include "calibrator/initialise/sample_screening.h"
 
 namespace plumbline {
 namespace {

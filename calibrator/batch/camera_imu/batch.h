@@ -10,8 +10,8 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/batch/resample.h"
-#include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_sanity.h"
+#include "calibrator/initialise/rate_alignment.h"
 
 namespace plumbline {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/initialise/angular_rates.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,7 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/initialise/camera_poses.h"
-#include "calibrator/initialise/screening.h"
+#include "calibrator/initialise/view_screening.h"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/batch/corners.h"
-#include "calibrator/initialise/imu_alignment.h"
+#include "calibrator/initialise/angular_rates.h"
 
 namespace plumbline {
 

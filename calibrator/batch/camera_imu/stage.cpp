@@ -9,7 +9,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/frame_selection.h"
-#include "calibrator/initialise/screening.h"
+#include "calibrator/initialise/sample_screening.h"
 
 namespace plumbline {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Internal to view_gain.cpp: a tag's four corners projected W lanes at a time. Everything is
+// Internal to visible_tags.cpp: a tag's four corners projected W lanes at a time. Everything is
 // always_inline, so that the function into which it is inlined decides on the instruction set.
 
 #include <cstddef>

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calibrator/batch/camera/view_terms.h"
-#include "calibrator/guidance/guide_stage.h"
+#include "calibrator/guidance/frame_corners.h"
 #include "calibrator/guidance/views/view_gain.h"
 #include "calibrator/information/predicted_error.h"
 

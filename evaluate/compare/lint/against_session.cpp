@@ -11,8 +11,9 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_sanity.h"
+#include "calibrator/initialise/inertial_alignment.h"
+#include "calibrator/initialise/rate_alignment.h"
 #include "evaluate/compare/lint/rules.h"
 #include "evaluate/metrics/failure_text.h"
 

@@ -11,7 +11,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/initialise/screening.h"
+#include "calibrator/initialise/sample_screening.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 

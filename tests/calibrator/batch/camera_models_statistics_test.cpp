@@ -14,7 +14,7 @@
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/initialise/camera_start.h"
+#include "calibrator/initialise/lens_fit.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/camera/example_cameras.h"
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/guidance/guide.h"
-#include "calibrator/guidance/imu_stage_tracker.h"
+#include "calibrator/guidance/trajectories/imu_reprojection.h"
 #include "tests/calibrator/guidance/imu_guide_replay.h"
 
 namespace plumbline {

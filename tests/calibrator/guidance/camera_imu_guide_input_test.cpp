@@ -9,7 +9,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/guidance/guide.h"
-#include "calibrator/guidance/imu_stage_tracker.h"
+#include "calibrator/guidance/imu_stage_recording.h"
 #include "tests/calibrator/guidance/imu_guide_replay.h"
 
 namespace plumbline {

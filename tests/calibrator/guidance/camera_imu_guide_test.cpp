@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/guidance/guide.h"
-#include "calibrator/guidance/lissajous.h"
+#include "calibrator/guidance/trajectories/lissajous.h"
 #include "tests/calibrator/guidance/imu_guide_replay.h"
 
 namespace plumbline {

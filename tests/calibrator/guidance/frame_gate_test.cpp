@@ -5,7 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/guidance/guide_stage.h"
+#include "calibrator/guidance/frame_gate.h"
+#include "calibrator/guidance/start_check.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 
 namespace plumbline {

@@ -8,7 +8,7 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/guidance/imu_stage_tracker.h"
+#include "calibrator/guidance/trajectories/imu_reprojection.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/rig.h"
 

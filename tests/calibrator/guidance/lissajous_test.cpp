@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The suggested trajectories: derivatives, rest at both ends, limits, sight of the target.
-#include "calibrator/guidance/lissajous.h"
+#include "calibrator/guidance/trajectories/lissajous.h"
 
 #include <cmath>
 #include <numbers>

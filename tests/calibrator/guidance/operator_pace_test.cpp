@@ -7,7 +7,7 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/guidance/guide_options.h"
+#include "calibrator/guidance/operator_pace.h"
 
 namespace plumbline {
 namespace {

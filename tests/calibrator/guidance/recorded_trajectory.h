@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "calibrator/guidance/trajectory_gain.h"
+#include "calibrator/guidance/trajectories/trajectory_gain.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/window/imu_window_recording.h"

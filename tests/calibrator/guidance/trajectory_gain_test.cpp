@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Predicted gains of trajectories, against the information of one problem that holds the recording
 // and the trajectory. Whether they come true is for trajectory_gain_statistics_test.
-#include "calibrator/guidance/trajectory_gain.h"
+#include "calibrator/guidance/trajectories/trajectory_gain.h"
 
 #include <cmath>
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
-#include "calibrator/guidance/views/view_gain.h"
+#include "calibrator/guidance/views/visible_tags.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/camera/example_cameras.h"

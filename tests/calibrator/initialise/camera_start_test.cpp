@@ -10,6 +10,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/initialise/camera_graph.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/residuals/view_gram.h"
 #include "calibrator/simulate/simulate_session.h"

@@ -10,8 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
-#include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/initialise/imu_sanity.h"
+#include "calibrator/initialise/inertial_alignment.h"
+#include "calibrator/initialise/rate_alignment.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

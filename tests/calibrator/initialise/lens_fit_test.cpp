@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A lens in another model.
+#include "calibrator/initialise/lens_fit.h"
+
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -7,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/camera/camera.h"
-#include "calibrator/initialise/camera_start.h"
 #include "tests/calibrator/camera/example_cameras.h"
 
 namespace plumbline {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Isolated readings and readings that are cut off are found where they are, and what looks like
 // them is not. Not proven here: what they do to a calibration.
+#include "calibrator/initialise/sample_screening.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/initialise/imu_alignment.h"
-#include "calibrator/initialise/screening.h"
+#include "calibrator/initialise/angular_rates.h"
 
 namespace plumbline {
 namespace {

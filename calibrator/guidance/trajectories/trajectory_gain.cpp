@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/trajectory_gain.h"
+#include "calibrator/guidance/trajectories/trajectory_gain.h"
 
 #include <cassert>
 #include <cmath>

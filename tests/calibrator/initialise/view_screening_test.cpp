@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Repeated views, tags out of place, false and grazing corners are found where they are, and what
 // looks like them is not. Not proven here: what they do to a calibration.
-#include "calibrator/initialise/screening.h"
+#include "calibrator/initialise/view_screening.h"
 
 #include <cmath>
 #include <cstddef>

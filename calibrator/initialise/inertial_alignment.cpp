@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/initialise/inertial_alignment.h"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
@@ -6,7 +8,6 @@
 #include <vector>
 
 #include "calibrator/base/statistics/statistics.h"
-#include "calibrator/initialise/imu_alignment.h"
 #include "calibrator/residuals/imu_residual.h"
 
 namespace plumbline {

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "calibrator/guidance/imu_stage_tracker.h"
-#include "calibrator/guidance/lissajous.h"
+#include "calibrator/guidance/trajectories/imu_reprojection.h"
+#include "calibrator/guidance/trajectories/lissajous.h"
 #include "calibrator/information/predicted_error.h"
-#include "calibrator/window/camera_imu_window.h"
+#include "calibrator/window/window_knowledge.h"
 
 namespace plumbline {
 

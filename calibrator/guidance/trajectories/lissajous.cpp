@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/guidance/lissajous.h"
+#include "calibrator/guidance/trajectories/lissajous.h"
 
 #include <algorithm>
 #include <cassert>
