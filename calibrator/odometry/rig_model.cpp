@@ -12,6 +12,15 @@ namespace plumbline {
 RigModel RigModel::of(const Calibration& calibration, int cameras) {
   if (!calibration.imu) throw InputError("the calibration has no IMU; odometry needs T_SC0");
   if (calibration.cameras.empty()) throw InputError("the calibration has no camera");
+  // A weight is the inverse of a density.
+  const ImuNoise& n = calibration.imu->noise;
+  const bool positive = n.gyro_density > 0 && n.gyro_random_walk > 0 && n.accel_density > 0 &&
+                        n.accel_random_walk > 0;
+  if (!positive) {
+    throw InputError(
+        "a noise density of the calibration's IMU is not positive; odometry needs all four; "
+        "correct the calibration, or give Kalibr's imu.yaml in addition");
+  }
   RigModel rig;
   const auto all = static_cast<int>(calibration.cameras.size());
   const int used = cameras > 0 ? std::min(cameras, all) : all;
@@ -20,7 +29,7 @@ RigModel RigModel::of(const Calibration& calibration, int cameras) {
     rig.cameras.push_back(camera.intrinsics);
     rig.T_SC.push_back(calibration.imu->T_SC0 * camera.T_C0Ci);
   }
-  rig.noise = calibration.imu->noise;
+  rig.noise = n;
   rig.time_offset_s = calibration.imu->timeOffset();
   rig.gravity_m_s2 = calibration.imu->gravity_m_s2;
   return rig;

@@ -47,7 +47,7 @@ struct RigModel {
   double gravity_m_s2 = 9.80655;
 
   /// Of the first `cameras` cameras (0: all). Throws InputError for a calibration without IMU or
-  /// cameras.
+  /// cameras, or with a noise density that is not positive.
   static RigModel of(const Calibration& calibration, int cameras = 0);
 
   /// Empty where the lens model has no ray for the pixel.

@@ -133,6 +133,17 @@ TEST(RigModel, TakesTheFirstCamerasAndTheOffsetOfCamera0) {
   EXPECT_THROW(RigModel::of(calibration), InputError);
 }
 
+// Weights are inverse densities: of a calibration that states none the IMU would be beyond doubt,
+// and the odometry would lose its track for it.
+TEST(RigModel, NeedsEveryNoiseDensity) {
+  for (double ImuNoise::*density : {&ImuNoise::gyro_density, &ImuNoise::gyro_random_walk,
+                                    &ImuNoise::accel_density, &ImuNoise::accel_random_walk}) {
+    Calibration calibration = simulatedRig("euroc").calibration;
+    calibration.imu->noise.*density = 0;
+    EXPECT_THROW(RigModel::of(calibration), InputError);
+  }
+}
+
 TEST(SightingError, WhatIsBehindTheRayOrAtTheLensHasNone) {
   const ExactWindow x(1);
   const Transform& T_WS = x.window.frames[0].state.T_FS;
