@@ -211,6 +211,8 @@ std::vector<Equation> agreeing(const std::vector<Equation>& all) {
 InertialAlignment solve(const std::vector<Equation>& all) {
   constexpr double kHeld = 1e9;
   constexpr double kToldFromZero = 4;  // deviations
+  constexpr double kFar = 2;           // a scale, from 1
+  constexpr double kHardlyMore = 1.3;
   const std::vector<Equation> equations = agreeing(all);
   Fit fit = fitted(equations, 0);
   const Fit held = fitted(equations, kHeld);
@@ -223,8 +225,14 @@ InertialAlignment solve(const std::vector<Equation>& all) {
   const double inverse_std = out.residual_rms * std::sqrt(fit.ldlt.solve(Unknowns::Unit(0))(0));
   out.scale_std = inverse_std / (x(0) * x(0));
   // A camera that turns in place has no acceleration, and nothing times k explains that as well as
-  // the truth: size and sign of k are noise then, and all else that k divides.
-  if (!(std::abs(x(0)) > kToldFromZero * inverse_std)) {
+  // the truth: size and sign of k are then noise, and all else that k divides. Noise that attitudes
+  // share with positions even makes a k of its own, beyond its deviations. But k = 1 leaves hardly
+  // more then.
+  const bool is_free = !(std::abs(x(0)) > kToldFromZero * inverse_std);
+  const bool is_near = x(0) > 1 / kFar && x(0) < kFar;
+  if ((is_free || !is_near) && out.fixed_rms <= kHardlyMore * out.residual_rms) {
+    // The scale is not known better than what the motion would have it differ by.
+    out.scale_std = std::hypot(out.scale_std, 1 / x(0) - 1);
     fit = held;
     out.residual_rms = out.fixed_rms;
   }
