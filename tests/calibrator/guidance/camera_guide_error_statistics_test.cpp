@@ -7,8 +7,8 @@
 
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/corners.h"
-#include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/frame_corners.h"
+#include "calibrator/guidance/guide.h"
 #include "calibrator/guidance/views/view_error.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 

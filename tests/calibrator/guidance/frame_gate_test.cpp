@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One gate for both stages: stamps, pauses, work and a target out of view.
+#include "calibrator/guidance/frame_gate.h"
+
 #include <algorithm>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibrator/guidance/frame_gate.h"
 #include "calibrator/guidance/start_check.h"
 #include "tests/calibrator/guidance/camera_guide_replay.h"
 

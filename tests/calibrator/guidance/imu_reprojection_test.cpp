@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The expected error of points that the IMU predicts, against drawn errors and motions, and under
 // other frames for the same rig.
+#include "calibrator/guidance/trajectories/imu_reprojection.h"
+
 #include <Eigen/Cholesky>
 #include <cmath>
 
@@ -8,7 +10,6 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/guidance/trajectories/imu_reprojection.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/rig.h"
 

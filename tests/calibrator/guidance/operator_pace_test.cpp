@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Suggestions by gain per second: the way to a view costs what distance and turn take.
+#include "calibrator/guidance/operator_pace.h"
+
 #include <limits>
 #include <numbers>
 
@@ -7,7 +9,6 @@
 
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/guidance/operator_pace.h"
 
 namespace plumbline {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/guidance/views/visible_tags.h"
+
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -6,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
-#include "calibrator/guidance/views/visible_tags.h"
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/camera/example_cameras.h"

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The start of an odometry from exact sightings of a rig in motion, and what it needs.
+#include "calibrator/odometry/start_estimate.h"
+
 #include <gtest/gtest.h>
 
-#include "calibrator/odometry/start_estimate.h"
 #include "tests/calibrator/odometry/exact_window.h"
 
 namespace plumbline {
