@@ -8,6 +8,9 @@
 #include "calibrator/base/frames.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/initialise/angular_rates.h"
+#include "calibrator/initialise/inertial_alignment.h"
+#include "calibrator/initialise/rate_alignment.h"
 
 namespace plumbline {
 namespace {
