@@ -14,7 +14,8 @@ class StudyKills : public StudyNights {
   static void SetUpTestSuite() {
     makeNights(
         "  - {name: p1_free, participant: p1, method: free, period: 1, path: p1_free}\n"
-        "  - {name: p1_guided, participant: p1, method: guided, period: 2, path: p1_guided}\n");
+        "  - {name: p1_guided, participant: p1, method: guided, period: 2, path: p1_guided}\n",
+        Cameras::kOne);
   }
 };
 
