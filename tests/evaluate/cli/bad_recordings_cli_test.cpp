@@ -18,6 +18,12 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
+/// Half as many frames as the rig's cameras make: what is wrong shows in them, too.
+class BadRecordings : public CommandLine {
+ protected:
+  static void SetUpTestSuite() { makeSession("--duration 12 --camera-rate 10"); }
+};
+
 constexpr long long kFirstSample_ns = 1'399'999'999'623'456'789;
 
 struct Sample {
@@ -99,7 +105,7 @@ const std::vector<BadImu> kBadImus{
     {"NearlyAllMissing", [](Sample& s) { return secondsIn(s) > 11.5; }, 1, {"covers"}},
 };
 
-class BadImuData : public CommandLine, public testing::WithParamInterface<BadImu> {};
+class BadImuData : public BadRecordings, public testing::WithParamInterface<BadImu> {};
 
 TEST_P(BadImuData, IsRefusedByFileWithTheCause) {
   const fs::path copy = spoiled();
@@ -116,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(Imu, BadImuData, testing::ValuesIn(kBadImus), kCaseName
 
 // ---- what is used in part, and said
 
-TEST_F(CommandLine, GapsOfTheImuBreakTheChainAndAreReported) {
+TEST_F(BadRecordings, GapsOfTheImuBreakTheChainAndAreReported) {
   const fs::path copy = spoiled();
   changeSamples(copy, [](Sample& s) { return secondsIn(s) < 4 || secondsIn(s) > 8; });
   const Outcome outcome = calibrateAsStated(copy, "--no-report");
@@ -126,7 +132,7 @@ TEST_F(CommandLine, GapsOfTheImuBreakTheChainAndAreReported) {
   EXPECT_THAT(read(scratch() / "out/calibration.json"), HasSubstr("\"imu_gaps\": 1"));
 }
 
-TEST_F(CommandLine, FramesThatTheImuDoesNotCoverAreCounted) {
+TEST_F(BadRecordings, FramesThatTheImuDoesNotCoverAreCounted) {
   const fs::path copy = spoiled();
   changeSamples(copy, [](Sample& s) { return secondsIn(s) > 9; });
   const Outcome outcome = calibrateAsStated(copy, "--no-report");
@@ -135,7 +141,7 @@ TEST_F(CommandLine, FramesThatTheImuDoesNotCoverAreCounted) {
                                   HasSubstr("Frames covered by the IMU"), HasSubstr("BAD")));
 }
 
-TEST_F(CommandLine, AnImuThatIsDescribedAndMissingIsNotPassedOver) {
+TEST_F(BadRecordings, AnImuThatIsDescribedAndMissingIsNotPassedOver) {
   const fs::path copy = spoiled();
   fs::remove_all(copy / "mav0/imu0");
   expectRefusal(calibrateAsStated(copy), 2,
@@ -145,7 +151,7 @@ TEST_F(CommandLine, AnImuThatIsDescribedAndMissingIsNotPassedOver) {
 
 // ---- the target
 
-TEST_F(CommandLine, TargetsOfAnotherSizeAreNeverGood) {
+TEST_F(BadRecordings, TargetsOfAnotherSizeAreNeverGood) {
   const std::string target = read(session() / "target.yaml");
   for (const char* size : {"0.044", "0.080", "0.092", "0.110"}) {
     const fs::path copy = spoiled();
@@ -160,7 +166,7 @@ TEST_F(CommandLine, TargetsOfAnotherSizeAreNeverGood) {
               AllOf(HasSubstr("CAUTION"), HasSubstr("Unmodelled fault: size of the target")));
 }
 
-TEST_F(CommandLine, AWrongSpacingIsRefusedByItsOwnLine) {
+TEST_F(BadRecordings, AWrongSpacingIsRefusedByItsOwnLine) {
   const std::string target = read(session() / "target.yaml");
   for (const char* spacing : {"0.15", "0.26", "0.34", "0.5"}) {
     const fs::path copy = spoiled();
@@ -179,7 +185,7 @@ TEST_F(CommandLine, AWrongSpacingIsRefusedByItsOwnLine) {
                     HasSubstr("times the tags' size")));
 }
 
-TEST_F(CommandLine, AWrongNumberOfColumnsOrRowsIsNamed) {
+TEST_F(BadRecordings, AWrongNumberOfColumnsOrRowsIsNamed) {
   const std::string target = read(session() / "target.yaml");
   const fs::path columns = spoiled();
   write(columns / "target.yaml", replaced(target, "tagCols: 6", "tagCols: 7"));
@@ -193,7 +199,7 @@ TEST_F(CommandLine, AWrongNumberOfColumnsOrRowsIsNamed) {
               AllOf(HasSubstr("Rows of the target"), HasSubstr("2 of 8 tag rows never observed")));
 }
 
-TEST_F(CommandLine, AResolutionThatTheCornersContradictIsSaid) {
+TEST_F(BadRecordings, AResolutionThatTheCornersContradictIsSaid) {
   const fs::path copy = spoiled();
   const fs::path sensor = copy / "mav0/cam0/sensor.yaml";
   const std::string good = read(sensor);
@@ -209,7 +215,7 @@ TEST_F(CommandLine, AResolutionThatTheCornersContradictIsSaid) {
 }
 
 // A fisheye whose model nobody states is given one that holds it.
-TEST_F(CommandLine, AFisheyeOfUnknownModelGetsOneThatHoldsIt) {
+TEST_F(BadRecordings, AFisheyeOfUnknownModelGetsOneThatHoldsIt) {
   const fs::path folder = scratch() / "fisheye";
   fs::create_directories(scratch());
   ASSERT_EQ(
@@ -231,7 +237,7 @@ TEST_F(CommandLine, AFisheyeOfUnknownModelGetsOneThatHoldsIt) {
 
 // ---- motion that leaves parameters free
 
-TEST_F(CommandLine, MotionsThatLeaveParametersFreeAreNamedInWords) {
+TEST_F(BadRecordings, MotionsThatLeaveParametersFreeAreNamedInWords) {
   const std::map<std::string, std::string> motions{
       {"pure-rotation", "translation along y of T_SC0 is not observable: no rotation about x or z"},
       {"single-axis", "translation along y of T_SC0 is not observable: no rotation about x or z"},
@@ -251,7 +257,7 @@ TEST_F(CommandLine, MotionsThatLeaveParametersFreeAreNamedInWords) {
 
 // ---- folders and options
 
-TEST_F(CommandLine, TheRecordingIsNeverWrittenTo) {
+TEST_F(BadRecordings, TheRecordingIsNeverWrittenTo) {
   const auto before = contents(session());
   const std::string folder = session().string();
   for (const std::string& words :
@@ -265,7 +271,7 @@ TEST_F(CommandLine, TheRecordingIsNeverWrittenTo) {
   EXPECT_EQ(contents(session()), before);
 }
 
-TEST_F(CommandLine, ResultsThatCannotBeKeptAreNotComputed) {
+TEST_F(BadRecordings, ResultsThatCannotBeKeptAreNotComputed) {
   fs::create_directories(scratch());
   write(scratch() / "file", "in the way");
   const std::string start = "calibrate " + session().string() + " --no-cache --out ";
@@ -276,7 +282,7 @@ TEST_F(CommandLine, ResultsThatCannotBeKeptAreNotComputed) {
   EXPECT_EQ(read(scratch() / "file"), "in the way");
 }
 
-TEST_F(CommandLine, NumbersThatAreNoneAreRefused) {
+TEST_F(BadRecordings, NumbersThatAreNoneAreRefused) {
   for (const char* option :
        {"--gravity nan", "--gravity inf", "--pixel-sigma nan", "--imu-shift-ms nan",
         "--imu-shift-ms 1e300", "--sync-tolerance-ms inf", "--from nan", "--to nan",
