@@ -33,7 +33,7 @@ RoomFlight flightOf(const SimulatedRig& rig, std::uint64_t seed, double duration
   RoomFlightOptions options;
   options.seed = seed;
   options.duration_s = duration_s;
-  options.tracks = 60;
+  options.tracks = 40;
   return {rig, options};
 }
 
