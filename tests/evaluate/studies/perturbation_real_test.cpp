@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Time offsets injected into EuRoC's imu_april, between and beyond multiples of the IMU's period.
+// Further ones by the batch alone are in camera_imu_real_test.cpp.
 #include <cmath>
 #include <filesystem>
 
@@ -18,10 +19,10 @@ TEST(PerturbationOfEuroc, OffsetsOfUpToHalfASecondComeBackToATenthOfAMicrosecond
   request.load.session = data + "/euroc_imu_april";
   request.cameras_file = request.load.session + "/kalibr/camchain-imucam.yaml";
   request.camera.cauchy_px = request.camera_imu.cauchy_px = 0;
-  for (int ms = -500; ms <= 500; ms += 125) {
+  for (int ms = -500; ms <= 500; ms += 250) {
     request.perturbations.push_back({PerturbationKind::kImuShift, ms + 0.37, 0});
   }
-  for (const double ms : {100.0, 10.0, 1.0, 37.3, -3.21, 0.5, 2.5}) {
+  for (const double ms : {37.3, -3.21, 0.5, 2.5}) {
     request.perturbations.push_back({PerturbationKind::kImuShift, ms, 0});
   }
   const auto record = perturbSession(request, [](const std::string&, double) {});
