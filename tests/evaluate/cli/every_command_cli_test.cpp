@@ -49,7 +49,7 @@ class EveryCommand : public CommandLine {
   static constexpr const char* kAsStated = " --models pinhole-radtan";
 
   static void SetUpTestSuite() {
-    CommandLine::SetUpTestSuite();
+    makeSession("--duration 12 --camera-rate 10");
     const auto make = [](const std::string& words) {
       const Outcome outcome = plumbline(words);
       ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
@@ -57,7 +57,7 @@ class EveryCommand : public CommandLine {
     make("simulate --rig d435i --seed 2 --duration 1 --camera-rate 5 --images --out " +
          at("images"));
     writeBagOf(at("images"), at("bag.db3"));
-    make("simulate sequence --seed 2 --duration 5 --tracks 80 --out " + at("flight"));
+    make("simulate sequence --seed 2 --duration 4 --tracks 60 --out " + at("flight"));
     make("calibrate " + at("session") + kAsStated + " --no-cache --no-report --out " +
          at("result"));
     // The commands read a study of `simulate study` in study_trajectories_cli_test.cpp.
@@ -74,6 +74,7 @@ class EveryCommand : public CommandLine {
     for (const char* name : {"p1_free", "p1_guided", "p2_free", "p2_guided", "eval"}) {
       make("simulate --duration 6 --camera-rate 5 --imu-rate 100 --seed " + std::to_string(++seed) +
            " --out " + at("study/" + std::string(name)));
+      fs::remove_all(root_ / "study" / name / "mav0/cam1");
     }
     write(at("study/STUDY.yaml"), "study: small\nmethods: [free, guided]\nsessions:\n" + sessions +
                                       "held_out: [{name: eval, path: eval}]\n"
