@@ -92,7 +92,7 @@ def check(browser, name, path):
 def main():
     program = sys.argv[1]
     with tempfile.TemporaryDirectory() as folder:
-        run(program, "simulate --rig euroc --seed 7 --duration 20 --out %s/session" % folder)
+        run(program, "simulate --rig euroc --seed 7 --duration 12 --out %s/session" % folder)
         begun = time.monotonic()
         said = run(program, "simulate --rig d435i --seed 7 --duration 6 --camera-rate 8 --images --out %s/images"
                    % folder)
