@@ -72,7 +72,7 @@ std::vector<CounterfactualCurve> curvesOn(const SimulatedPool& simulated) {
   std::vector<CounterfactualCurve> orders;
   for (CounterfactualCurve& order : strategyOrders(*pool, {}, options)) {
     if (order.strategy == "recorded" || order.strategy == "predicted-error") continue;
-    // Evaluated at its end, too: the whole pool would take a quarter of the time.
+    // Curves are evaluated at their ends, too, which would be the whole pool.
     order.order.resize(std::min<std::size_t>(order.order.size(), kViews.back()));
     orders.push_back(std::move(order));
   }
