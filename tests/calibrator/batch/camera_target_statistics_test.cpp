@@ -20,14 +20,12 @@ namespace {
 
 constexpr int kTargetSeeds = 100;
 constexpr double kTargetSigma = 0.2;  // [px]
-// 30 frames: bounds stand on the number of recordings, not on that of their frames.
-constexpr double kTargetRate_hz = 2.5;
 
 SimulatedSession recorded(int seed, const TargetTerms& terms) {
   SimulationOptions recording;
   recording.seed = static_cast<std::uint64_t>(seed);
   recording.duration_s = 12;
-  recording.camera_rate_hz = kTargetRate_hz;
+  recording.camera_rate_hz = 5;
   recording.corner_sigma_px = kTargetSigma;
   recording.target.shape.terms = terms;
   return simulateSession(simulatedRig("euroc"), recording);
@@ -97,7 +95,7 @@ TEST(CameraTargetStatistics, NormalisedErrorsWithHigherTermsAreChiSquare) {
   constexpr int kHigherSeeds = 15;
   SimulationOptions recording;
   recording.duration_s = 12;
-  recording.camera_rate_hz = kTargetRate_hz;
+  recording.camera_rate_hz = 2.5;
   recording.corner_sigma_px = kTargetSigma;
   recording.target.shape.terms << 4e-4, -1.5e-4, 0, 0.2e-4, -1e-4, 0, 2e-4, 0, -3e-4, 0.5e-4, -1e-4,
       -2e-4;
