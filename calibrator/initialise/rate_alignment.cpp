@@ -153,9 +153,9 @@ Failure notCovered(std::span<const CameraRate> camera, const GyroIntegral& gyro,
 /// taken as known. 1 s where nothing moves.
 double offsetStd(std::span<const CameraRate> camera, const GyroIntegral& gyro,
                  const TimeOffsetEstimate& estimate) {
-  constexpr double kApart = 0.01;  // [s] of the rates that give a slope
-  constexpr double kUnknowns = 7;  // rotation, bias and the offset
-  double squares = 0, slopes = 0, count = -kUnknowns;
+  constexpr double kApart = 0.01;      // [s] of the rates that give a slope
+  constexpr double kRateUnknowns = 7;  // rotation, bias and the offset
+  double squares = 0, slopes = 0, count = -kRateUnknowns;
   const RateAlignment& a = estimate.alignment;
   for (const CameraRate& c : camera) {
     const auto at = gyro.meanRateSlope(c.from, c.to, estimate.offset_s, kApart);
