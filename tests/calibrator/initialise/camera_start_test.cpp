@@ -12,6 +12,7 @@
 #include "calibrator/camera/camera.h"
 #include "calibrator/initialise/camera_graph.h"
 #include "calibrator/initialise/camera_poses.h"
+#include "calibrator/initialise/lens_fit.h"
 #include "calibrator/residuals/view_gram.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/camera/example_cameras.h"

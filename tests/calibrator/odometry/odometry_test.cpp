@@ -10,6 +10,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/odometry/window_problem.h"
 #include "tests/calibrator/odometry/room_flight.h"
 
 namespace plumbline {
