@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -37,7 +38,7 @@ enum class RecordKind : std::uint8_t {
 struct Channel {
   std::uint16_t schema = 0;
   std::string topic;
-  Serialization layout = Serialization::kCdr;
+  std::optional<Serialization> layout;  ///< none: of no message that is read here
 };
 
 class McapBag : public Bag {
@@ -47,6 +48,7 @@ class McapBag : public Bag {
   std::vector<BagTopic> topics() override {
     std::map<std::string, BagTopic> found;  // a topic may have several channels
     for (const auto& [id, channel] : channels_) {
+      if (!channel.layout) continue;
       BagTopic& topic = found[channel.topic];
       topic.name = channel.topic;
       topic.type = schemas_[channel.schema];
@@ -65,8 +67,8 @@ class McapBag : public Bag {
       const auto channel = channels_.find(in.number<std::uint16_t>());
       in.take(4 + 8 + 8);  // sequence, times of receipt and publication
       if (!in.good() || channel == channels_.end()) throw damaged("a message is of no channel");
-      if (!wanted.contains(channel->second.topic)) return;
-      take({channel->second.topic, in.rest(), channel->second.layout});
+      const Channel& of = channel->second;
+      if (of.layout && wanted.contains(of.topic)) take({of.topic, in.rest(), *of.layout});
     };
     forRecords(file_.text().substr(kMagic.size()), [&](RecordKind kind, std::string_view content) {
       if (kind == RecordKind::kMessage) message(content);
@@ -129,8 +131,8 @@ class McapBag : public Bag {
     channel.schema = in.number<std::uint16_t>();
     channel.topic = in.text();
     const std::string encoding = in.text();
-    if (encoding != "cdr" && encoding != "ros1") return;  // of no message that is read here
-    channel.layout = encoding == "cdr" ? Serialization::kCdr : Serialization::kRos1;
+    if (encoding == "cdr") channel.layout = Serialization::kCdr;
+    if (encoding == "ros1") channel.layout = Serialization::kRos1;
     channels_[id] = std::move(channel);
   }
 

@@ -80,6 +80,24 @@ TEST(McapBag, MessagesOfRos1KeepTheirLayout) {
   bag->read({"/imu0"}, [&](const BagMessage& m) { EXPECT_EQ(decodeImu(m)->t, sampleOf(2).t); });
 }
 
+// Foxglove's writers put messages of JSON beside those of ROS.
+TEST(McapBag, MessagesOfAnotherEncodingAreLeftOut) {
+  const TemporaryFolder folder;
+  WrittenMcap mcap("");
+  mcap.topic("/imu0", "sensor_msgs/msg/Imu");
+  mcap.topic("/notes", "note", "json");
+  mcap.message("/notes", 0, WrittenMessage(Serialization::kRos1).text("{}"));
+  mcap.message("/imu0", 0, imuMessage(Serialization::kCdr, sampleOf(2)));
+  const auto bag = openBag(folder.write("a.mcap", mcap.content()));
+  ASSERT_EQ(bag->topics().size(), 1U);
+  int told = 0;
+  bag->read({"/imu0", "/notes"}, [&](const BagMessage& m) {
+    EXPECT_EQ(decodeImu(m)->t, sampleOf(2).t);
+    ++told;
+  });
+  EXPECT_EQ(told, 1);
+}
+
 TEST(McapBag, AnotherCompressionIsNamed) {
   const TemporaryFolder folder;
   const auto refusal = refusalOf([&] {
