@@ -58,6 +58,9 @@ std::vector<std::string> bagFiles(const std::string& path) {
   }
   std::vector<std::string> files;
   for (const YAML::Node& file : info.node("relative_file_paths")) {
+    if (!file.IsScalar()) {
+      throw info.fault("relative_file_paths", {InputFault::kSyntax, "is no list of names"});
+    }
     files.push_back((fs::path(path) / fs::path(file.as<std::string>()).filename()).string());
     if (!fs::is_regular_file(files.back())) {
       throw info.fault("relative_file_paths",

@@ -33,14 +33,18 @@ BadInput damaged(const std::string& path, const std::string& why) {
                          "rosbag2's tables `topics` and `messages`"});
 }
 
-/// What is in the log beside a database has not reached it.
+/// What is in the log beside a database has not reached it; what is in the journal undoes a write
+/// that was not ended.
 void checkClosed(const std::string& path) {
-  std::error_code none;
-  const auto size = fs::file_size(path + "-wal", none);
-  if (none || size == 0) return;
-  throw badInput(
-      path, {InputFault::kTruncated, "the recording was not closed (there is " + path + "-wal)", "",
-             "open a copy of both files once with `sqlite3 COPY .tables`"});
+  for (const char* ending : {"-wal", "-journal"}) {
+    const std::string beside = path + ending;
+    std::error_code none;
+    const auto size = fs::file_size(beside, none);
+    if (none || size == 0) continue;
+    throw badInput(
+        path, {InputFault::kTruncated, "the recording was not closed (there is " + beside + ")", "",
+               "open a copy of both files once with `sqlite3 COPY .tables`"});
+  }
 }
 
 class Ros2Bag : public Bag {
@@ -94,10 +98,12 @@ class Ros2Bag : public Bag {
     }
   }
 
+  /// Messages have no index by topic: they are counted in one pass for all.
   void readTopics() {
-    SQLite::Statement rows(*database_,
-                           "SELECT id, name, type, serialization_format, (SELECT COUNT(*) FROM "
-                           "messages WHERE topic_id = topics.id) FROM topics");
+    SQLite::Statement rows(
+        *database_,
+        "SELECT topics.id, name, type, serialization_format, number FROM topics LEFT JOIN (SELECT "
+        "topic_id, COUNT(*) AS number FROM messages GROUP BY topic_id) ON topic_id = topics.id");
     while (rows.executeStep()) {
       BagTopic& topic = topics_[rows.getColumn(0).getInt()];
       topic = {rows.getColumn(1).getString(), ros1Type(rows.getColumn(2).getString()),

@@ -97,13 +97,19 @@ TEST(OpenBag, WhatCannotBeReadIsToldWithACure) {
   refused("session", InputFault::kMissingFile, "gone.db3 is missing");
   folder.write("session/metadata.yaml", metadata("  relative_file_paths: []\n"));
   refused("session", InputFault::kEmpty, "has no files");
+  folder.write("session/metadata.yaml", metadata("  relative_file_paths: [{a: b}]\n"));
+  refused("session", InputFault::kSyntax, "is no list of names");
 }
 
 TEST(OpenBag, ARecordingThatWasNotClosedIsToldSo) {
   const TemporaryFolder folder;
   writeImuBag(folder.path("a.db3"), 1, 3);
-  folder.write("a.db3-wal", "messages that have not reached the database");
-  EXPECT_EQ(faultOf([&] { openBag(folder.path("a.db3")); }), InputFault::kTruncated);
+  for (const std::string beside : {"a.db3-wal", "a.db3-journal"}) {
+    folder.write(beside, "what has not reached the database");
+    EXPECT_EQ(faultOf([&] { openBag(folder.path("a.db3")); }), InputFault::kTruncated) << beside;
+    std::filesystem::remove(folder.path(beside));
+  }
+  EXPECT_EQ(openBag(folder.path("a.db3"))->topics()[0].messages, 3U);
 }
 
 TEST(OpenBag, AnotherSerialisationThanCdrIsRefused) {
