@@ -2,16 +2,18 @@
 #include "datasets/bag/choose_topics.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <fmt/format.h>
 
 #include "datasets/files/bad_input.h"
+#include "datasets/files/numbers.h"
 
 namespace plumbline {
 namespace {
 
 constexpr const char* kCompressed = "/compressed";  // what image_transport adds to a topic
-constexpr const char* kDepth = "depth";             // of images that are no pictures
+constexpr const char* kDepth = "depth";             // of no pictures; also ".../compressedDepth"
 
 bool hasImages(const BagTopic& topic) {
   return topic.type == kImageType || topic.type == kCompressedImageType;
@@ -53,14 +55,22 @@ std::vector<BagTopic> namedCameras(const std::vector<BagTopic>& topics,
   return cameras;
 }
 
+/// Whether another topic has the same images: those that are not compressed go first, unless
+/// nobody recorded them.
+bool isThereTwice(const BagTopic& topic, const std::vector<BagTopic>& topics) {
+  const bool is_copy = topic.name.ends_with(kCompressed);
+  const BagTopic* other = find(topics, is_copy ? topic.name.substr(0, topic.name.rfind(kCompressed))
+                                               : topic.name + kCompressed);
+  if (other == nullptr || !hasImages(*other)) return false;
+  const bool one_is_empty = (other->messages == 0) != (topic.messages == 0);
+  return one_is_empty ? topic.messages == 0 : is_copy;
+}
+
 std::vector<BagTopic> allCameras(const std::vector<BagTopic>& topics) {
   std::vector<BagTopic> cameras;
   for (const BagTopic& topic : topics) {
-    if (!hasImages(topic) || topic.name.find(kDepth) != std::string::npos) continue;
-    const bool is_copy = topic.name.ends_with(kCompressed);
-    const std::string raw = is_copy ? topic.name.substr(0, topic.name.rfind(kCompressed)) : "";
-    if (is_copy && find(topics, raw) != nullptr) continue;
-    cameras.push_back(topic);
+    const bool is_depth = lowered(topic.name).find(kDepth) != std::string::npos;
+    if (hasImages(topic) && !is_depth && !isThereTwice(topic, topics)) cameras.push_back(topic);
   }
   if (cameras.empty()) throw topicFault("no topic has images", topics);
   return cameras;

@@ -121,11 +121,18 @@ std::vector<ImportedSensor> importBags(const BagImport& request, const fs::path&
 
   std::vector<ImportedSensor> sensors;
   for (const CameraImport& camera : cameras) {
-    if (camera.empty()) throw messageFault(InputFault::kEmpty, camera.topic(), "has no image");
+    if (camera.empty()) {
+      throw messageFault(InputFault::kEmpty, camera.topic(),
+                         "has no image; name the topics of the cameras that were recorded");
+    }
     sensors.push_back(camera.summary());
     session.cameras.push_back(camera.stream());
   }
-  if (!imu.empty()) {
+  if (topics.imu) {
+    if (imu.empty()) {
+      throw messageFault(InputFault::kNoImuSamples, topics.imu->name,
+                         "has no sample; expected those of the IMU");
+    }
     session.imu = imu.stream(described.noise);
     sensors.push_back(imu.summary());
   }

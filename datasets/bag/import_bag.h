@@ -19,7 +19,8 @@ struct BagImport {
   /// Files and folders of one recording (bagFiles()); the order does not matter.
   std::vector<std::string> bags;
   /// Of cam0, cam1, ... in this order. Empty: every topic of images but those with "depth" in their
-  /// name, by name; of a camera that is there both as sensor_msgs/Image and compressed, the first.
+  /// name, in small letters or not, by name; of a camera that is there both as sensor_msgs/Image
+  /// and compressed, the first, unless it alone has no message.
   std::vector<std::string> camera_topics;
   /// Of sensor_msgs/Imu. Empty: that which `imu_path` states, or the only one.
   std::optional<std::string> imu_topic;
@@ -27,7 +28,7 @@ struct BagImport {
   std::optional<std::string> target_path;  ///< Kalibr's target.yaml, to lie in the session
   std::optional<std::string> imu_path;     ///< Kalibr's imu.yaml, likewise
   int threads = 0;                         ///< that write images; 0: all cores
-  /// Told the number of messages done and of all.
+  /// Told the number of messages done and of all; 0 where an MCAP file does not state it.
   std::function<void(std::size_t, std::size_t)> progress;
 };
 
@@ -53,8 +54,9 @@ std::vector<BagTopic> topicsOf(const std::vector<std::string>& bags);
 ///
 /// Throws InputError for a topic that is not there, of another type or to be chosen, messages that
 /// are cut, encodings without a grey image, images of another size than the first, stamps of 0, two
-/// different messages with one stamp, samples that are not finite, and an IMU topic that lacks
-/// angular rate or specific force throughout (of drivers that publish two half-filled topics).
+/// different messages with one stamp, samples that are not finite, a topic without messages, and an
+/// IMU topic that lacks angular rate or specific force throughout (of drivers that publish two
+/// half-filled topics).
 std::vector<ImportedSensor> importBags(const BagImport& request,
                                        const std::filesystem::path& folder);
 

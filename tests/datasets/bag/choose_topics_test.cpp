@@ -31,6 +31,16 @@ TEST(ChooseTopics, AllCamerasOnceAndNoDepth) {
   EXPECT_THAT(camerasOf({}), ElementsAre("/left/image_raw", "/right/image_raw/compressed"));
 }
 
+// `ros2 bag record -a` registers what image_transport offers, messages or none.
+TEST(ChooseTopics, WhatNobodyPublishedIsNoCamera) {
+  std::vector<BagTopic> topics = kTopics;
+  topics.push_back({"/left/image_raw/compressedDepth", kCompressedImageType, 0});
+  topics.push_back({"/right/image_raw", kImageType, 0});
+  std::vector<std::string> names;
+  for (const BagTopic& topic : chooseTopics(topics, {}, "").cameras) names.push_back(topic.name);
+  EXPECT_THAT(names, ElementsAre("/left/image_raw", "/right/image_raw/compressed"));
+}
+
 TEST(ChooseTopics, NamedCamerasKeepTheirOrder) {
   BagImport request;
   request.camera_topics = {"/right/image_raw/compressed", "/camera/depth/image"};

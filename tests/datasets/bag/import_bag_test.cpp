@@ -192,6 +192,7 @@ TEST_F(ImportBag, SixteenBitsReachTheImageReader) {
     bag.message("/cam0/image_raw", 1, cdrImage(kStart, deep));
   }
   request_.camera_topics = {"/cam0/image_raw"};
+  request_.import_imu = false;
   import();
   const std::string path =
       folder_.path("session/mav0/cam0/data/" + std::to_string(kStart) + ".png");
@@ -259,6 +260,13 @@ TEST_F(ImportBag, ACameraWithoutAnImageIsToldSo) {
   WrittenRos2Bag bag = begun();
   bag.message("/cam0/image_raw", 1, cdrImage(kStart, pictureOf(0)));
   expectRefused(InputFault::kEmpty, "topic /cam1/image_raw: has no image");
+}
+
+TEST_F(ImportBag, AnImuWithoutASampleIsToldSo) {
+  WrittenRos2Bag bag = begun();
+  bag.message("/cam0/image_raw", 1, cdrImage(kStart, pictureOf(0)));
+  request_.camera_topics = {"/cam0/image_raw"};
+  expectRefused(InputFault::kNoImuSamples, "topic /imu0: has no sample");
 }
 
 TEST_F(ImportBag, TheRecordingStaysAsItWas) {
