@@ -24,6 +24,8 @@ namespace {
 constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kFooter = 1 + 8 + 8 + 8 + 4;  // kind, length, two positions, checksum
 constexpr std::uint64_t kMostChunk = std::uint64_t{1} << 30U;  // [bytes]; writers' have megabytes
+// No compression of these makes more of a byte: zstd's shortest block, of 4 bytes, holds 128 KB.
+constexpr std::uint64_t kMostOfByte = std::uint64_t{1} << 15U;
 
 enum class RecordKind : std::uint8_t {
   kSchema = 3,
@@ -153,7 +155,9 @@ class McapBag : public Bag {
     const auto checksum = in.number<std::uint32_t>();
     const std::string compression = in.text();
     const std::string_view stored = in.take(in.number<std::uint64_t>());
-    if (!in.good() || size > kMostChunk) throw damaged("a chunk is cut");
+    if (!in.good() || size > std::min(kMostChunk, kMostOfByte * stored.size())) {
+      throw damaged("a chunk is cut");
+    }
     const std::string_view records =
         compression.empty() ? stored : unpacked(stored, size, compression);
     const auto sum = crc32_z(0, reinterpret_cast<const Bytef*>(records.data()), records.size());

@@ -3,7 +3,8 @@
 # (docs/fuzzing.md). Everywhere else the parsers run on their seeds and on what once made them fail.
 set(PLUMBLINE_PARSERS
     # a recording
-    corners imu_samples image_list target sensor imu_yaml suggestions study corner_cache png jpeg bag_message
+    corners imu_samples image_list target sensor imu_yaml suggestions study corner_cache png jpeg
+    bag_message mcap
     # calibrations
     camchain kalibr_results kalibr_poses yac basalt ours
     # trajectories

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <lz4frame.h>
 #include <zlib.h>
@@ -17,8 +18,9 @@ namespace plumbline {
 /// An MCAP file, by its specification (mcap.dev/spec), with one chunk and a summary.
 class WrittenMcap {
  public:
-  /// `compression`: "", "lz4" or "zstd".
-  explicit WrittenMcap(std::string compression) : compression_(std::move(compression)) {}
+  /// `compression`: "", "lz4" or "zstd". A checksum of 0 states none.
+  explicit WrittenMcap(std::string compression, bool has_checksum = true)
+      : compression_(std::move(compression)), has_checksum_(has_checksum) {}
 
   void topic(const std::string& name, const std::string& type,
              const std::string& encoding = "cdr") {
@@ -43,7 +45,8 @@ class WrittenMcap {
     const std::string records = schemas_ + channels_ + records_;
     const std::string stored = compressed(records);
     const auto sum = static_cast<std::uint32_t>(
-        crc32_z(0, reinterpret_cast<const Bytef*>(records.data()), records.size()));
+        has_checksum_ ? crc32_z(0, reinterpret_cast<const Bytef*>(records.data()), records.size())
+                      : 0);
     std::string file("\x89MCAP0\r\n", 8);
     file += record(1, packed().text("ros2").text("a test").content());
     file += record(6, packed().number(std::uint64_t{0})
@@ -92,6 +95,7 @@ class WrittenMcap {
   }
 
   std::string compression_, schemas_, channels_, records_;
+  bool has_checksum_ = true;
   std::map<std::string, std::uint16_t> ids_;
   std::map<std::uint16_t, std::uint64_t> counts_;
 };
