@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,18 +22,19 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kBatch = 32 << 20;  // of a camera in memory before it is written [bytes]
 
-std::vector<std::unique_ptr<Bag>> opened(const std::vector<std::string>& paths) {
-  std::vector<std::unique_ptr<Bag>> bags;
+std::vector<std::string> filesOf(const std::vector<std::string>& paths) {
+  std::vector<std::string> files;
   for (const std::string& path : paths) {
-    for (const std::string& file : bagFiles(path)) bags.push_back(openBag(file));
+    for (std::string& file : bagFiles(path)) files.push_back(std::move(file));
   }
-  return bags;
+  return files;
 }
 
-std::vector<BagTopic> topicsOf(const std::vector<std::unique_ptr<Bag>>& bags) {
+/// One file is open at a time: a recording may be split into more than a process may open.
+std::vector<BagTopic> topicsOfFiles(const std::vector<std::string>& files) {
   std::map<std::string, BagTopic> all;
-  for (const auto& bag : bags) {
-    for (const BagTopic& topic : bag->topics()) {
+  for (const std::string& file : files) {
+    for (const BagTopic& topic : openBag(file)->topics()) {
       const auto [known, first] = all.try_emplace(topic.name, topic);
       if (first) continue;
       if (known->second.type != topic.type) {
@@ -51,7 +51,7 @@ std::vector<BagTopic> topicsOf(const std::vector<std::unique_ptr<Bag>>& bags) {
 }
 
 /// Reads the chosen topics once and writes the images.
-void readMessages(const std::vector<std::unique_ptr<Bag>>& bags, const BagImport& request,
+void readMessages(const std::vector<std::string>& files, const BagImport& request,
                   std::map<std::string, CameraImport*>& cameras, ImuImport* imu,
                   const SessionTopics& topics) {
   std::vector<std::string> names;
@@ -62,8 +62,8 @@ void readMessages(const std::vector<std::unique_ptr<Bag>>& bags, const BagImport
   };
   for (const BagTopic& camera : topics.cameras) add(camera);
   if (topics.imu) add(*topics.imu);
-  for (const auto& bag : bags) {
-    bag->read(names, [&](const BagMessage& message) {
+  for (const std::string& file : files) {
+    openBag(file)->read(names, [&](const BagMessage& message) {
       const auto camera = cameras.find(std::string(message.topic));
       if (camera == cameras.end()) {
         imu->take(message);
@@ -97,7 +97,7 @@ void writeTexts(const BagImport& request, const Session& session,
 }  // namespace
 
 std::vector<BagTopic> topicsOf(const std::vector<std::string>& bags) {
-  return topicsOf(opened(bags));
+  return topicsOfFiles(filesOf(bags));
 }
 
 std::vector<ImportedSensor> importBags(const BagImport& request, const fs::path& folder) {
@@ -107,8 +107,8 @@ std::vector<ImportedSensor> importBags(const BagImport& request, const fs::path&
   ImuDescription described;
   if (request.imu_path) described = readImuDescription(*request.imu_path);
 
-  const auto bags = opened(request.bags);
-  const SessionTopics topics = chooseTopics(topicsOf(bags), request, described.rostopic);
+  const std::vector<std::string> files = filesOf(request.bags);
+  const SessionTopics topics = chooseTopics(topicsOfFiles(files), request, described.rostopic);
   std::vector<CameraImport> cameras;
   cameras.reserve(topics.cameras.size());
   std::map<std::string, CameraImport*> by_topic;
@@ -117,7 +117,7 @@ std::vector<ImportedSensor> importBags(const BagImport& request, const fs::path&
     by_topic[topic.name] = &cameras.back();
   }
   ImuImport imu(topics.imu ? topics.imu->name : "");
-  readMessages(bags, request, by_topic, &imu, topics);
+  readMessages(files, request, by_topic, &imu, topics);
 
   std::vector<ImportedSensor> sensors;
   for (const CameraImport& camera : cameras) {

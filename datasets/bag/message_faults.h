@@ -21,7 +21,10 @@ inline BadInput messageFault(InputFault code, const std::string& topic, const st
 inline BadInput cutMessage(const std::string& topic, std::size_t number, const std::string& type) {
   return messageFault(
       InputFault::kTruncated, topic,
-      fmt::format("message {} is cut, or not laid out as {}; the bag is damaged", number, type));
+      fmt::format(
+          "message {} is cut, or not laid out as {}; the bag is damaged, or its messages are "
+          "compressed one by one, which `ros2 bag convert` undoes in a copy",
+          number, type));
 }
 
 inline TimeNs checkedStamp(TimeNs t, const std::string& topic, std::size_t number) {

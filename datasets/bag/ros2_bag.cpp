@@ -59,11 +59,19 @@ class Ros2Bag : public Bag {
   }
 
   std::vector<BagTopic> topics() override {
-    std::map<std::string, BagTopic> found;
-    for (const auto& [id, topic] : topics_) {
-      const auto [known, is_new] = found.try_emplace(topic.name, topic);
-      if (!is_new) known->second.messages += topic.messages;
-    }
+    std::map<std::string, BagTopic> found;  // a topic may have several ids
+    for (const auto& [id, topic] : topics_) found.try_emplace(topic.name, topic);
+    // Messages have no index by topic: they are counted in one pass for all.
+    guarded([&] {
+      SQLite::Statement rows(*database_,
+                             "SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id");
+      while (rows.executeStep()) {
+        const auto topic = topics_.find(rows.getColumn(0).getInt());
+        if (topic == topics_.end()) continue;
+        found[topic->second.name].messages +=
+            static_cast<std::size_t>(rows.getColumn(1).getInt64());
+      }
+    });
     std::vector<BagTopic> topics;
     for (auto& [name, topic] : found) topics.push_back(std::move(topic));
     return topics;
@@ -98,16 +106,11 @@ class Ros2Bag : public Bag {
     }
   }
 
-  /// Messages have no index by topic: they are counted in one pass for all.
   void readTopics() {
-    SQLite::Statement rows(
-        *database_,
-        "SELECT topics.id, name, type, serialization_format, number FROM topics LEFT JOIN (SELECT "
-        "topic_id, COUNT(*) AS number FROM messages GROUP BY topic_id) ON topic_id = topics.id");
+    SQLite::Statement rows(*database_, "SELECT id, name, type, serialization_format FROM topics");
     while (rows.executeStep()) {
       BagTopic& topic = topics_[rows.getColumn(0).getInt()];
-      topic = {rows.getColumn(1).getString(), ros1Type(rows.getColumn(2).getString()),
-               static_cast<std::size_t>(rows.getColumn(4).getInt64())};
+      topic = {rows.getColumn(1).getString(), ros1Type(rows.getColumn(2).getString())};
       if (const std::string format = rows.getColumn(3).getString(); format != "cdr") {
         throw damaged(path_, topic.name + " is serialised as '" + format + "', not as cdr");
       }
@@ -116,7 +119,7 @@ class Ros2Bag : public Bag {
 
   std::string path_;
   std::unique_ptr<SQLite::Database> database_;
-  std::map<int, BagTopic> topics_;  // by their ids
+  std::map<int, BagTopic> topics_;  // by their ids, without the numbers of messages
 };
 
 }  // namespace
