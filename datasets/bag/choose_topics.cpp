@@ -95,7 +95,11 @@ std::optional<BagTopic> imuOf(const std::vector<BagTopic>& topics, const BagImpo
     throw BadInput(InputFault::kSeveralImus,
                    "several topics are of an IMU, of which one must be named: " + listOf(imus));
   }
-  return imus.empty() ? std::nullopt : std::optional(imus.front());
+  if (!imus.empty()) return imus.front();
+  if (!request.imu_path) return std::nullopt;
+  throw BadInput(InputFault::kNoImuSamples,
+                 "no topic is of the IMU that " + *request.imu_path +
+                     " describes; topics of the recording: " + listOf(topics));
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ struct SessionTopics {
 };
 
 /// Chooses them as BagImport says. `imu_yaml_topic`: the rostopic of the given imu.yaml; "": none.
-/// Throws InputError where a topic is missing or of another type, no topic has images, or the IMU's
-/// is not clear.
+/// Throws InputError where a topic is missing or of another type, no topic has images, the IMU's is
+/// not clear, or there is none though an imu.yaml is given.
 SessionTopics chooseTopics(const std::vector<BagTopic>& topics, const BagImport& request,
                            const std::string& imu_yaml_topic);
 

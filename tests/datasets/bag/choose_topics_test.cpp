@@ -85,6 +85,16 @@ TEST(ChooseTopics, WhatIsMissingIsToldWithWhatIsThere) {
   EXPECT_EQ(faultOf([&] { chooseTopics(kTopics, request, ""); }), InputFault::kDuplicate);
 }
 
+TEST(ChooseTopics, AnImuThatIsDescribedMustBeThere) {
+  const std::vector<BagTopic> cameras{{"/cam0", kImageType, 9}};
+  BagImport request;
+  EXPECT_FALSE(chooseTopics(cameras, request, "").imu);
+  request.imu_path = "imu.yaml";
+  EXPECT_EQ(faultOf([&] { chooseTopics(cameras, request, "/imu0"); }), InputFault::kNoImuSamples);
+  request.import_imu = false;
+  EXPECT_FALSE(chooseTopics(cameras, request, "/imu0").imu);
+}
+
 TEST(ChooseTopics, ABagWithoutImagesIsNoSession) {
   EXPECT_EQ(faultOf([&] { chooseTopics({{"/imu0", kImuType, 9}}, {}, ""); }), InputFault::kNoTopic);
 }

@@ -180,6 +180,7 @@ TEST_F(ImportBag, CompressedImagesStayTheirFiles) {
     bag.topic("/cam/compressed", "sensor_msgs/msg/CompressedImage");
     bag.message("/cam/compressed", 5, compressedMessage(Serialization::kCdr, kStart, jpeg));
   }
+  request_.import_imu = false;
   EXPECT_EQ(import().front().resolution, (Resolution{16, 8}));
   const Recording read = readRecording(folder_.path("session"), {.read_imu = false});
   EXPECT_EQ(contentOf(read.images[0][0].path), jpeg);
