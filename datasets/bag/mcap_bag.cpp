@@ -45,7 +45,9 @@ struct Channel {
 
 class McapBag : public Bag {
  public:
-  explicit McapBag(const std::string& path) : path_(path), file_(path) { readSummary(); }
+  explicit McapBag(const std::string& path) : path_(path), file_(path, FileUse::kInParts) {
+    readSummary();
+  }
 
   std::vector<BagTopic> topics() override {
     std::map<std::string, BagTopic> found;  // a topic may have several channels

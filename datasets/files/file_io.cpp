@@ -80,7 +80,7 @@ std::optional<std::size_t> readAll(int file, char* to, std::size_t size) {
 
 }  // namespace
 
-MappedFile::MappedFile(const std::string& path) {
+MappedFile::MappedFile(const std::string& path, FileUse use) {
   // A pipe or a device is not even opened, which could wait for ever or move a tape; and a pipe
   // that takes the file's place meanwhile is not waited for.
   struct stat status {};
@@ -98,7 +98,8 @@ MappedFile::MappedFile(const std::string& path) {
     text_ = {copy_.get(), *length};
     return;
   }
-  void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.number, 0);
+  const int flags = MAP_PRIVATE | (use == FileUse::kWhole ? MAP_POPULATE : 0);
+  void* memory = ::mmap(nullptr, size, PROT_READ, flags, file.number, 0);
   if (memory == MAP_FAILED) throw unreadable(path);
   text_ = {static_cast<const char*>(memory), size};
 }

@@ -8,12 +8,16 @@
 
 namespace plumbline {
 
+/// Whether a file is read at once, or each part when it is looked at: one may be larger than
+/// memory.
+enum class FileUse { kWhole, kInParts };
+
 /// A whole file in memory, read-only: mapped, so that text is parsed where it lies; a small one is
 /// copied.
 class MappedFile {
  public:
   /// Throws InputError where the file is missing, a folder or not readable.
-  explicit MappedFile(const std::string& path);
+  explicit MappedFile(const std::string& path, FileUse use = FileUse::kWhole);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
