@@ -101,7 +101,12 @@ void addImu(Text& text, const CameraImuStageResult& stage) {
   const auto& robust = stage.summary.robust_std;
   const Eigen::Vector3d mm = 1e3 * imu.T_SC0.t;
   add(text, "  T_SC0 translation [{:.2f}, {:.2f}, {:.2f}] mm", mm.x(), mm.y(), mm.z());
-  if (robust) add(text, ", std {} (robust, through both stages)", deviations(robust->head<6>()));
+  // One that has estimated the cameras again has all in one stage.
+  const bool joint = hasCameras(stage.summary.covariance, stage.cameras);
+  if (robust) {
+    add(text, ", std {} (robust{})", deviations(robust->head<6>()),
+        joint ? "" : ", through both stages");
+  }
   if (imu.T_SC0_std) {
     add(text, "{}{}", robust ? "; formal " : ", std ", deviations(*imu.T_SC0_std));
   }

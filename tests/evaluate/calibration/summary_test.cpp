@@ -111,6 +111,11 @@ TEST(CalibrationSummary, TheImusPartIsInMillimetresDegreesAndMilliseconds) {
               AllOf(HasSubstr("std [4.00, 5.00, 6.00] mm, [0.0000, 0.0000, 0.0000] deg (robust, "
                               "through both stages); formal [1.00, 2.00, 3.00] mm"),
                     HasSubstr("-3.7500 ms, std 0.0250 ms; formal 0.0125 ms (t_imu")));
+  // With the cameras in the same batch there is one stage.
+  record.camera_imu->cameras = twoCameras().cameras;
+  record.camera_imu->summary.covariance.names = {"T_SC0.tx", "cam0.fu"};
+  record.camera_imu->summary.robust_std = Eigen::VectorXd::Constant(14, 4e-3);
+  EXPECT_THAT(calibrationSummary(record), HasSubstr("deg (robust); formal [1.00"));
 }
 
 TEST(CalibrationSummary, WhatTheImuStageLeftOutIsCounted) {
