@@ -33,21 +33,25 @@ void addErrors(Text& text, const char* name, const StageSummary& s) {
       s.corners_used, s.corners_offered, s.views_used, s.views_offered);
 }
 
-/// Whether a covariance is of the cameras' parameters too; cameras' own time offsets are none.
-bool hasCameras(const ParameterCovariance& covariance,
-                const std::vector<CameraCalibration>& cameras) {
-  return std::any_of(covariance.names.begin(), covariance.names.end(), [&](const auto& name) {
-    return name.starts_with(cameras.front().name + ".");
+/// Where the lenses begin in a camera-IMU stage that has estimated the cameras again; none in one
+/// that held them. Cameras' own time offsets are no parameters of lenses.
+std::optional<Eigen::Index> firstLens(const CameraImuStageResult& stage) {
+  const std::vector<std::string>& names = stage.summary.covariance.names;
+  const auto found = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+    return name.starts_with(stage.cameras.front().name + ".");
   });
+  return found == names.end() ? std::nullopt : std::optional(found - names.begin());
 }
 
 // Deviations robust where they are known, the formal ones beside them: of the camera-IMU stage
 // where that has estimated the cameras again.
 void addCameras(Text& text, const CalibrationRecord& record) {
   const StageSummary* stage = record.camera ? &record.camera->summary : nullptr;
-  if (record.camera_imu &&
-      hasCameras(record.camera_imu->summary.covariance, record.camera_imu->cameras)) {
+  // In both stages one lens stands behind the other; the camera stage's parameters begin with them.
+  Eigen::Index first = 0;
+  if (const auto joint = record.camera_imu ? firstLens(*record.camera_imu) : std::nullopt) {
     stage = &record.camera_imu->summary;
+    first = *joint;
   }
   for (const CameraCalibration& camera : record.cameras()) {
     const Intrinsics& k = camera.intrinsics;
@@ -56,14 +60,10 @@ void addCameras(Text& text, const CalibrationRecord& record) {
     if (!camera.intrinsics_std) continue;
     const Eigen::Index size = camera.intrinsics_std->size();
     if (stage && stage->robust_std) {
-      const auto& names = stage->covariance.names;
-      const auto lens = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
-        return name.starts_with(camera.name + ".");
-      });
-      add(text, "       std [{}] (robust)\n",
-          numbers(stage->robust_std->segment(lens - names.begin(), size)));
+      add(text, "       std [{}] (robust)\n", numbers(stage->robust_std->segment(first, size)));
     }
     add(text, "       formal std [{}]\n", numbers(*camera.intrinsics_std));
+    first += size;
   }
 }
 

@@ -61,9 +61,9 @@ TEST(CalibrationSummary, ACamerasDeviationsAreRobustWithTheFormalOnesBesideThem)
   EXPECT_THAT(text, ::testing::HasSubstr("std [5, 6, 7, 8] (robust)\n       formal std [1.5, "));
 }
 
-// A joint camera-IMU stage has estimated the cameras again: robust deviations are of another
-// result.
-TEST(CalibrationSummary, CamerasOfAJointStageHaveTheirOwnDeviationsAlone) {
+// A joint camera-IMU stage has estimated the cameras again: those of the camera stage are of
+// another result.
+TEST(CalibrationSummary, CamerasOfAJointStageHaveItsDeviationsAlone) {
   CalibrationRecord record;
   record.camera = twoCameras();
   record.camera->summary.robust_std = Eigen::VectorXd::LinSpaced(14, 1, 14);
@@ -72,6 +72,11 @@ TEST(CalibrationSummary, CamerasOfAJointStageHaveTheirOwnDeviationsAlone) {
   std::vector<std::string>& names = record.camera_imu->summary.covariance.names;
   names = {"T_SC0.tx", "time_offset", "cam0.fu", "cam1.fu"};
   EXPECT_THAT(calibrationSummary(record), ::testing::Not(::testing::HasSubstr("std [1, 2")));
+  record.camera_imu->summary.robust_std = Eigen::VectorXd::LinSpaced(10, 21, 30);
+  const std::string text = calibrationSummary(record);
+  EXPECT_THAT(text, ::testing::HasSubstr("std [23, 24, 25, 26] (robust)"));
+  EXPECT_THAT(text, ::testing::HasSubstr("std [27, 28, 29, 30] (robust)"));
+  record.camera_imu->summary.robust_std.reset();
   names = {"T_SC0.tx", "time_offset", "time_offset.cam1"};  // cameras held, with their own offsets
   EXPECT_THAT(calibrationSummary(record), ::testing::HasSubstr("std [1, 2, 3, 4] (robust)"));
 }
