@@ -29,19 +29,21 @@ bool isOfAllCameras(FailureCode code) {
 
 /// With what single cameras tell: where each explains its corners alone, but no transform joins two
 /// of them, that is what failed; where the camera that the failure names does, and another does
-/// not, the failure is that one's.
+/// not, the failure is that one's, by its name.
 Failure withCamerasAlone(Failure failure, const CalibrateRequest& request, const Session& session) {
   if (session.cameras.size() < 2 || !isOfAllCameras(failure.code)) return failure;
   const auto alone = calibratedAlone(session, request.camera);
   const auto named = failure.values.find("camera");
   bool named_fits = false;
   double worst_px = 0;
-  const Failure* other = nullptr;
+  std::optional<Failure> other;
   for (std::size_t c = 0; c < alone.size(); ++c) {
     const bool is_named = named != failure.values.end() &&
                           std::get<std::string>(named->second.content()) == session.cameras[c].name;
     if (!alone[c]) {
-      if (!is_named && !other) other = &alone[c].failure();
+      if (is_named || other) continue;
+      other = alone[c].failure();
+      other->values.emplace("alone", session.cameras[c].name);
       continue;
     }
     const double rmse_px = alone[c]->summary.reprojection.rmse_px;

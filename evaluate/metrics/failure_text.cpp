@@ -382,6 +382,10 @@ FailureText textOf(const Failure& failure) {
     FailureText text =
         apart ? *apart
               : FailureText{fmt::vformat(row.message, words), fmt::vformat(row.cure, words)};
+    // Not every failure of a single camera says whose it is.
+    if (failure.values.count("alone") > 0 && failure.values.count("camera") == 0) {
+      text.message = wordOf(failure, "alone") + " alone: " + text.message;
+    }
     if (!failure.where.empty()) text.message = failure.where + ": " + text.message;
     // Where the lens explains each camera's corners, it is not the cause.
     if (!apart) text.cure += wideAngle(failure);

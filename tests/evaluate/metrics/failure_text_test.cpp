@@ -138,6 +138,14 @@ TEST(FailureText, CamerasThatFitAloneAreNotBlamedForTheirViews) {
   EXPECT_THAT(textOf(f).cure, ::testing::Not(HasSubstr("fisheye")));
 }
 
+TEST(FailureText, AFailureOfOneCameraOfSeveralNamesIt) {
+  Failure f{FailureCode::kCamerasNotConverged, {{"iterations", 100}, {"alone", "cam1"}}};
+  f.where = "rec";
+  EXPECT_THAT(textOf(f).message, ::testing::StartsWith("rec: cam1 alone: the camera calibration"));
+  f = {FailureCode::kNoPlausiblePose, {{"views", 80}, {"camera", "cam1"}, {"alone", "cam1"}}};
+  EXPECT_THAT(textOf(f).message, ::testing::StartsWith("none of the 80 views of cam1 gives"));
+}
+
 TEST(FailureText, ASelectionComesBeforeTheCure) {
   const Failure few{FailureCode::kFocalLengthFree,
                     {{"camera", "cam0"},
