@@ -65,6 +65,9 @@ std::string importDocument(const std::vector<ImportedSensor>& sensors) {
 }
 
 int listTopics(const ImportOptions& o) {
+  if (o.json.file && !o.json.piped()) {
+    throw InputError("--list writes no file; give --json - for its topics as JSON");
+  }
   const std::vector<BagTopic> topics = topicsOf(o.request.bags);
   if (o.json.piped()) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();

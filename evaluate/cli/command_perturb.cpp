@@ -129,6 +129,10 @@ std::vector<Perturbation> perturbationsOf(const PerturbOptions& o) {
 
 /// On a copy of the options, which the study's lists join.
 PerturbRequest perturbRequest(PerturbOptions o, const CLI::App& app) {
+  for (std::size_t i = 0; i < std::size(kKinds); ++i) {
+    // One without an entry would pass for one that was not given.
+    if (app.count(kKinds[i].name) > 0) (void)entriesOf(kKinds[i].name, o.amounts[i]);
+  }
   readStudy(o);
   PerturbRequest request;
   o.estimation.estimate(o.session, request);

@@ -70,7 +70,7 @@ void declareSimulate(CLI::App& app, SimulateOptions& o) {
     app.get_option("--images")->excludes(app.get_option(of_corners));
   }
   addWithDefault(app, "--threads", o.threads, "Rendering threads (0: all cores)")
-      ->check(CLI::Range(0, 1024));
+      ->check(numberWithin(0, 1024));
 }
 
 int simulate(SimulateOptions o) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <vector>
@@ -99,7 +101,7 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
   addWithDefault(app, "--trajectories", s.trajectories,
                  "Guided: end after this many trajectories, if the guide has not finished before "
                  "(0: no limit)")
-      ->check(CLI::Range(0, 1000));
+      ->check(numberWithin(0, 1000));
   addWithDefault(app, "--seed", s.seed, "Seed of operator and noise: same seed, same bytes")
       ->check(seedFrom(0));
   declareSimulatedBoard(app, s.corner_sigma_px, s.board_bend_mm, o.guide_board);

@@ -65,7 +65,7 @@ void declareSimulateSequence(CLI::App& app, SimulateSequenceOptions& o) {
                  "Number of gaps of the motion capture, 0.6 s each")
       ->check(numberWithin(0, 100));
   addWithDefault(app, "--threads", s.images.threads, "Rendering threads (0: all cores)")
-      ->check(CLI::Range(0, 1024));
+      ->check(numberWithin(0, 1024));
 }
 
 int simulateSequenceFolder(SimulateSequenceOptions o) {

@@ -27,23 +27,24 @@ void declareSimulateStudy(CLI::App& app, SimulateStudyOptions& o) {
   o.output.declare(app, "Folder to write")->required();
   addWithDefault(app, "--participants", s.participants,
                  "Number of participants, each with both methods")
-      ->check(CLI::Range(1, 1000));
+      ->check(numberWithin(1, 1000));
   addWithDefault(app, "--duration", s.duration_s, "Approximate length of a free recording [s]")
       ->check(numberWithin(5, 600));
   addWithDefault(app, "--seed", s.seed,
                  "Seed of participants, motion and noise: same seed, same bytes")
       ->check(seedFrom(0));
   addWithDefault(app, "--held-out", s.held_out, "Held-out evaluation recordings")
-      ->check(CLI::Range(0, 100));
+      ->check(numberWithin(0, 100));
   addWithDefault(app, "--sequences", s.sequences, "Sequences with motion capture")
-      ->check(CLI::Range(0, 100));
+      ->check(numberWithin(0, 100));
   app.add_flag("--images", s.images, "Render images of the sequences, for odometry");
   addWithDefault(app, "--learning", s.learning,
                  "Learning: errors, reaction and time of the second session relative to the first "
                  "(1: none)")
       ->check(numberWithin(0.1, 1));
   declareSimulatedBoard(app, s.corner_sigma_px, s.board_bend_mm, o.guide_board);
-  addWithDefault(app, "--threads", s.threads, "Threads (0: all cores)")->check(CLI::Range(0, 1024));
+  addWithDefault(app, "--threads", s.threads, "Threads (0: all cores)")
+      ->check(numberWithin(0, 1024));
 }
 
 std::string timeOf(const std::optional<double>& median_s) {

@@ -82,6 +82,9 @@ TEST_F(CommandImport, WrongUseIsToldWithItsCureAndLeavesNothing) {
   };
   refused("", "--out");
   refused("--list --out " + session(), "--list");
+  const fs::path file = scratch() / "topics.json";
+  refused("--list --json " + file.string(), "--json - for its topics");
+  EXPECT_FALSE(fs::exists(file));
   refused("--camera-topics /left --out " + session(),
           "there is no topic /left; topics of the recording: /cam0/image_raw (sensor_msgs/Image)");
   refused("--camera-topics /cam0/image_raw,/cam0/image_raw --out " + session(), "given twice");

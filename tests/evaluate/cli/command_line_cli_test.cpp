@@ -192,6 +192,9 @@ TEST_F(CommandLine, SimulateNamesTheOptionThatIsOutOfRange) {
   const std::string study = "simulate study --out " + (scratch() / "out").string();
   expectRefusal(plumbline(study + " --learning 9"), 2,
                 HasSubstr("--learning: 9: expected 0.1 to 1"));
+  expectRefusal(plumbline(study + " --participants 0"), 2,
+                HasSubstr("--participants: 0: expected 1 to 1000"));
+  expectRefusal(plumbline(study + " --threads"), 2, HasSubstr("--threads: expected a value"));
 }
 
 TEST_F(CommandLine, FaultsAreListedAndMayBeRepeated) {

@@ -78,6 +78,8 @@ TEST(CommandPerturb, AmountsAreRefusedInTheWordsOfWhoGaveThem) {
   };
   // Two days: no clocks of one recording differ by as much.
   EXPECT_THAT(said("--offsets-ms 2e8"), HasSubstr("--offsets-ms 200000000: expected milliseconds"));
+  EXPECT_THAT(said("--target-size-percent 1 --offsets-ms ''"),
+              HasSubstr("--offsets-ms '': has an empty entry"));
   EXPECT_THAT(said("--offsets-ms 5,5"), HasSubstr("--offsets-ms: 5 is given twice"));
   EXPECT_THAT(said("--drop-imu-percent 100"), HasSubstr("--drop-imu-percent: "));
   EXPECT_THAT(said("--study " + study.string()),
