@@ -127,24 +127,25 @@ TEST(KeptViews, EndWithTheStopWhateverItsFrame) {
 }
 
 // At the stop projections are off, over persons, by what was predicted: by neither criterion
-// earlier, and not much later. The RMS over six persons, each of some three degrees of freedom,
-// scatters by 17 %: three deviations to either bound.
+// earlier, and not much later. The RMS over ten persons, each of some three degrees of freedom,
+// scatters by 13 %: from 0.1 px chance takes it to the upper bound in one of 10,000 such sets, over
+// six persons in one of 550.
 TEST(Convergence, TheStopByProjectionsLeavesTheErrorThatWasPredicted) {
   const SimulatedRig rig = simulatedRig("euroc");
   double squares = 0;
   int stopped = 0;
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     OperatedOptions o = convergenceOptions(25);
     o.simulation.seed = o.operator_seed = seed;
     o.trajectories = 1;
-    o.skill = personSkill((static_cast<double>(seed) - 0.5) / 6);
+    o.skill = personSkill(0.1 * static_cast<double>(seed) - 0.05);
     o.guide.views.stop_projection_px = 0.1;
     const OperatedConvergence c = convergenceOf(recordGuided(rig, o), o, rig.calibration);
     if (!c.cameras.stopped_s) continue;
     ++stopped;
     squares += *c.cameras.at_end->projection_px * *c.cameras.at_end->projection_px;
   }
-  EXPECT_GE(stopped, 5);
+  EXPECT_GE(stopped, 8);
   const double rms = std::sqrt(squares / stopped);
   EXPECT_GT(rms, 0.04);
   EXPECT_LT(rms, 0.15);
