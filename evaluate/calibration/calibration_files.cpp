@@ -102,7 +102,7 @@ void addImu(Text& text, const CameraImuStageResult& stage) {
   const Eigen::Vector3d mm = 1e3 * imu.T_SC0.t;
   add(text, "  T_SC0 translation [{:.2f}, {:.2f}, {:.2f}] mm", mm.x(), mm.y(), mm.z());
   // One that has estimated the cameras again has all in one stage.
-  const bool joint = hasCameras(stage.summary.covariance, stage.cameras);
+  const bool joint = firstLens(stage).has_value();
   if (robust) {
     add(text, ", std {} (robust{})", deviations(robust->head<6>()),
         joint ? "" : ", through both stages");
