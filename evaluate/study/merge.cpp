@@ -311,9 +311,9 @@ class Merger {
         countFinding("Sessions calibrated", failed,
                      fmt::format("{} of {} sessions have a calibration", all - failed, all));
     if (failed > 0) {
-      // No more than that: participants fail, and a session that had a calibration before is a
-      // regression, which is judged by itself.
-      calibrated.level = VerdictLevel::kCaution;
+      // No more than that where some have one: participants fail, and a session that had a
+      // calibration before is a regression, which is judged by itself.
+      calibrated.level = failed < all ? VerdictLevel::kCaution : VerdictLevel::kBad;
       calibrated.advice = "The failures below say why";
     }
     Finding steps = countFinding(

@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(Night, WithoutAnyCalibrationBlamesNoNameOfAnEndpoint) {
+TEST(Night, WithoutAnyCalibrationIsBadAndBlamesNoNameOfAnEndpoint) {
   const TemporaryFolder folder;
   PreparedNight night;
   night.folder = folder.path();
@@ -28,7 +28,7 @@ TEST(Night, WithoutAnyCalibrationBlamesNoNameOfAnEndpoint) {
   session.row.method = "free";
   night.study.sessions = {session};
   const NightOutcome outcome = finishNight(night, {}, 1);
-  EXPECT_EQ(outcome.level, VerdictLevel::kCaution);
+  EXPECT_EQ(outcome.level, VerdictLevel::kBad);
   EXPECT_THAT(outcome.document, HasSubstr("0 of 1 sessions have a calibration"));
   EXPECT_THAT(outcome.document, HasSubstr("No session has a calibration, which figures come from"));
   EXPECT_THAT(outcome.document, Not(HasSubstr("Correct endpoints")));
