@@ -118,4 +118,9 @@ inline const char* const kImuYaml = R"(imu0:
   update_rate: 200.0
 )";
 
+/// Of poses-cam0.csv.
+inline constexpr const char* kPosesHeader =
+    "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+    "q_RS_z []\n";
+
 }  // namespace plumbline
