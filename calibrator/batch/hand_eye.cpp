@@ -180,8 +180,8 @@ std::optional<HandEyeState> refined(std::span<const HandEyePair> pairs, const Ha
   return steps.state();
 }
 
-Eigen::MatrixXd covarianceOf(std::span<const HandEyePair> pairs, const HandEyeState& state,
-                             const Noise& noise, bool with_offset) {
+Eigen::MatrixXd handEyeCovariance(std::span<const HandEyePair> pairs, const HandEyeState& state,
+                                  const Noise& noise, bool with_offset) {
   const Normals at = normalsAt(pairs, state, noise, with_offset);
   const auto n = at.H.rows();
   const double freedom = 6 * static_cast<double>(pairs.size()) - static_cast<double>(n);
@@ -278,7 +278,7 @@ Result<HandEye> estimateHandEye(std::span<const HandEyePair> pairs, const HandEy
     squares = squaresOf(pairs, out.state);
   }
   const Noise noise = noiseOf(squares, pairs.size(), options);
-  out.covariance = covarianceOf(pairs, out.state, noise, options.with_offset);
+  out.covariance = handEyeCovariance(pairs, out.state, noise, options.with_offset);
   out.sigma_m = noise.sigma_m;
   out.sigma_rad = noise.sigma_rad;
   out.rms_translation_m = std::sqrt(squares.translation / n);

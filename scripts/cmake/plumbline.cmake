@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The functions with which every folder declares its library, and what is precompiled.
 
-# The sources of a folder are compiled as one where CMAKE_UNITY_BUILD is ON, as the scripts do that build
-# everything: headers and templates are read once per folder. Names in anonymous
-# namespaces are therefore unique within a folder. Whoever edits configures without it.
+# The sources of a room (calibrator/batch and all below it, a folder of report) are compiled as one where
+# CMAKE_UNITY_BUILD is ON, as the scripts do that build everything: headers and templates are read once per room.
+# Names in anonymous namespaces are therefore unique within a room. Whoever edits configures without it.
 function(plumbline_unity target)
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
     cmake_path(ABSOLUTE_PATH source)
     cmake_path(IS_PREFIX PROJECT_BINARY_DIR ${source} is_generated)
     if(NOT is_generated)
-      cmake_path(RELATIVE_PATH source OUTPUT_VARIABLE folder)
+      cmake_path(RELATIVE_PATH source BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE folder)
       cmake_path(GET folder PARENT_PATH folder)
-      string(MAKE_C_IDENTIFIER "in_${folder}" group)
+      string(REGEX REPLACE "^((tests/)?(calibrator|datasets|evaluate)/[^/]+)/.*" "\\1" room ${folder})
+      string(MAKE_C_IDENTIFIER "in_${room}" group)
       set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
     endif()
   endforeach()

@@ -16,9 +16,9 @@
 namespace plumbline {
 namespace {
 
-constexpr int kMostSelections = 3;      // attempts to choose frames that stay on the samples
-constexpr double kLeastMargin = 0.005;  // [s], from which it is widened
-constexpr int kFilterRounds = 2;        // of CornerFilter::kSigma
+constexpr int kMostSelections = 3;         // attempts to choose frames that stay on the samples
+constexpr double kLeastMargin = 0.005;     // [s], from which it is widened
+constexpr int kCameraImuFilterRounds = 2;  // of CornerFilter::kSigma
 constexpr int kFewestFrames = 10;
 
 std::optional<Failure> checkInputs(const Session& session,
@@ -104,7 +104,7 @@ std::size_t rejectAboveSigma(CameraImuProblem& problem, const CameraImuEstimate&
 /// Rounds of rejection above sigma and renewed solution.
 void filterAndSolve(CameraImuProblem& problem, CameraImuSolution& solution,
                     const CameraImuOptions& options) {
-  for (int round = 0; round < kFilterRounds; ++round) {
+  for (int round = 0; round < kCameraImuFilterRounds; ++round) {
     if (rejectAboveSigma(problem, solution.estimate, options.filter_sigmas) == 0) return;
     // Iterations of all rounds, not of the last alone.
     const int before = solution.iterations;

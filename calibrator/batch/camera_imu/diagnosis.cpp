@@ -22,7 +22,8 @@ constexpr double kSignificance = 5;
 constexpr double kSignificanceSince = 6;
 constexpr double kSignificanceFrequency = 7;
 constexpr int kMostCauses = 3;
-constexpr double kAlike = 0.9;  // share of the first cause's chi2 that an alternative explains
+constexpr double kExplainsAsMuch =
+    0.9;  // share of the first cause's chi2 that an alternative explains
 
 /// Columns that act from a block of time on.
 Terms termsOf(const std::vector<int>& columns, std::size_t from = 0) {
@@ -211,7 +212,7 @@ void findCauses(const Scores& scores, const std::vector<FaultCandidate>& all, Te
     const Tested& first = significant.front();
     out.causes.push_back(first.test);
     if (round == 0 && significant.size() > 1 &&
-        significant[1].test.explained > kAlike * first.test.explained) {
+        significant[1].test.explained > kExplainsAsMuch * first.test.explained) {
       out.alternative = significant[1].test;
     }
     model.insert(model.end(), first.terms.begin(), first.terms.end());

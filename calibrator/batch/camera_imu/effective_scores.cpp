@@ -228,9 +228,9 @@ BlockArrow chainOf(const CameraImuProblem& problem, const std::vector<FaultViewT
 
 // At the optimum of the batch, with its own columns alone: what the residuals' redundancy is judged
 // by.
-std::optional<ChainCovariance> covarianceOf(const CameraImuProblem& problem,
-                                            const std::vector<FaultViewTerms>& views,
-                                            const std::vector<LinkTerms>& links, Index border) {
+std::optional<ChainCovariance> chainCovariance(const CameraImuProblem& problem,
+                                               const std::vector<FaultViewTerms>& views,
+                                               const std::vector<LinkTerms>& links, Index border) {
   BlockArrow chain = chainOf(problem, views, links, border);
   for (const FaultViewTerms& v : views) {
     PoseRows T = PoseRows::Zero(6, border);
@@ -296,7 +296,7 @@ std::optional<EffectiveScores> effectiveScores(const CameraImuProblem& problem,
   if (!links) return std::nullopt;
   // Before the scores: where a jump is tested decides what its column is. Ended before the
   // responses are formed, for no other step takes as much memory.
-  if (const auto S = covarianceOf(problem, views, *links, columns.border.size)) {
+  if (const auto S = chainCovariance(problem, views, *links, columns.border.size)) {
     out.jumps = placeJumps(problem, columns, *S, *links);
   } else {
     return std::nullopt;

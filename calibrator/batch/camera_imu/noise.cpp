@@ -12,8 +12,8 @@
 namespace plumbline {
 namespace {
 
-constexpr int kSegment = 100;  // frames
-constexpr int kGroups = 4;     // rotation; velocity and position; gyro walk; accelerometer walk
+constexpr int kSegment = 100;    // frames
+constexpr int kNoiseGroups = 4;  // rotation; velocity and position; gyro walk; accelerometer walk
 constexpr double kLeastFactor = 1e-3;
 constexpr double kMostFactor = 1e3;
 // A group keeps its assumed density where its redundancy is below this, also under the factor that
@@ -21,8 +21,9 @@ constexpr double kMostFactor = 1e3;
 constexpr double kLeastRedundancy = 10;
 constexpr double kTriedRedundancy = 1;
 constexpr int kMostRounds = 8;
-constexpr double kTolerance = 0.02;  // end where no factor is asked to change by more, relative
-using Groups = Eigen::Array<double, kGroups, 1>;
+constexpr double kFactorTolerance =
+    0.02;  // end where no factor is asked to change by more, relative
+using Groups = Eigen::Array<double, kNoiseGroups, 1>;
 
 /// (J | r)'(J | r) of some rows of a link. Columns: state i (15), state j without biases (9),
 /// gravity (2), offset (1), residual (1).
@@ -114,7 +115,7 @@ BlockArrow combined(const BlockArrow& cameras, const std::vector<Link>& links,
 }
 
 /// Squared residuals at the optimum under some factors, and what they are expected to be.
-struct Evaluation {
+struct VarianceSums {
   Groups squares = Groups::Zero();
   Groups redundancy = Groups::Zero();
   Groups rows = Groups::Zero();
@@ -137,7 +138,7 @@ LinkGram jointCovariance(int at, const ChainCovariance& S) {
 
 /// Adds a link's rows: (J dx + r)^2 from their Gram, and 1 - J S J' summed as a trace.
 void addRows(const Link& link, const Groups& information, const ChainInverse& inverse,
-             Evaluation& sum) {
+             VarianceSums& sum) {
   const int at = link.at;
   const ChainCovariance& S = inverse.covariance;
   const auto& dx_i = inverse.solution.step[at];
@@ -188,22 +189,22 @@ class VarianceComponents {
   VarianceComponents(BlockArrow cameras, std::vector<Link> links, int threads)
       : cameras_(std::move(cameras)), links_(std::move(links)), threads_(threads) {}
 
-  std::optional<Evaluation> at(const Factors& factors) const {
+  std::optional<VarianceSums> at(const Factors& factors) const {
     const auto inverse = invertChain(combined(cameras_, links_, factors), {0, threads_});
     if (!inverse) return std::nullopt;
     // The Gram matrices are of rows under the assumed densities; what is asked for is their squares
     // under these factors.
     const Groups information = factors.imu.square().inverse();
     const int count = static_cast<int>(links_.size());
-    std::vector<Evaluation> parts(chunkCount(count, kImuChunk));
+    std::vector<VarianceSums> parts(chunkCount(count, kImuChunk));
     forChunks(count, kImuChunk, threads_, [&](const Chunk& chunk) {
-      Evaluation& part = parts[chunk.index];
+      VarianceSums& part = parts[chunk.index];
       for (int k = chunk.begin; k < chunk.end; ++k) {
         addRows(links_[k], information, *inverse, part);
       }
     });
-    Evaluation sum;
-    for (const Evaluation& part : parts) {
+    VarianceSums sum;
+    for (const VarianceSums& part : parts) {
       sum.squares += part.squares;
       sum.redundancy += part.redundancy;
       sum.rows += part.rows;
@@ -215,7 +216,7 @@ class VarianceComponents {
   /// Standard deviation of the corners that the poses show, in units of pixel_sigma. The poses have
   /// 6 rows a frame, and all redundancies add up to the number of rows less that of unknowns. What
   /// is freed of the cameras does not count: it takes its own from what corners leave beside poses.
-  double pixelFactor(const Evaluation& e) const {
+  double pixelFactor(const VarianceSums& e) const {
     const double redundancy = (e.rows - e.redundancy).sum() -
                               (kChainBlock - 6.0) * cameras_.blocks() - BorderLayout::kFixed;
     return std::clamp(std::sqrt(e.pose_squares / std::max(redundancy, 1.0)), kLeastFactor,
@@ -234,7 +235,7 @@ Groups nextFactors(const Groups& factors, const Groups& ratio) {
   return (factors * ratio.pow(0.7)).max(kLeastFactor).min(kMostFactor);
 }
 
-ImuNoiseCheck checkOf(int group, const Evaluation& assumed, const Evaluation& end,
+ImuNoiseCheck checkOf(int group, const VarianceSums& assumed, const VarianceSums& end,
                       const Groups& factors) {
   const double share =
       std::max(0.0, assumed.redundancy(group)) / std::max(assumed.rows(group), 1.0);
@@ -279,12 +280,12 @@ void keepOnly(const std::vector<int>& kept, CameraImuProblem& problem,
 
 struct VarianceFit {
   Factors factors;
-  Evaluation at;
+  VarianceSums at;
 };
 
 /// From the densities as assumed; a group moves while its redundancy is at least `least`.
 std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
-                                        const Evaluation& assumed, const Groups& least) {
+                                        const VarianceSums& assumed, const Groups& least) {
   VarianceFit fit{{}, assumed};
   for (int round = 0; round < kMostRounds; ++round) {
     const double pixel = components.pixelFactor(fit.at);
@@ -293,7 +294,7 @@ std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
     // Both in the logarithm of a standard deviation; `ratio` is of variances.
     const double change = std::max(std::abs(std::log(pixel / fit.factors.pixel)),
                                    0.5 * ratio.max(1e-12).log().abs().maxCoeff());
-    if (change < kTolerance) break;
+    if (change < kFactorTolerance) break;
     fit.factors = {pixel, nextFactors(fit.factors.imu, ratio)};
     const auto next = components.at(fit.factors);
     if (!next) return std::nullopt;
@@ -307,7 +308,7 @@ std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
 /// it had under the density assumed; the others keep that. Where that does not come out with the
 /// others held, nothing is released.
 std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
-                                        const Evaluation& assumed) {
+                                        const VarianceSums& assumed) {
   const Groups least = Groups::Constant(kLeastRedundancy);
   const auto fit = fitVariances(components, assumed, least);
   const Groups tried = least.min(kTriedRedundancy);

@@ -14,10 +14,10 @@
 namespace plumbline {
 namespace {
 
-constexpr int kPoseIterations = 4;   // a start needs no more
-constexpr double kRoughLoss = 0.01;  // scale of the first loss over the image's width
-constexpr double kGoodPose = 0.005;  // error of a rough pose, likewise
-constexpr double kFineLoss = 1.5;    // [px] where the options have no loss
+constexpr int kPoseIterations = 4;        // a start needs no more
+constexpr double kRoughLoss = 0.01;       // scale of the first loss over the image's width
+constexpr double kGoodRoughPose = 0.005;  // error of a rough pose, likewise
+constexpr double kFineLoss = 1.5;         // [px] where the options have no loss
 constexpr int kRobustIterations = 10;
 
 /// A frame's pose with what was wrong in its views.
@@ -86,7 +86,7 @@ class FramePoses {
     PoseRefinementOptions options;
     options.max_iterations = kRobustIterations;
     options.gram.cauchy_px = kRoughLoss * width;
-    const auto rough = findPose(views, kGoodPose * width, options);
+    const auto rough = findPose(views, kGoodRoughPose * width, options);
     if (!rough) return std::nullopt;
     options.gram.cauchy_px = options_.cauchy_px > 0 ? options_.cauchy_px : kFineLoss;
     return refinePose(views, rough->T_C0F, options);

@@ -22,12 +22,12 @@ constexpr double kFreeDamping = 1e-3;  // above it the damping sets the steps' l
 /// second step, when the biases have their size, and whenever the offset has moved by more than
 /// kStaleOffset since. A step with new weights is judged by the old ones where the new raise the
 /// cost, and is never the last.
-class Steps {
+class CameraImuSteps {
  public:
   enum class Weights { kRenewed, kFixed };
 
-  Steps(const CameraImuProblem& problem, const CameraImuEstimate& start, ImuWeights weights,
-        Weights renewal)
+  CameraImuSteps(const CameraImuProblem& problem, const CameraImuEstimate& start,
+                 ImuWeights weights, Weights renewal)
       : problem_(problem), renewal_(renewal), weights_offset_s_(start.timeOffset()) {
     s_.estimate = start;
     s_.weights = std::move(weights);
@@ -123,7 +123,7 @@ class Steps {
   int accepted_ = 0;
 };
 
-CameraImuSolution solved(Steps steps, const MinimiserOptions& options) {
+CameraImuSolution solved(CameraImuSteps steps, const MinimiserOptions& options) {
   MinimiserSummary summary;
   summary.end = MinimiserEnd::kLeftDomain;
   if (steps.evaluateStart()) summary = minimise(steps, options);
@@ -136,12 +136,12 @@ CameraImuSolution solveCameraImu(const CameraImuProblem& problem, const CameraIm
                                  const MinimiserOptions& options) {
   auto weights = imuWeights(problem, start);
   if (!weights) return {start, {}, CameraImuNormals(), MinimiserEnd::kLeftDomain, 0};
-  return solved({problem, start, std::move(*weights), Steps::Weights::kRenewed}, options);
+  return solved({problem, start, std::move(*weights), CameraImuSteps::Weights::kRenewed}, options);
 }
 
 CameraImuSolution solveCameraImu(const CameraImuProblem& problem, const CameraImuEstimate& start,
                                  const ImuWeights& weights, const MinimiserOptions& options) {
-  return solved({problem, start, weights, Steps::Weights::kFixed}, options);
+  return solved({problem, start, weights, CameraImuSteps::Weights::kFixed}, options);
 }
 
 }  // namespace plumbline

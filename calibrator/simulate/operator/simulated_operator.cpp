@@ -12,7 +12,7 @@ namespace {
 // A dance: to and fro so often along and about each axis, at this multiple of the distance at which
 // the board fills the image, so far about x and y (and along z over that distance), and about z.
 constexpr int kTimes = 3;
-constexpr int kAxes = 6;
+constexpr int kDanceAxes = 6;
 constexpr double kDanceDistance = 1.25;
 constexpr double kSwing_rad = 0.35;
 constexpr double kAdvance = 0.3;
@@ -27,7 +27,7 @@ OwnViews::OwnViews(const OperatorSkill& skill, const AprilGrid& target, double d
 
 Transform OwnViews::next(RandomStream& random) {
   const int turn = taken_++;
-  const bool dances = skill_.own_views == OwnViewsKind::kDance && turn < 2 * kTimes * kAxes;
+  const bool dances = skill_.own_views == OwnViewsKind::kDance && turn < 2 * kTimes * kDanceAxes;
   return dances ? danced(turn) : around(random);
 }
 

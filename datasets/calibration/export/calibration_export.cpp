@@ -15,13 +15,13 @@
 namespace plumbline {
 namespace {
 
-struct Tool {
+struct ToolRow {
   const char* name;
   ExportedFiles (*write)(const ExportSource&);
 };
 
 // In the order of the enumeration.
-constexpr std::array<Tool, enumWords(ExportTool()).size()> kTools{
+constexpr std::array<ToolRow, enumWords(ExportTool()).size()> kTools{
     {{"Kalibr", exportKalibr},
      {"ORB-SLAM3", exportOrbSlam3},
      {"OpenVINS", exportOpenVins},

@@ -197,7 +197,7 @@ FoldScores scoreFold(const ScoredCalibration& scored, const Fold& fold,
   return out;
 }
 
-void append(const CameraErrors& more, CameraErrors& errors) {
+void add(const CameraErrors& more, CameraErrors& errors) {
   errors.resize(std::max(errors.size(), more.size()));
   for (std::size_t c = 0; c < more.size(); ++c) {
     errors[c].insert(errors[c].end(), more[c].begin(), more[c].end());
@@ -206,8 +206,8 @@ void append(const CameraErrors& more, CameraErrors& errors) {
 
 /// Errors corner by corner, so that the pooled RMSE is over corners; the first problem is kept.
 void pool(const Scored& fold, Scored& sum) {
-  append(fold.camera, sum.camera);
-  append(fold.camera_imu, sum.camera_imu);
+  add(fold.camera, sum.camera);
+  add(fold.camera_imu, sum.camera_imu);
   sum.score.views_used += fold.score.views_used;
   sum.score.views_offered += fold.score.views_offered;
   if (sum.score.problem.empty() && !fold.score.problem.empty()) {

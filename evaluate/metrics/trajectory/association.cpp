@@ -119,7 +119,7 @@ AssociationRecord describe(const Trajectory& estimate, const Trajectory& truth,
   return record;
 }
 
-constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+constexpr std::size_t kNoIndex = static_cast<std::size_t>(-1);
 
 // Poses of one side that share a stamp, in a doubly linked list over both sides by stamp.
 struct Node {
@@ -127,7 +127,7 @@ struct Node {
   bool is_estimate = false;
   std::size_t first = 0;  // index of the lowest pose that is still free
   std::size_t end = 0;    // one past the last
-  std::size_t previous = kNone, next = kNone;
+  std::size_t previous = kNoIndex, next = kNoIndex;
 
   bool used() const { return first == end; }
 };
@@ -136,7 +136,7 @@ struct Node {
 struct Candidate {
   std::int64_t dt = 0;
   StampMatch match;
-  std::size_t left = kNone, right = kNone;
+  std::size_t left = kNoIndex, right = kNoIndex;
 
   bool operator>(const Candidate& o) const {
     return std::tie(dt, match.estimate, match.truth) >
@@ -149,7 +149,7 @@ std::vector<Node> groupedByStamp(const Ticks& ticks, bool is_estimate) {
   std::vector<Node> nodes;
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     if (nodes.empty() || nodes.back().tick != ticks[i]) {
-      nodes.push_back({ticks[i], is_estimate, i, i, kNone, kNone});
+      nodes.push_back({ticks[i], is_estimate, i, i, kNoIndex, kNoIndex});
     }
     nodes.back().end = i + 1;
   }
@@ -199,7 +199,7 @@ class ClosestFirst {
 
   // Puts the pair of `left` and its next neighbour on the heap, if it is one.
   void offer(std::size_t left) {
-    if (left == kNone || nodes_[left].next == kNone) return;
+    if (left == kNoIndex || nodes_[left].next == kNoIndex) return;
     const Node& a = nodes_[left];
     const Node& b = nodes_[a.next];
     const std::int64_t dt = b.tick - a.tick;
@@ -228,8 +228,8 @@ class ClosestFirst {
 
   void unlink(std::size_t i) {
     const Node& node = nodes_[i];
-    if (node.previous != kNone) nodes_[node.previous].next = node.next;
-    if (node.next != kNone) nodes_[node.next].previous = node.previous;
+    if (node.previous != kNoIndex) nodes_[node.previous].next = node.next;
+    if (node.next != kNoIndex) nodes_[node.next].previous = node.previous;
   }
 
   std::vector<Node> nodes_;

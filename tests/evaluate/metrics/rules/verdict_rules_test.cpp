@@ -42,7 +42,7 @@ void reject(std::vector<CornerResidual>& residuals) {
 
 using Disorder = std::function<void(CameraStageResult&, CameraImuStageResult&)>;
 
-struct Case {
+struct RuleCase {
   const char* rule;
   FindingSubject subject;
   Disorder disorder;
@@ -55,7 +55,7 @@ constexpr auto kOfRecording = FindingSubject::kRecording;
 constexpr auto kOfExtrinsics = FindingSubject::kExtrinsics;
 constexpr auto kOfNoise = FindingSubject::kImuNoise;
 
-const Case kCameraCases[] = {
+const RuleCase kCameraCases[] = {
     {"Reprojection error of cam0 (cameras)", kOfCameras,
      [](Cameras& c, Imu&) { c.summary.per_camera[0].rmse_px = 1.5; }},
     {"Bias of cam0", kOfCameras,
@@ -73,7 +73,7 @@ const Case kCameraCases[] = {
      [](Cameras& c, Imu&) { c.summary.halves = halvesApart(); }},
 };
 
-const Case kImuCases[] = {
+const RuleCase kImuCases[] = {
     {"Reprojection error of cam0 (camera-IMU)", kOfExtrinsics,
      [](Cameras&, Imu& s) { s.summary.per_camera[0].rmse_px = 1.5; }},
     {"Rejected corners (camera-IMU)", kOfRecording, [](Cameras&, Imu& s) { reject(s.residuals); }},
@@ -118,7 +118,7 @@ TEST(VerdictRules, CornersWithoutNoiseDoNotAccuseTheImu) {
   EXPECT_EQ(judge(record).level, VerdictLevel::kGood);
 }
 
-void expectItsFindingAlone(const Case& c) {
+void expectItsFindingAlone(const RuleCase& c) {
   CalibrationRecord record = bothStages();
   c.disorder(*record.camera, *record.camera_imu);
   const Verdict verdict = judge(record);
@@ -138,8 +138,8 @@ TEST(VerdictRules, ARecordingInOrderIsGoodThroughout) {
 }
 
 TEST(VerdictRules, OneThingOutOfOrderMakesItsFindingAlone) {
-  for (const Case& c : kCameraCases) expectItsFindingAlone(c);
-  for (const Case& c : kImuCases) expectItsFindingAlone(c);
+  for (const RuleCase& c : kCameraCases) expectItsFindingAlone(c);
+  for (const RuleCase& c : kImuCases) expectItsFindingAlone(c);
 }
 
 }  // namespace
