@@ -14,7 +14,8 @@ namespace plumbline {
 /// each to its size behind a header of four bytes that states the byte order.
 enum class Serialization { kRos1, kCdr };
 
-/// A topic of a bag; `type` in ROS 1's words for both ("sensor_msgs/Image").
+/// A topic of a bag; `type` in ROS 1's words for both ("sensor_msgs/Image"), with how its messages
+/// are serialised behind it where they are not read here ("foxglove.RawImage (protobuf)").
 struct BagTopic {
   std::string name;
   std::string type;
@@ -33,7 +34,7 @@ class Bag {
  public:
   virtual ~Bag() = default;
 
-  /// In the order of their names.
+  /// One that was recorded by several writers, or under several types, may be there several times.
   virtual std::vector<BagTopic> topics() = 0;
 
   /// Tells every message of these topics, as they lie in the file. Throws InputError where the bag

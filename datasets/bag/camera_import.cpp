@@ -40,21 +40,21 @@ CameraImport::CameraImport(const BagTopic& topic, std::string name, const fs::pa
   makeFoldersIn(folder, fs::path("mav0") / name_ / "data");
 }
 
-void CameraImport::take(const BagMessage& message) {
+void CameraImport::take(const BagMessage& message, std::size_t number) {
   Job job;
-  job.number = ++taken_;
+  job.number = number;
   if (topic_.type == kImageType) {
     auto image = decodeImage(message);
-    if (!image) throw cutMessage(topic_.name, taken_, topic_.type);
+    if (!image) throw cutMessage(message, number, topic_.type);
     job.image = std::move(*image);
   } else {
     const auto image = decodeCompressedImage(message);
-    if (!image) throw cutMessage(topic_.name, taken_, topic_.type);
+    if (!image) throw cutMessage(message, number, topic_.type);
     job.image.t = image->t;
     job.image.data = image->data;
   }
   job.bytes = job.image.data;
-  const TimeNs t = checkedStamp(job.image.t, topic_.name, taken_);
+  const TimeNs t = checkedStamp(job.image.t, topic_.name, number);
   const auto [known, is_new] = hashes_.try_emplace(t, contentHash(job.bytes));
   if (is_new) {
     waiting_ += job.bytes.size();

@@ -109,6 +109,17 @@ SessionTopics chooseTopics(const std::vector<BagTopic>& topics, const BagImport&
   SessionTopics chosen{request.camera_topics.empty() ? allCameras(topics)
                                                      : namedCameras(topics, request.camera_topics),
                        imuOf(topics, request, imu_yaml_topic)};
+  std::vector<BagTopic> all = chosen.cameras;
+  if (chosen.imu) all.push_back(*chosen.imu);
+  for (const BagTopic& topic : all) {
+    for (const BagTopic& other : topics) {
+      if (other.name != topic.name || other.type == topic.type) continue;
+      throw BadInput(InputFault::kContradiction,
+                     fmt::format("topic {} is {} in one part of the recording and {} in another; "
+                                 "name other topics, or the bags of one type alone",
+                                 topic.name, topic.type, other.type));
+    }
+  }
   return chosen;
 }
 

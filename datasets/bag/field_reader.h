@@ -16,13 +16,17 @@ namespace plumbline {
 /// Reads field after field. Past the end every field is 0 or empty, and good() is false.
 class FieldReader {
  public:
-  FieldReader(std::string_view bytes, Serialization layout)
-      : bytes_(bytes), aligned_(layout == Serialization::kCdr) {
-    constexpr std::size_t kCdrHeader = 4;  // 0, byte order (1: little-endian), options
-    if (!aligned_) return;
-    good_ = bytes_.size() >= kCdrHeader && bytes_[0] == 0 && (bytes_[1] == 0 || bytes_[1] == 1);
+  /// Of CDR the plain kinds are read: those of XCDR1, and of XCDR2, which aligns to four bytes at
+  /// most, by the numbers of DDS-XTypes and by those of RTI's.
+  FieldReader(std::string_view bytes, Serialization layout) : bytes_(bytes) {
+    constexpr std::size_t kCdrHeader = 4;  // 0, kind, options
+    if (layout == Serialization::kRos1) return;
+    const auto kind = bytes_.size() < kCdrHeader ? 0xff : static_cast<std::uint8_t>(bytes_[1]);
+    const bool is_xcdr2 = kind / 2 == 3 || kind / 2 == 8;
+    good_ = bytes_.size() >= kCdrHeader && bytes_[0] == 0 && (kind / 2 == 0 || is_xcdr2);
     if (!good_) return;
-    little_endian_ = bytes_[1] == 1;
+    most_alignment_ = is_xcdr2 ? 4 : 8;
+    little_endian_ = kind % 2 == 1;
     bytes_.remove_prefix(kCdrHeader);  // alignment counts from here
   }
 
@@ -30,7 +34,8 @@ class FieldReader {
 
   template <class T>
   T number() {
-    if (aligned_) at_ = (at_ + sizeof(T) - 1) / sizeof(T) * sizeof(T);
+    const std::size_t to = std::min(sizeof(T), most_alignment_);
+    at_ = (at_ + to - 1) / to * to;
     std::array<char, sizeof(T)> raw{};
     const std::string_view field = take(sizeof(T));
     std::copy(field.begin(), field.end(), raw.begin());
@@ -49,7 +54,7 @@ class FieldReader {
   /// CDR counts the 0 behind a string.
   std::string text() {
     std::string_view field = bytes();
-    if (aligned_ && !field.empty() && field.back() == '\0') field.remove_suffix(1);
+    if (most_alignment_ > 1 && !field.empty() && field.back() == '\0') field.remove_suffix(1);
     return std::string(field);
   }
 
@@ -65,11 +70,13 @@ class FieldReader {
   }
   std::string_view rest() { return take(bytes_.size() - std::min(at_, bytes_.size())); }
   bool atEnd() const { return at_ >= bytes_.size(); }
+  /// Where the next field begins, without the gap before it.
+  std::size_t at() const { return at_; }
 
  private:
   std::string_view bytes_;
-  std::size_t at_ = 0;
-  bool aligned_ = false, little_endian_ = true, good_ = true;
+  std::size_t at_ = 0, most_alignment_ = 1;
+  bool little_endian_ = true, good_ = true;
 };
 
 }  // namespace plumbline

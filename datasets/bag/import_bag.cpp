@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/bag/import_bag.h"
 
-#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -32,21 +31,14 @@ std::vector<std::string> filesOf(const std::vector<std::string>& paths) {
 
 /// One file is open at a time: a recording may be split into more than a process may open.
 std::vector<BagTopic> topicsOfFiles(const std::vector<std::string>& files) {
-  std::map<std::string, BagTopic> all;
+  std::map<std::pair<std::string, std::string>, std::size_t> messages;  // by name and type
   for (const std::string& file : files) {
     for (const BagTopic& topic : openBag(file)->topics()) {
-      const auto [known, first] = all.try_emplace(topic.name, topic);
-      if (first) continue;
-      if (known->second.type != topic.type) {
-        throw BadInput(InputFault::kContradiction,
-                       fmt::format("topic {} is {} in one bag and {} in another", topic.name,
-                                   known->second.type, topic.type));
-      }
-      known->second.messages += topic.messages;
+      messages[{topic.name, topic.type}] += topic.messages;
     }
   }
   std::vector<BagTopic> topics;
-  for (auto& [name, topic] : all) topics.push_back(std::move(topic));
+  for (const auto& [topic, count] : messages) topics.push_back({topic.first, topic.second, count});
   return topics;
 }
 
@@ -63,35 +55,50 @@ void readMessages(const std::vector<std::string>& files, const BagImport& reques
   for (const BagTopic& camera : topics.cameras) add(camera);
   if (topics.imu) add(*topics.imu);
   for (const std::string& file : files) {
-    openBag(file)->read(names, [&](const BagMessage& message) {
+    std::map<std::string, std::size_t> numbers;
+    const auto take = [&](const BagMessage& message) {
+      const std::size_t number = ++numbers[std::string(message.topic)];
       const auto camera = cameras.find(std::string(message.topic));
       if (camera == cameras.end()) {
-        imu->take(message);
+        imu->take(message, number);
       } else {
-        camera->second->take(message);
+        camera->second->take(message, number);
         if (camera->second->waiting() >= kBatch) camera->second->flush(request.threads);
       }
       ++done;
       if (request.progress) request.progress(done, all);
-    });
+    };
+    try {
+      openBag(file)->read(names, take);
+      for (const auto& [name, camera] : cameras) camera->flush(request.threads);
+    } catch (const BadInput& error) {
+      if (!error.path().empty()) throw;
+      throw BadInput(error.code(), file, 0, error.what());
+    }
   }
-  for (const auto& [name, camera] : cameras) camera->flush(request.threads);
 }
 
 /// All files of the session but the images.
-void writeTexts(const BagImport& request, const Session& session,
-                const std::vector<CameraImport>& cameras, double camera_rate_hz,
-                const fs::path& folder) {
-  for (const TextFile& file : sessionFiles(session, camera_rate_hz, ViewFormat::kImages)) {
+std::vector<TextFile> textsOf(const BagImport& request, const Session& without_cameras,
+                              const std::vector<CameraImport>& cameras) {
+  std::vector<TextFile> texts;
+  for (TextFile& file : sessionFiles(without_cameras, 0, ViewFormat::kImages)) {
     // Nothing is made up that nobody stated.
     const bool of_noise = file.path == "imu.yaml" || file.path == "mav0/imu0/sensor.yaml";
     if (of_noise && !request.imu_path) continue;
     if (file.path == "target.yaml" && !request.target_path) continue;
-    const auto camera = std::find_if(cameras.begin(), cameras.end(), [&](const CameraImport& c) {
-      return file.path == "mav0/" + c.name() + "/data.csv";
-    });
-    writeNewFile(folder, file.path, camera == cameras.end() ? file.text : camera->list());
+    texts.push_back(std::move(file));
   }
+  for (const CameraImport& camera : cameras) {
+    Session alone;  // each camera has a rate of its own
+    alone.cameras = {camera.stream()};
+    for (TextFile& file : sessionFiles(alone, camera.summary().rate_hz, ViewFormat::kImages)) {
+      if (file.path == "target.yaml") continue;
+      if (file.path.ends_with("/data.csv")) file.text = camera.list();
+      texts.push_back(std::move(file));
+    }
+  }
+  return texts;
 }
 
 }  // namespace
@@ -102,7 +109,6 @@ std::vector<BagTopic> topicsOf(const std::vector<std::string>& bags) {
 
 std::vector<ImportedSensor> importBags(const BagImport& request, const fs::path& folder) {
   Session session;
-  session.name = fs::path(request.bags.front()).stem().string();
   if (request.target_path) session.target = readTarget(*request.target_path);
   ImuDescription described;
   if (request.imu_path) described = readImuDescription(*request.imu_path);
@@ -126,7 +132,6 @@ std::vector<ImportedSensor> importBags(const BagImport& request, const fs::path&
                          "has no image; name the topics of the cameras that were recorded");
     }
     sensors.push_back(camera.summary());
-    session.cameras.push_back(camera.stream());
   }
   if (topics.imu) {
     if (imu.empty()) {
@@ -136,7 +141,9 @@ std::vector<ImportedSensor> importBags(const BagImport& request, const fs::path&
     session.imu = imu.stream(described.noise);
     sensors.push_back(imu.summary());
   }
-  writeTexts(request, session, cameras, sensors.front().rate_hz, folder);
+  for (const TextFile& file : textsOf(request, session, cameras)) {
+    writeNewFile(folder, file.path, file.text);
+  }
   return sensors;
 }
 

@@ -8,15 +8,14 @@
 
 namespace plumbline {
 
-void ImuImport::take(const BagMessage& message) {
-  ++taken_;
+void ImuImport::take(const BagMessage& message, std::size_t number) {
   const auto sample = decodeImu(message);
-  if (!sample) throw cutMessage(topic_, taken_, kImuType);
-  checkedStamp(sample->t, topic_, taken_);
+  if (!sample) throw cutMessage(message, number, kImuType);
+  checkedStamp(sample->t, topic_, number);
   if (!sample->gyro.allFinite() || !sample->accel.allFinite()) {
     throw messageFault(
         InputFault::kNotFinite, topic_,
-        fmt::format("message {} has a rate or acceleration that is nan or inf", taken_));
+        fmt::format("message {} has a rate or acceleration that is nan or inf", number));
   }
   const auto [known, is_new] = samples_.try_emplace(sample->t, *sample);
   if (is_new) return;

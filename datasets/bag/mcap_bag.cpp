@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // MCAP (mcap.dev/spec, version 0): records of one byte of kind and eight of length; those of
-// messages lie in compressed chunks, and channels and counts again in a summary at the end.
+// messages lie, compressed, in chunks or by themselves, and channels and counts again, where the
+// writer likes, in a summary at the end.
 #include <algorithm>
 #include <cstdint>
 #include <map>
@@ -22,7 +23,10 @@ namespace plumbline {
 namespace {
 
 constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
-constexpr std::size_t kFooter = 1 + 8 + 8 + 8 + 4;  // kind, length, two positions, checksum
+constexpr std::size_t kRecordHead = 1 + 8;               // kind, length
+constexpr std::size_t kDataEnd = kRecordHead + 4;        // and a checksum
+constexpr std::size_t kFooterSum = kRecordHead + 8 + 8;  // behind two positions
+constexpr std::size_t kFooter = kFooterSum + 4;
 constexpr std::uint64_t kMostChunk = std::uint64_t{1} << 30U;  // [bytes]; writers' have megabytes
 // No compression of these makes more of a byte: zstd's shortest block, of 4 bytes, holds 128 KB.
 constexpr std::uint64_t kMostOfByte = std::uint64_t{1} << 15U;
@@ -39,9 +43,15 @@ enum class RecordKind : std::uint8_t {
 /// Where a message goes.
 struct Channel {
   std::uint16_t schema = 0;
-  std::string topic;
+  std::string topic, encoding;
   std::optional<Serialization> layout;  ///< none: of no message that is read here
 };
+
+/// CRC-32 of what `sum` is of with these bytes behind it.
+std::uint32_t checksum(std::uint32_t sum, std::string_view bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(sum, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
 
 class McapBag : public Bag {
  public:
@@ -50,78 +60,122 @@ class McapBag : public Bag {
   }
 
   std::vector<BagTopic> topics() override {
-    std::map<std::string, BagTopic> found;  // a topic may have several channels
-    for (const auto& [id, channel] : channels_) {
-      if (!channel.layout) continue;
-      BagTopic& topic = found[channel.topic];
-      topic.name = channel.topic;
-      topic.type = schemas_[channel.schema];
-      topic.messages += counts_[id];
+    if (!is_counted_) {
+      counts_.clear();
+      forMessages([&](std::uint16_t channel, std::string_view) { ++counts_[channel]; });
+      is_counted_ = true;
     }
     std::vector<BagTopic> topics;
-    for (auto& [name, topic] : found) topics.push_back(std::move(topic));
+    for (const auto& [id, channel] : channels_) {
+      const std::string& type = schemas_[channel.schema];
+      topics.push_back({channel.topic, channel.layout ? type : type + " (" + channel.encoding + ")",
+                        counts_[id]});
+    }
     return topics;
   }
 
   void read(const std::vector<std::string>& topics,
             const std::function<void(const BagMessage&)>& take) override {
     const std::set<std::string> wanted(topics.begin(), topics.end());
-    const auto message = [&](std::string_view content) {
-      FieldReader in(content, Serialization::kRos1);
-      const auto channel = channels_.find(in.number<std::uint16_t>());
-      in.take(4 + 8 + 8);  // sequence, times of receipt and publication
-      if (!in.good() || channel == channels_.end()) throw damaged("a message is of no channel");
-      const Channel& of = channel->second;
-      if (of.layout && wanted.contains(of.topic)) take({of.topic, in.rest(), *of.layout});
-    };
-    forRecords(file_.text().substr(kMagic.size()), [&](RecordKind kind, std::string_view content) {
-      if (kind == RecordKind::kMessage) message(content);
-      if (kind == RecordKind::kChunk) {
-        forRecords(chunk(content), [&](RecordKind inner, std::string_view of_chunk) {
-          if (inner == RecordKind::kMessage) message(of_chunk);
-          return true;
-        });
-      }
-      return kind != RecordKind::kDataEnd;
+    forMessages([&](std::uint16_t id, std::string_view bytes) {
+      const Channel& of = channels_.at(id);
+      if (of.layout && wanted.contains(of.topic)) take({of.topic, bytes, *of.layout});
     });
   }
 
  private:
   BadInput damaged(const std::string& why) const {
-    return badInput(path_, {InputFault::kSyntax, "is no whole MCAP file (" + why + ")",
-                            "a recording that was closed", "try `mcap recover` on a copy"});
+    return badInput(
+        path_,
+        {InputFault::kSyntax, fmt::format("is no whole MCAP file (at byte {} {})", place_, why),
+         "a recording that was closed", "`mcap recover FILE -o COPY` keeps what can be read"});
   }
 
-  /// Tells each record, until `take` returns false.
+  /// Tells each record, until `take` returns false. `start`: where they begin in the file; 0: they
+  /// are of the chunk at place_.
   template <class Take>
-  void forRecords(std::string_view records, const Take& take) const {
+  void forRecords(std::string_view records, std::size_t start, const Take& take) {
     FieldReader in(records, Serialization::kRos1);
     while (!in.atEnd()) {
+      if (start > 0) place_ = start + in.at();
       const auto kind = static_cast<RecordKind>(in.number<std::uint8_t>());
       const std::string_view content = in.take(in.number<std::uint64_t>());
-      if (!in.good()) throw damaged("a record ends beyond the file");
+      if (!in.good()) throw damaged("a record ends beyond its part");
       if (!take(kind, content)) return;
     }
   }
 
+  /// Tells the channel and the bytes of every message of the data.
+  template <class Take>
+  void forMessages(const Take& take) {
+    const auto record = [&](RecordKind kind, std::string_view content) {
+      FieldReader in(content, Serialization::kRos1);
+      if (!readDescription(kind, in) && kind == RecordKind::kMessage) {
+        const auto channel = in.number<std::uint16_t>();
+        in.take(4 + 8 + 8);  // sequence, times of receipt and publication
+        if (!in.good() || !channels_.contains(channel)) throw damaged("a message is of no channel");
+        take(channel, in.rest());
+      }
+      return true;
+    };
+    const std::string_view text = file_.text();
+    std::uint32_t sum = checksum(0, kMagic);
+    bool is_ended = false;
+    forRecords(text.substr(kMagic.size()), kMagic.size(), [&](RecordKind kind, auto content) {
+      is_ended = kind == RecordKind::kDataEnd;
+      if (is_ended) return false;
+      if (data_sum_ != 0) sum = checksum(sum, text.substr(place_, kRecordHead + content.size()));
+      return kind == RecordKind::kChunk ? (forRecords(chunk(content), 0, record), true)
+                                        : record(kind, content);
+    });
+    if (!is_ended) throw damaged("the data have no end");
+    if (data_sum_ != 0 && data_sum_ != sum) throw damaged("the data do not have their checksum");
+  }
+
+  /// A record of the summary, or one of those that it repeats; false: of another kind.
+  bool readDescription(RecordKind kind, FieldReader& in) {
+    if (kind == RecordKind::kSchema) {
+      readSchema(in);
+    } else if (kind == RecordKind::kChannel) {
+      readChannel(in);
+    } else {
+      return false;
+    }
+    if (!in.good()) throw damaged("a record is cut");
+    return true;
+  }
+
+  /// What the summary lacks, topics() finds in the data: all of it is optional.
   void readSummary() {
     const std::string_view text = file_.text();
+    place_ = text.size();
     if (text.size() < 2 * kMagic.size() + kFooter || !text.ends_with(kMagic)) {
       throw damaged("it does not end as one");
     }
-    const std::size_t end = text.size() - kMagic.size() - kFooter;
-    FieldReader footer(text.substr(end + 9), Serialization::kRos1);
+    place_ -= kMagic.size() + kFooter;
+    FieldReader footer(text.substr(place_ + kRecordHead), Serialization::kRos1);
     const auto start = footer.number<std::uint64_t>();
-    if (start < kMagic.size() || start > end) throw damaged("it has no summary");
-    forRecords(text.substr(start, end - start), [&](RecordKind kind, std::string_view content) {
+    footer.number<std::uint64_t>();  // of the summary's own table
+    const auto sum = footer.number<std::uint32_t>();
+    const std::size_t summary = start == 0 ? place_ : start;
+    if (summary < kMagic.size() + kDataEnd || summary > place_) {
+      throw damaged("the summary is not where it says");
+    }
+    if (sum != 0 && sum != checksum(0, text.substr(summary, place_ + kFooterSum - summary))) {
+      throw damaged("the summary does not have its checksum");
+    }
+    // Known before the data are read: without a checksum what nobody asks for is not read at all.
+    const std::string_view data_end = text.substr(summary - kDataEnd, kDataEnd);
+    if (data_end.front() == static_cast<char>(RecordKind::kDataEnd)) {
+      data_sum_ =
+          FieldReader(data_end.substr(kRecordHead), Serialization::kRos1).number<std::uint32_t>();
+    }
+    forRecords(text.substr(summary, place_ - summary), summary, [&](RecordKind kind, auto content) {
       FieldReader in(content, Serialization::kRos1);
-      if (kind == RecordKind::kSchema) readSchema(in);
-      if (kind == RecordKind::kChannel) readChannel(in);
-      if (kind == RecordKind::kStatistics) readCounts(in);
-      if (!in.good()) throw damaged("a record of the summary is cut");
+      if (!readDescription(kind, in) && kind == RecordKind::kStatistics) readStatistics(in);
       return true;
     });
-    if (channels_.empty()) throw damaged("the summary names no channel");
+    is_counted_ &= channels_.size() == stated_channels_;
   }
 
   void readSchema(FieldReader& in) {
@@ -134,19 +188,25 @@ class McapBag : public Bag {
     Channel channel;
     channel.schema = in.number<std::uint16_t>();
     channel.topic = in.text();
-    const std::string encoding = in.text();
-    if (encoding == "cdr") channel.layout = Serialization::kCdr;
-    if (encoding == "ros1") channel.layout = Serialization::kRos1;
+    channel.encoding = in.text();
+    if (channel.encoding == "cdr") channel.layout = Serialization::kCdr;
+    if (channel.encoding == "ros1") channel.layout = Serialization::kRos1;
     channels_[id] = std::move(channel);
   }
 
-  void readCounts(FieldReader& in) {
-    in.take(8 + 2 + 4 + 4 + 4 + 4 + 8 + 8);  // of all messages, schemas ...; first and last time
+  /// No count of any channel: they are not known.
+  void readStatistics(FieldReader& in) {
+    const auto messages = in.number<std::uint64_t>();
+    in.number<std::uint16_t>();  // schemas
+    stated_channels_ = in.number<std::uint32_t>();
+    in.take(4 + 4 + 4 + 8 + 8);  // attachments, metadata, chunks; first and last time
     FieldReader counts(in.bytes(), Serialization::kRos1);
+    if (!in.good()) throw damaged("a record is cut");
     while (!counts.atEnd() && counts.good()) {
       const auto id = counts.number<std::uint16_t>();
       counts_[id] = counts.number<std::uint64_t>();
     }
+    is_counted_ = messages == 0 || !counts_.empty();
   }
 
   /// The records of a chunk, valid until the next.
@@ -154,7 +214,7 @@ class McapBag : public Bag {
     FieldReader in(content, Serialization::kRos1);
     in.take(8 + 8);  // times
     const auto size = in.number<std::uint64_t>();
-    const auto checksum = in.number<std::uint32_t>();
+    const auto sum = in.number<std::uint32_t>();
     const std::string compression = in.text();
     const std::string_view stored = in.take(in.number<std::uint64_t>());
     if (!in.good() || size > std::min(kMostChunk, kMostOfByte * stored.size())) {
@@ -162,8 +222,7 @@ class McapBag : public Bag {
     }
     const std::string_view records =
         compression.empty() ? stored : unpacked(stored, size, compression);
-    const auto sum = crc32_z(0, reinterpret_cast<const Bytef*>(records.data()), records.size());
-    if (records.size() != size || (checksum != 0 && checksum != sum)) {
+    if (records.size() != size || (sum != 0 && sum != checksum(0, records))) {
       throw damaged("a chunk does not have its checksum");
     }
     return records;
@@ -207,6 +266,10 @@ class McapBag : public Bag {
   std::map<std::uint16_t, std::string> schemas_;  // their types
   std::map<std::uint16_t, Channel> channels_;
   std::map<std::uint16_t, std::uint64_t> counts_;  // of messages by channel
+  std::uint64_t stated_channels_ = 0;
+  bool is_counted_ = false;
+  std::uint32_t data_sum_ = 0;  // 0: not stated
+  std::size_t place_ = 0;       // of the record being read
   std::string chunk_;
 };
 

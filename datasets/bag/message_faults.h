@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/time.h"
+#include "datasets/bag/bag.h"
+#include "datasets/bag/field_reader.h"
 #include "datasets/files/bad_input.h"
 
 namespace plumbline {
@@ -18,7 +20,17 @@ inline BadInput messageFault(InputFault code, const std::string& topic, const st
   return {code, "topic " + topic + ": " + what};
 }
 
-inline BadInput cutMessage(const std::string& topic, std::size_t number, const std::string& type) {
+/// Of a message that is no `type`, or of a kind of CDR that is not read.
+inline BadInput cutMessage(const BagMessage& message, std::size_t number, const std::string& type) {
+  const std::string topic(message.topic);
+  if (message.layout == Serialization::kCdr && message.bytes.size() > 4 &&
+      message.bytes[0] == '\0' && !FieldReader(message.bytes, message.layout).good()) {
+    return messageFault(InputFault::kUnsupported, topic,
+                        fmt::format("message {} is CDR of kind 0x{:02x}; expected plain CDR (0x00, "
+                                    "0x01) or plain XCDR2 (0x06, 0x07); record with types that are "
+                                    "final, as those of ROS are",
+                                    number, static_cast<unsigned char>(message.bytes[1])));
+  }
   return messageFault(
       InputFault::kTruncated, topic,
       fmt::format(

@@ -30,7 +30,8 @@ std::string untouchedUri(const std::string& path) {
 
 BadInput damaged(const std::string& path, const std::string& why) {
   return badInput(path, {InputFault::kSyntax, "is no whole bag of ROS 2 (" + why + ")",
-                         "rosbag2's tables `topics` and `messages`"});
+                         "rosbag2's tables `topics` and `messages`",
+                         "`sqlite3 FILE .recover | sqlite3 COPY` keeps what can be read"});
 }
 
 /// What is in the log beside a database has not reached it; what is in the journal undoes a write
@@ -59,21 +60,19 @@ class Ros2Bag : public Bag {
   }
 
   std::vector<BagTopic> topics() override {
-    std::map<std::string, BagTopic> found;  // a topic may have several ids
-    for (const auto& [id, topic] : topics_) found.try_emplace(topic.name, topic);
+    std::map<int, BagTopic> found = topics_;
     // Messages have no index by topic: they are counted in one pass for all.
     guarded([&] {
       SQLite::Statement rows(*database_,
                              "SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id");
       while (rows.executeStep()) {
-        const auto topic = topics_.find(rows.getColumn(0).getInt());
-        if (topic == topics_.end()) continue;
-        found[topic->second.name].messages +=
-            static_cast<std::size_t>(rows.getColumn(1).getInt64());
+        const auto topic = found.find(rows.getColumn(0).getInt());
+        if (topic == found.end()) continue;
+        topic->second.messages = static_cast<std::size_t>(rows.getColumn(1).getInt64());
       }
     });
     std::vector<BagTopic> topics;
-    for (auto& [name, topic] : found) topics.push_back(std::move(topic));
+    for (auto& [id, topic] : found) topics.push_back(std::move(topic));
     return topics;
   }
 
@@ -111,9 +110,8 @@ class Ros2Bag : public Bag {
     while (rows.executeStep()) {
       BagTopic& topic = topics_[rows.getColumn(0).getInt()];
       topic = {rows.getColumn(1).getString(), ros1Type(rows.getColumn(2).getString())};
-      if (const std::string format = rows.getColumn(3).getString(); format != "cdr") {
-        throw damaged(path_, topic.name + " is serialised as '" + format + "', not as cdr");
-      }
+      const std::string format = rows.getColumn(3).getString();
+      if (format != "cdr") topic.type += " (" + format + ")";
     }
   }
 

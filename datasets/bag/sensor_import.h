@@ -22,7 +22,8 @@ class CameraImport {
   /// Makes FOLDER/mav0/NAME/data.
   CameraImport(const BagTopic& topic, std::string name, const std::filesystem::path& folder);
 
-  void take(const BagMessage& message);
+  /// `number`: of the message in its topic and file, from 1.
+  void take(const BagMessage& message, std::size_t number);
   /// Bytes of the messages that were taken and not written yet.
   std::size_t waiting() const { return waiting_; }
   /// Writes what was collected.
@@ -39,8 +40,8 @@ class CameraImport {
 
  private:
   struct Job {
-    std::size_t number = 0;  ///< of the message in its topic, from 1
-    ImageMessage image;      ///< its data are `bytes`
+    std::size_t number = 0;
+    ImageMessage image;  ///< its data are `bytes`
     std::string bytes;
     std::string file;  ///< the name it is written under
   };
@@ -51,7 +52,7 @@ class CameraImport {
   BagTopic topic_;
   std::string name_;
   std::filesystem::path data_;
-  std::size_t taken_ = 0, repeated_ = 0, waiting_ = 0;
+  std::size_t repeated_ = 0, waiting_ = 0;
   Resolution resolution_;
   std::map<TimeNs, std::string> hashes_;  // of the data by stamp
   std::map<TimeNs, std::string> files_;   // their names by stamp
@@ -63,14 +64,14 @@ class ImuImport {
  public:
   explicit ImuImport(std::string topic) : topic_(std::move(topic)) {}
 
-  void take(const BagMessage& message);
+  void take(const BagMessage& message, std::size_t number);
   bool empty() const { return samples_.empty(); }
   ImuStream stream(const ImuNoise& noise) const;
   ImportedSensor summary() const;
 
  private:
   std::string topic_;
-  std::size_t taken_ = 0, repeated_ = 0;
+  std::size_t repeated_ = 0;
   std::map<TimeNs, ImuSample> samples_;
 };
 

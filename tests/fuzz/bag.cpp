@@ -70,6 +70,8 @@ Parser mcap() {
       file.message("/cam0", sample.t,
                    imageMessage(Serialization::kRos1, sample.t, {2, 1, "mono8", "pq"}));
       files.push_back(file.content());
+      files.push_back(files.back());
+      files.back().replace(files.back().size() - 8 - 4 - 8 - 8, 8, 8, '\0');  // no summary
     }
     return files;
   };

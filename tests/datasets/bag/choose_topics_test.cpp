@@ -85,6 +85,18 @@ TEST(ChooseTopics, WhatIsMissingIsToldWithWhatIsThere) {
   EXPECT_EQ(faultOf([&] { chooseTopics(kTopics, request, ""); }), InputFault::kDuplicate);
 }
 
+TEST(ChooseTopics, ATopicOfTwoTypesIsToldWhereItIsNeeded) {
+  std::vector<BagTopic> topics = kTopics;
+  topics.push_back({"/tf", "tf/tfMessage", 5});
+  EXPECT_EQ(chooseTopics(topics, {}, "").cameras.size(), 2U);
+  topics.push_back({"/imu0", "my_msgs/Imu", 100});
+  const auto refusal = refusalOf([&] { chooseTopics(topics, {}, ""); });
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->code(), InputFault::kContradiction);
+  EXPECT_THAT(refusal->what(), HasSubstr("/imu0 is sensor_msgs/Imu in one part of the recording "
+                                         "and my_msgs/Imu in another"));
+}
+
 TEST(ChooseTopics, AnImuThatIsDescribedMustBeThere) {
   const std::vector<BagTopic> cameras{{"/cam0", kImageType, 9}};
   BagImport request;

@@ -171,6 +171,49 @@ TEST_F(ImportBag, OrderOfTheBagsAndThreadsChangeNothing) {
   EXPECT_EQ(files, 8 + 4 + 2 + 2);  // images, cameras' texts, the IMU's, target.yaml and imu.yaml
 }
 
+TEST_F(ImportBag, EveryCameraHasItsOwnRate) {
+  {
+    WrittenRos2Bag bag = filled();
+    for (int i = 0; i < 4; ++i) {  // twice as often as the frames between
+      const TimeNs t = kStart + kFrame * i + kFrame / 2;
+      bag.message("/cam1/image_raw", i, cdrImage(t, pictureOf(10 + i)));
+    }
+  }
+  import();
+  EXPECT_THAT(contentOf(folder_.path("session/mav0/cam0/sensor.yaml")),
+              HasSubstr("rate_hz: 20.0\n"));
+  EXPECT_THAT(contentOf(folder_.path("session/mav0/cam1/sensor.yaml")),
+              HasSubstr("rate_hz: 40.0\n"));
+}
+
+TEST_F(ImportBag, AFaultOfAMessageNamesItsFileAndItsNumberThere) {
+  filled();
+  {
+    WrittenRos2Bag more = begun("more.db3");
+    more.message("/imu0", 1, cdrImu(sampleOf(10)));
+    more.message("/imu0", 2, cdrImu({0, {1, 2, 3}, {4, 5, 6}}));
+  }
+  request_.bags.push_back(folder_.path("more.db3"));
+  expectRefused(InputFault::kBadOrder, folder_.path("more.db3") + ": topic /imu0: message 2 has");
+  EXPECT_EQ(refusal().path(), folder_.path("more.db3"));
+}
+
+// 0x09: delimited, of types that may grow. Vendors of DDS write it for types that are not ROS's.
+TEST_F(ImportBag, AnotherKindOfCdrIsNamed) {
+  {
+    WrittenRos2Bag bag = filled();
+    WrittenMessage message(Serialization::kCdr);
+    bag.message("/imu0", std::numeric_limits<TimeNs>::max(), message.header(kStart));
+  }
+  {
+    SQLite::Database bag(folder_.path("bag.db3"), SQLite::OPEN_READWRITE);
+    bag.exec(
+        "UPDATE messages SET data = X'000900000100000000000000' WHERE id = (SELECT MAX(id) "
+        "FROM messages)");
+  }
+  expectRefused(InputFault::kUnsupported, "message 11 is CDR of kind 0x09");
+}
+
 TEST_F(ImportBag, CompressedImagesStayTheirFiles) {
   GrayImage picture(16, 8, 90);
   picture.at(3, 3) = 200;

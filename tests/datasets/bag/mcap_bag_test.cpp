@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -81,7 +87,7 @@ TEST(McapBag, MessagesOfRos1KeepTheirLayout) {
 }
 
 // Foxglove's writers put messages of JSON beside those of ROS.
-TEST(McapBag, MessagesOfAnotherEncodingAreLeftOut) {
+TEST(McapBag, MessagesOfAnotherEncodingAreNamedAndLeftOut) {
   const TemporaryFolder folder;
   WrittenMcap mcap("");
   mcap.topic("/imu0", "sensor_msgs/msg/Imu");
@@ -89,7 +95,8 @@ TEST(McapBag, MessagesOfAnotherEncodingAreLeftOut) {
   mcap.message("/notes", 0, WrittenMessage(Serialization::kRos1).text("{}"));
   mcap.message("/imu0", 0, imuMessage(Serialization::kCdr, mcapSample(2)));
   const auto bag = openBag(folder.write("a.mcap", mcap.content()));
-  ASSERT_EQ(bag->topics().size(), 1U);
+  ASSERT_EQ(bag->topics().size(), 2U);
+  EXPECT_EQ(bag->topics()[1].type, "note (json)");
   int told = 0;
   bag->read({"/imu0", "/notes"}, [&](const BagMessage& m) {
     EXPECT_EQ(decodeImu(m)->t, mcapSample(2).t);
@@ -105,6 +112,70 @@ TEST(McapBag, AnotherCompressionIsNamed) {
   });
   EXPECT_EQ(refusal->code(), InputFault::kUnsupported);
   EXPECT_THAT(refusal->what(), HasSubstr("brotli"));
+}
+
+std::string foreignMcap(const std::string& name) {
+  std::ifstream file(PLUMBLINE_SOURCE_DIR "/tests/datasets/bag/fixtures/" + name, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// Behind a chunk's checksum; @mcap/core states one of all data, and one of the summary.
+TEST(McapBag, EveryChangedByteIsToldWhereTheWriterStatedChecksums) {
+  const TemporaryFolder folder;
+  const std::string whole = foreignMcap("unchunked.mcap");
+  for (std::size_t i = 8; i < whole.size(); i += 13) {
+    std::string changed = whole;
+    changed[i] = static_cast<char>(changed[i] ^ 0x10);
+    const std::string path = folder.write("a.mcap", changed);
+    EXPECT_EQ(faultOf([&] { openBag(path)->read({"/imu"}, [](const BagMessage&) {}); }),
+              InputFault::kSyntax)
+        << i;
+  }
+}
+
+// What a crash leaves: chunks, of which the last may be cut, or blocks of 0, and no footer.
+TEST(McapBag, ARecordingThatWasNotClosedIsToldWithItsPlaceAndCure) {
+  const TemporaryFolder folder;
+  const std::string whole = foreignMcap("chunked_zstd.mcap");
+  for (const std::string& left :
+       {whole.substr(0, 1000), whole.substr(0, 1000) + std::string(96, 0)}) {
+    const auto refusal = refusalOf([&] { openBag(folder.write("a.mcap", left)); });
+    ASSERT_TRUE(refusal);
+    EXPECT_EQ(refusal->path(), folder.path("a.mcap"));
+    EXPECT_THAT(refusal->what(), HasSubstr("at byte " + std::to_string(left.size())));
+    EXPECT_THAT(refusal->what(), HasSubstr("mcap recover FILE -o COPY"));
+  }
+}
+
+/// [kB] of files that are mapped and were looked at.
+long residentOfFiles() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("RssFile:")) return std::stol(line.substr(8));
+  }
+  return -1;
+}
+
+// An attachment of 256 MB, of which nothing is on the disk, and without a checksum.
+TEST(McapBag, OfALargeFileOnlyWhatIsAskedForIsRead) {
+  const TemporaryFolder folder;
+  std::string small = foreignMcap("no_summary_unchunked.mcap");
+  const std::size_t header = 8 + 9 + static_cast<unsigned char>(small[9]);
+  small.replace(small.size() - 8 - 29 - 4, 4, 4, '\0');  // the checksum of the data
+  std::string attachment{'\x09', '\0', '\0', '\0', '\x10', '\0', '\0', '\0', '\0'};
+  const std::string path = folder.write("a.mcap", small.substr(0, header) + attachment);
+  const auto begin = std::filesystem::file_size(path);
+  std::filesystem::resize_file(path, begin + (256U << 20U));
+  std::ofstream(path, std::ios::binary | std::ios::app) << small.substr(header);
+
+  const long before = residentOfFiles();
+  ASSERT_GT(before, 0);
+  const auto bag = openBag(path);
+  ASSERT_EQ(bag->topics().size(), 5U);
+  int told = 0;
+  bag->read({"/imu"}, [&](const BagMessage&) { ++told; });
+  EXPECT_EQ(told, 4);
+  EXPECT_LT(residentOfFiles() - before, 32 << 10);
 }
 
 }  // namespace

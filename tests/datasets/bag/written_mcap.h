@@ -72,10 +72,15 @@ class WrittenMcap {
   }
   std::string statistics() const {
     WrittenMessage counts = packed();
-    for (const auto& [id, count] : counts_) counts.number(id).number(count);
+    std::uint64_t messages = 0;
+    for (const auto& [id, count] : counts_) {
+      counts.number(id).number(count);
+      messages += count;
+    }
     WrittenMessage all = packed();
-    all.number(std::uint64_t{9}).number(std::uint16_t{1});
-    for (int i = 0; i < 4; ++i) all.number(std::uint32_t{1});
+    all.number(messages).number(static_cast<std::uint16_t>(ids_.size()));
+    all.number(static_cast<std::uint32_t>(ids_.size()));
+    for (int i = 0; i < 3; ++i) all.number(std::uint32_t{i == 2});  // attachments, metadata, chunks
     all.number(std::uint64_t{0}).number(std::uint64_t{0}).bytes(counts.content());
     return all.content();
   }
