@@ -62,7 +62,7 @@ void CameraImport::take(const BagMessage& message, std::size_t number) {
   } else if (known->second == contentHash(job.bytes)) {
     ++repeated_;
   } else {
-    throw twoWithOneStamp(topic_.name, t);
+    throw twoWithOneStamp(topic_.name, number, t);
   }
 }
 

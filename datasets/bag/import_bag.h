@@ -28,7 +28,7 @@ struct BagImport {
   std::optional<std::string> target_path;  ///< Kalibr's target.yaml, to lie in the session
   std::optional<std::string> imu_path;     ///< Kalibr's imu.yaml, likewise
   int threads = 0;                         ///< that write images; 0: all cores
-  /// Told the number of messages done and of all; 0 where an MCAP file does not state it.
+  /// Told the number of messages done and of all.
   std::function<void(std::size_t, std::size_t)> progress;
 };
 

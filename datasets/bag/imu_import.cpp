@@ -20,7 +20,7 @@ void ImuImport::take(const BagMessage& message, std::size_t number) {
   const auto [known, is_new] = samples_.try_emplace(sample->t, *sample);
   if (is_new) return;
   if (known->second.gyro != sample->gyro || known->second.accel != sample->accel) {
-    throw twoWithOneStamp(topic_, sample->t);
+    throw twoWithOneStamp(topic_, number, sample->t);
   }
   ++repeated_;
 }

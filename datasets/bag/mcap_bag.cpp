@@ -150,7 +150,7 @@ class McapBag : public Bag {
     const std::string_view text = file_.text();
     place_ = text.size();
     if (text.size() < 2 * kMagic.size() + kFooter || !text.ends_with(kMagic)) {
-      throw damaged("it does not end as one");
+      throw damaged("it ends without a footer");
     }
     place_ -= kMagic.size() + kFooter;
     FieldReader footer(text.substr(place_ + kRecordHead), Serialization::kRos1);
@@ -194,19 +194,19 @@ class McapBag : public Bag {
     channels_[id] = std::move(channel);
   }
 
-  /// No count of any channel: they are not known.
+  /// A writer need not state the counts of channels.
   void readStatistics(FieldReader& in) {
-    const auto messages = in.number<std::uint64_t>();
-    in.number<std::uint16_t>();  // schemas
+    auto left = in.number<std::uint64_t>();  // messages
+    in.number<std::uint16_t>();              // schemas
     stated_channels_ = in.number<std::uint32_t>();
     in.take(4 + 4 + 4 + 8 + 8);  // attachments, metadata, chunks; first and last time
     FieldReader counts(in.bytes(), Serialization::kRos1);
     if (!in.good()) throw damaged("a record is cut");
     while (!counts.atEnd() && counts.good()) {
       const auto id = counts.number<std::uint16_t>();
-      counts_[id] = counts.number<std::uint64_t>();
+      left -= counts_[id] = counts.number<std::uint64_t>();
     }
-    is_counted_ = messages == 0 || !counts_.empty();
+    is_counted_ = left == 0;
   }
 
   /// The records of a chunk, valid until the next.

@@ -43,15 +43,16 @@ inline TimeNs checkedStamp(TimeNs t, const std::string& topic, std::size_t numbe
   if (t > 0) return t;
   throw messageFault(InputFault::kBadOrder, topic,
                      fmt::format("message {} has the stamp {} ns; expected the time of measurement "
-                                 "in header.stamp; the driver does not state it",
+                                 "in header.stamp; let the driver state it, and record again",
                                  number, t));
 }
 
-inline BadInput twoWithOneStamp(const std::string& topic, TimeNs t) {
-  return messageFault(InputFault::kDuplicate, topic,
-                      fmt::format("two different messages have the stamp {} ns; are two recordings "
-                                  "of one time given?",
-                                  t));
+inline BadInput twoWithOneStamp(const std::string& topic, std::size_t number, TimeNs t) {
+  return messageFault(
+      InputFault::kDuplicate, topic,
+      fmt::format("message {} has the stamp {} ns of an earlier one that differs; are two "
+                  "recordings of one time given, or does the driver stamp several alike?",
+                  number, t));
 }
 
 }  // namespace plumbline

@@ -46,8 +46,9 @@ std::vector<std::string> bagFiles(const std::string& path) {
   const std::string metadata = (fs::path(path) / kMetadata).string();
   if (!fs::is_regular_file(metadata)) {
     throw badInput(path, {InputFault::kMissingFile, "holds no metadata.yaml",
-                          "the folder of a recording of ROS 2, or the files of one",
-                          "a session in EuRoC's layout needs no import"});
+                          "the folder of a recording of ROS 2",
+                          "of one that was not closed give the files (.mcap, .db3) themselves; a "
+                          "session in EuRoC's layout needs no import"});
   }
   const YamlMap info = YamlMap::load(metadata, "rosbag2's metadata")
                            .map("rosbag2_bagfile_information", "what `ros2 bag record` writes");
@@ -79,8 +80,8 @@ std::unique_ptr<Bag> openBag(const std::string& path) {
   if (begin.starts_with(kSqlite)) return openRos2Bag(path);
   if (begin.starts_with(kMcap)) return openMcapBag(path);
   if (begin.starts_with(kZstd)) {
-    throw badInput(
-        path, {InputFault::kUnsupported, "is compressed (zstd)", "an uncompressed file", kConvert});
+    throw badInput(path, {InputFault::kUnsupported, "is compressed (zstd)", "an uncompressed file",
+                          "unpack a copy with `zstd -d`"});
   }
   if (begin.starts_with(kOlderRos1)) {
     throw badInput(path, {InputFault::kUnsupported, "is of an older format of ROS 1", "format 2.0",

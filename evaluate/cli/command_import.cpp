@@ -114,8 +114,7 @@ int importRecording(const ImportOptions& o) {
       o.json.reserve(o.output, std::move(inputs), o.output.out, kDocumentMark);
   ProgressBar bar;
   request.progress = [&](std::size_t done, std::size_t all) {
-    const double share = all > 0 ? static_cast<double>(done) / static_cast<double>(all) : -1;
-    bar.update("reading messages", share);
+    bar.update("reading messages", static_cast<double>(done) / static_cast<double>(all));
   };
   const std::vector<ImportedSensor> sensors = importBags(request, out.path());
   bar.clear();
