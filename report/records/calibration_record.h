@@ -36,10 +36,8 @@ constexpr std::array<const char*, 5> enumWords(FindingSubject /*of*/) {
 struct Finding {
   std::string rule;
   VerdictLevel level = VerdictLevel::kGood;
-  std::string evidence = {};
-  std::string advice = {};
-  double value = 0;
-  double threshold = 0;
+  std::string evidence = {}, advice = {};
+  double value = 0, threshold = 0;
   std::string unit = {};
   FindingSubject subject = FindingSubject::kResult;
 };
@@ -62,7 +60,7 @@ void fields(auto& v, Finding& f) {
 struct Verdict {
   VerdictLevel level = VerdictLevel::kGood;
   std::vector<Finding> findings;  ///< in the order in which they are shown
-  std::string headline;           ///< what, how good, why, and what to do
+  std::string headline;
 };
 
 void fields(auto& v, Verdict& verdict) {
@@ -83,11 +81,7 @@ std::vector<std::vector<Finding>> findingsByCure(const std::vector<Finding>& fin
 
 /// Where a result comes from: with the command line, paths included, it can be made again.
 struct Provenance {
-  std::string version;
-  std::string command;
-  std::string input;
-  std::string input_hash;
-  std::string date;
+  std::string version, command, input, input_hash, date;
   Named<std::string> options;  ///< in their order
 };
 
@@ -120,10 +114,8 @@ void fields(auto& v, Assumptions& a) {
 
 /// Of one camera's stream: what was offered and what was found.
 struct CameraCounts {
-  int views_offered = 0;
-  int views_with_corners = 0;
-  std::size_t corners = 0;
-  std::size_t tags = 0;
+  int views_offered = 0, views_with_corners = 0;
+  std::size_t corners = 0, tags = 0;
 };
 
 void fields(auto& v, CameraCounts& c) {
@@ -136,10 +128,9 @@ void fields(auto& v, CameraCounts& c) {
 /// Spread of the estimates when the recording's segments are resampled: a check on the formal
 /// standard deviations that makes no assumption on the noise. Names as in ParameterCovariance.
 struct ResampleSpread {
-  int resamples = 0;
-  int failed = 0;
+  int resamples = 0, failed = 0;
   std::vector<std::string> names;
-  Eigen::VectorXd std;  ///< one per name, in the parameter's own unit
+  Eigen::VectorXd std;  ///< one per name
 };
 
 template <class V>
@@ -163,27 +154,20 @@ void fields(V& v, ResampleSpread& s) {
 
 /// A calibration scored on a session.
 struct CalibrationScore {
-  std::string label;  ///< of the calibration
-  std::string session;
-  std::string part;       ///< "all", "fold 2 of 5"
-  bool held_out = false;  ///< known not to be what it was estimated from; false: it is, or unknown
+  std::string label, session, part;
+  bool held_out = false;
   ErrorStatistics reprojection;
   std::vector<ErrorStatistics> per_camera;
-  std::vector<std::string> cameras;           ///< their names; sessions may order them otherwise
-  int views_used = 0;                         ///< (camera, frame) pairs that a pose was found for
-  int views_offered = 0;                      ///< those in the session, whatever they saw
-  std::optional<ErrorStatistics> camera_imu;  ///< with IMU: only states and gravity move
-  std::optional<double> camera_imu_cost;      ///< 0.5 * sum of squared normalised residuals
-  std::optional<double> gyro_rms_rad_s;
-  std::optional<double> accel_rms_m_s2;
-  std::optional<double> entropy_nats;  ///< of its own parameters on that session
+  std::vector<std::string> cameras;  ///< their names; sessions may order them otherwise
+  int views_used = 0, views_offered = 0;
+  std::optional<ErrorStatistics> camera_imu;
+  std::optional<double> camera_imu_cost, gyro_rms_rad_s, accel_rms_m_s2;
+  std::optional<double> entropy_nats;
   std::vector<std::string> entropy_parameters;
-  /// The same of T_SC0 and the time offset, the cameras held: states and gravity's direction
-  /// marginalised, the differences between the cameras' own offsets held.
+  /// The differences between the cameras' own offsets are held.
   std::optional<double> camera_imu_entropy_nats;
   std::vector<std::string> camera_imu_entropy_parameters;
-  std::string
-      problem;  ///< what it lacks, and why: a score, that of camera and IMU, poses that converged
+  std::string problem;
 };
 
 std::string partName(const CalibrationScore& score);  ///< "label/session/part"
@@ -231,15 +215,15 @@ const ErrorStatistics* errorsOf(const CalibrationScore& score, const std::string
 
 /// A calibration that was not estimated from the recording but held fixed on it.
 struct HeldCalibration {
-  std::string file;                      ///< name, without folders of the machine
-  std::vector<CalibrationScore> scores;  ///< the recording's first, then folds and held-out ones
+  std::string file;  ///< name, without folders of the machine
+  std::vector<CalibrationScore> scores;
 };
 
 /// Everything that a calibration page shows, as plain values, so that the page can be made again
 /// from the store without the recording. A stage that did not run is empty: a camera-only
 /// calibration has no `camera_imu`, one with given cameras no `camera`.
 struct CalibrationRecord {
-  std::string name;  ///< of the session
+  std::string name;
   Provenance provenance;
   Verdict verdict;
   Assumptions assumptions;
@@ -247,16 +231,14 @@ struct CalibrationRecord {
   std::vector<CameraCounts> counts;  ///< one per camera; empty where unknown
   std::optional<CameraStageResult> camera;
   std::optional<CameraImuStageResult> camera_imu;
-  std::optional<ResampleSpread> camera_resample;
-  std::optional<ResampleSpread> camera_imu_resample;
+  std::optional<ResampleSpread> camera_resample, camera_imu_resample;
   /// Set by `evaluate calibration`: the stages' calibrations are then the file's, only poses and
   /// states are estimated, and covariances say what the recording could tell at these values.
   std::optional<HeldCalibration> held;
   std::vector<SampleIntervals> sample_intervals;  ///< one per camera, then the IMU's
-  std::vector<ShownInterval> shown_intervals;     ///< thinned to what a plot shows
-  std::vector<ViewImage> view_images;             ///< of the worst views, where there are images
-  /// Where the camera stage ran: standard deviation of the projection of far points, one a camera.
-  std::vector<ImageMap> projection_uncertainty;
+  std::vector<ShownInterval> shown_intervals;
+  std::vector<ViewImage> view_images;
+  std::vector<ImageMap> projection_uncertainty;  ///< one a camera
 
   /// The final cameras: of the camera-IMU stage if it ran, otherwise of the camera stage.
   const std::vector<CameraCalibration>& cameras() const;

@@ -17,11 +17,9 @@ namespace plumbline {
 
 /// One of the calibrations that are compared.
 struct ComparedCalibration {
-  std::string label;  ///< short and unique, e.g. "kalibr"
-  std::string file;   ///< file name, without folders of the machine
-  std::string tool;   ///< who wrote it: "plumbline", "kalibr", "yac"
+  std::string label, file, tool;
   Calibration calibration;
-  std::vector<Finding> lint;  ///< of the conventions: inverted transforms, flipped signs, ...
+  std::vector<Finding> lint;
 };
 
 void fields(auto& v, ComparedCalibration& c) {
@@ -34,15 +32,10 @@ void fields(auto& v, ComparedCalibration& c) {
 
 /// One parameter under all calibrations, in one convention.
 struct ComparedParameter {
-  std::string name;  ///< as in ParameterCovariance; also "T_SC0.angle", "T_C0C1.angle"
-  std::string unit;
-  std::vector<std::optional<double>> values;      ///< one per calibration
-  std::vector<std::optional<double>> std;         ///< as stated, where the calibration has one
-  std::vector<std::optional<double>> difference;  ///< to the first calibration
-  /// |difference| / sqrt(std_i^2 + std_0^2), where both are known, as a normal deviate.
-  std::vector<std::optional<double>> significance;
-  std::vector<VerdictLevel> levels = {};        ///< of the significance
-  std::vector<std::optional<double>> dof = {};  ///< of std^2, where std is cluster-robust
+  std::string name, unit;
+  std::vector<std::optional<double>> values, std, difference, significance;
+  std::vector<VerdictLevel> levels = {};
+  std::vector<std::optional<double>> dof = {};
 
   /// A difference that is an angle or a distance has none.
   bool hasSign() const { return !name.ends_with(".angle") && !name.ends_with(".lever"); }
@@ -70,7 +63,6 @@ void fields(auto& v, ComparedParameter& p) {
 struct SessionEstimate {
   std::string session;
   Calibration calibration;  ///< without cameras: none, `problem` says why
-  /// The first entry of every list is the session's own estimate, then one per calibration.
   std::vector<ComparedParameter> parameters;
   std::string problem;
 };
@@ -86,8 +78,7 @@ void fields(auto& v, SessionEstimate& e) {
 /// The time offset of every calibration in Kalibr's sign [s], per camera as written.
 struct OffsetSummary {
   std::string label;
-  std::optional<double> time_offset_s;  ///< mean of the cameras' where they have one each
-  std::optional<double> std_s;
+  std::optional<double> time_offset_s, std_s;
   std::vector<double> per_camera_s;
 };
 
@@ -104,14 +95,11 @@ void fields(auto& v, OffsetSummary& o) {
 /// squared error under `label`) - (under the first calibration) [px^2]; negative: `label` is
 /// better.
 struct PairedPrediction {
-  std::string label;
-  std::string camera;
-  int views = 0;  ///< seen under both
-  double difference_px2 = 0;
-  double std_px2 = 0;
-  double first_px2 = 0;  ///< mean over the same views under the first calibration
-  int blocks = 0;       ///< of consecutive views, whose means std_px2 is of; 0: too few, no std_px2
-  double half_px2 = 0;  ///< half the 95 % interval by Student's t; 0 where there is none
+  std::string label, camera;
+  int views = 0;
+  double difference_px2 = 0, std_px2 = 0, first_px2 = 0;
+  int blocks = 0;  ///< 0: too few, no std_px2
+  double half_px2 = 0;
 
   /// The difference in its standard errors; 0 without one.
   double sigmas() const { return std_px2 > 0 ? difference_px2 / std_px2 : 0; }
@@ -142,16 +130,15 @@ struct ComparisonRecord {
   std::string name;
   Provenance provenance;
   Assumptions assumptions;
-  Verdict verdict;  ///< the findings of all lints, and of the scores
+  Verdict verdict;
   std::vector<ComparedCalibration> calibrations;
   std::vector<ComparedParameter> parameters;
   std::optional<SessionEstimate> session_estimate;  ///< with a session, unless not asked for
   std::vector<CalibrationScore> scores;
-  std::vector<PairedPrediction> paired;  ///< to the first calibration, on the same session
-  std::vector<ImageMap> differences;     ///< to the first calibration
-  std::vector<ImageMap> uncertainties;   ///< of those that carry a covariance or were re-scored
+  std::vector<PairedPrediction> paired;
+  std::vector<ImageMap> differences, uncertainties;
   std::vector<OffsetSummary> offsets;
-  std::optional<TrajectoryStudy> trajectories;  ///< under these calibrations, where given
+  std::optional<TrajectoryStudy> trajectories;
 };
 
 /// comparison.json.

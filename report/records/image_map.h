@@ -17,17 +17,14 @@ namespace plumbline {
 /// A value over a camera's image, row-major from the top. Grid points lie on the image's borders:
 /// u = c (width - 1) / (columns - 1), v = r (height - 1) / (rows - 1).
 struct ImageMap {
-  std::string camera;
-  std::string label;   ///< of the calibration, or "b - a", a the first calibration
-  std::string method;  ///< how it was computed, e.g. "cross-reprojection on euroc", "image fit"
-  double range_m = 0;  ///< distance of the points; infinity: directions only
+  std::string camera, label;
+  std::string method;  ///< e.g. "cross-reprojection on euroc", "image fit"
+  double range_m = 0;  ///< infinity: directions only
   int columns = 0, rows = 0;
-  int width = 0, height = 0;             ///< of the image [px]
-  std::vector<double> values;            ///< [px]; NaN where undefined
-  std::vector<Eigen::Vector2d> vectors;  ///< difference itself, empty for uncertainties [px]
-  /// Of a difference: alignment of the two cameras' frames that was taken out, T_BA (a's points in
-  /// b's frame).
-  std::optional<Transform> implied;
+  int width = 0, height = 0;  ///< of the image [px]
+  std::vector<double> values;
+  std::vector<Eigen::Vector2d> vectors;  ///< [px]
+  std::optional<Transform> implied;      ///< T_BA: a's points in b's frame
 };
 
 template <class V>

@@ -16,22 +16,17 @@ namespace plumbline {
 
 /// One calibration of a perturbation study.
 struct PerturbationCase {
-  std::string kind;        ///< "imu-shift", "target-size", "noise-densities", "initial-intrinsics",
-                           ///< "dropped-frames", "dropped-imu", "corner-noise"
-  double amount = 0;       ///< how much, in `unit`
-  std::string unit;        ///< "ms", "%", "x" (a factor), "px"
-  std::uint64_t seed = 0;  ///< of what was drawn; 0: nothing was
-  std::string problem;     ///< why it failed; empty if it did not
+  std::string kind;
+  double amount = 0;
+  std::string unit;
+  std::uint64_t seed = 0;
+  std::string problem;
   double rmse_px = 0;
-  int frames = 0;
-  int iterations = 0;
-  double time_offset_s = 0;  ///< recovered
+  int frames = 0, iterations = 0;
+  double time_offset_s = 0;
   std::optional<double> time_offset_std_s;
-  /// recovered - injected - base [s]; only where an offset was injected the middle term is not 0.
   double offset_error_s = 0;
-  std::vector<double> values;   ///< of PerturbationRecord::parameters
-  std::vector<double> changes;  ///< from the base's values, rotations as Log(R R_base^T) [rad]
-  std::vector<double> changes_sigma;  ///< the same, over the base's standard deviations
+  std::vector<double> values, changes, changes_sigma;
 };
 
 /// "+10 ms", "x0.5": a factor has no sign that adds.
@@ -109,10 +104,9 @@ struct PerturbationRecord {
   Provenance provenance;
   Assumptions assumptions;
   Verdict verdict;
-  std::vector<std::string> parameters;  ///< names as in ParameterCovariance
-  std::vector<std::string> units;
-  std::vector<double> base_std;  ///< of the base calibration
-  double offset_bound_s = 1e-3;  ///< an injected offset counts as recovered within this
+  std::vector<std::string> parameters, units;
+  std::vector<double> base_std;
+  double offset_bound_s = 1e-3;
   PerturbationCase base;
   std::vector<PerturbationCase> cases;
 };

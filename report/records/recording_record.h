@@ -13,9 +13,9 @@ namespace plumbline {
 
 /// An interval between two samples in which at least one is missing: above 1.5 times the median.
 struct SampleGap {
-  TimeNs t = 0;           ///< of the sample before it, by the sensor's own stamps
-  double duration_s = 0;  ///< to the next one
-  int missing = 0;        ///< samples that would have fitted in at the median interval
+  TimeNs t = 0;  ///< by the sensor's own stamps
+  double duration_s = 0;
+  int missing = 0;
 };
 
 void fields(auto& v, SampleGap& g) {
@@ -45,14 +45,12 @@ void fields(auto& v, IntervalHistogram& h) {
 struct SampleIntervals {
   static constexpr std::size_t kMostGaps = 100;  ///< that are listed
 
-  std::string sensor;  ///< "cam0", "imu"
+  std::string sensor;
   std::size_t samples = 0;
-  double median_s = 0, min_s = 0, max_s = 0;
-  double spread_s = 0;      ///< between the quantiles at 1 and 99 %
-  std::size_t missing = 0;  ///< in all gaps
-  std::size_t gap_count = 0;
-  std::vector<SampleGap> gaps;  ///< the longest ones, in the order of time
-  IntervalHistogram histogram;  ///< of all intervals
+  double median_s = 0, min_s = 0, max_s = 0, spread_s = 0;
+  std::size_t missing = 0, gap_count = 0;
+  std::vector<SampleGap> gaps;
+  IntervalHistogram histogram;
 };
 
 inline std::string partName(const SampleIntervals& s) { return s.sensor; }
@@ -72,8 +70,8 @@ void fields(auto& v, SampleIntervals& s) {
 
 /// An interval as a plot over time shows it.
 struct ShownInterval {
-  int sensor = 0;  ///< place in the list of SampleIntervals
-  TimeNs t = 0;    ///< of the later sample
+  int sensor = 0;
+  TimeNs t = 0;
   double interval_s = 0;
 };
 
@@ -103,9 +101,9 @@ inline constexpr std::size_t kWorstViews = 8;  ///< whose images a record keeps,
 /// The image of a view, for the page.
 struct ViewImage {
   int camera = 0;
-  TimeNs t = 0;      ///< of the view's frame
-  int factor = 1;    ///< by which the image was made smaller
-  std::string jpeg;  ///< grey
+  TimeNs t = 0;
+  int factor = 1;
+  std::string jpeg;
 };
 
 void fields(auto& v, ViewImage& i) {

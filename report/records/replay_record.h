@@ -18,9 +18,8 @@ namespace plumbline {
 /// A frame as the operator would have seen it.
 struct ReplayFrame {
   TimeNs t = 0;
-  std::vector<std::vector<Corner>> corners;  ///< per camera
-  /// Per camera, a small JPEG of its image; empty where the recording has none.
-  std::vector<std::string> jpeg;
+  std::vector<std::vector<Corner>> corners;
+  std::vector<std::string> jpeg;  ///< empty where the recording has none
 };
 
 void fields(auto& v, ReplayFrame& f) {
@@ -32,14 +31,10 @@ void fields(auto& v, ReplayFrame& f) {
 /// How a suggestion ended.
 struct SuggestionOutcome {
   Suggestion suggestion;
-  /// Reached, expired, withdrawn; none: open at the end.
   SuggestionEvent end = SuggestionEvent::kNone;
   TimeNs ended = 0;
-  std::optional<double> reached_s;    ///< how long it took to reach it; empty: it was not
-  std::optional<double> closest_px;   ///< least mean corner distance while it was open
-  std::optional<double> mean_px;      ///< mean of the distance over its frames
-  std::optional<double> closest_m;    ///< least distance of the camera's position
-  std::optional<double> closest_rad;  ///< and of its orientation, at that instant
+  std::optional<double> reached_s;  ///< empty: it was not
+  std::optional<double> closest_px, mean_px, closest_m, closest_rad;
   /// Per camera, what it would see at suggestion.T_FC0, by the record's cameras and not those that
   /// the guide had then. Empty: nothing is overlaid.
   std::vector<std::vector<Corner>> overlay;
@@ -63,7 +58,7 @@ void fields(auto& v, SuggestionOutcome& o) {
 struct OperatorCompliance {
   std::vector<SuggestionOutcome> suggestions;
   int reached = 0;
-  std::optional<double> median_seconds_to_reach;  ///< empty: none was reached
+  std::optional<double> median_seconds_to_reach;
 };
 
 void fields(auto& v, OperatorCompliance& c) {
@@ -84,20 +79,12 @@ struct StopAudit {
   enum class Verdict { kNeverStopped, kEarly, kLate, kRight, kNotJudged };
   GuideStage stage = GuideStage::kCamera;
   Verdict verdict = Verdict::kNeverStopped;
-  std::optional<TimeNs> finished;  ///< the guide's "finish"
-  std::optional<TimeNs> ended;     ///< the stage was ended here without one
-  std::optional<TimeNs> enough;    ///< first instant at which the views kept were good enough
-  double seconds = 0;              ///< early: missing; late: wasted; right or never: 0
-  double saved_s = 0;              ///< of the recording, after "finish"
-  /// Camera stage: by how much the views kept at the end of the stage leave more error than all
-  /// frames would, as a share: as the guide predicted it, and on frames held out.
-  std::optional<double> predicted_excess, measured_excess;
-  /// Camera-IMU stage: by how much points that the IMU predicts are off (RMS) [px]: as the guide
-  /// expects with the frames kept, and their calibration against that of all frames.
+  std::optional<TimeNs> finished, ended, enough;
+  double seconds = 0, saved_s = 0;
+  std::optional<double> predicted_excess, measured_excess;  ///< of the camera stage
   std::optional<double> predicted_px, measured_px;
-  double entropy_at_finish_nats = 0;  ///< of the calibration parameters
-  double entropy_of_all_nats = 0;     ///< had every frame been used
-  std::string explanation;            ///< a sentence with the numbers that decided it
+  double entropy_at_finish_nats = 0, entropy_of_all_nats = 0;
+  std::string explanation;
 };
 
 constexpr std::array<const char*, 5> enumWords(StopAudit::Verdict /*of*/) {
@@ -129,21 +116,13 @@ void fields(auto& v, StopAudit& a) {
 struct ReplayStageSummary {
   GuideStage stage = GuideStage::kCamera;
   bool ran = false;
-  std::string problem;  ///< why it did not run, or not to its end; empty otherwise
-  int frames_offered = 0;
-  int frames_dropped = 0;  ///< came while the guide was busy
-  int views_used = 0;
-  int views_redundant = 0;  ///< used, though in hindsight each gains less than the threshold
-  int views_missed = 0;     ///< passed by, though in hindsight each gains it or more
-  int suggestions = 0;
-  int reached = 0;
-  std::optional<TimeNs> started;
-  std::optional<TimeNs> finished;
-  std::optional<TimeNs> ended;  ///< without "finish", for the next stage's sake
-  /// Batch over the kept views, and over all frames of the recording.
-  std::optional<StageSummary> kept_batch;
-  std::optional<StageSummary> full_batch;
-  double information_after_finish_nats = 0;  ///< what the recording after "finish" added
+  std::string problem;
+  int frames_offered = 0, frames_dropped = 0;
+  int views_used = 0, views_redundant = 0, views_missed = 0;
+  int suggestions = 0, reached = 0;
+  std::optional<TimeNs> started, finished, ended;
+  std::optional<StageSummary> kept_batch, full_batch;
+  double information_after_finish_nats = 0;
 };
 
 inline std::string partName(const ReplayStageSummary& s) { return toString(s.stage); }
@@ -177,23 +156,17 @@ void fields(auto& v, ReplayStageSummary& s) {
 
 /// One order in which the frames of a pool could have been used.
 struct CounterfactualCurve {
-  /// "recorded", "random", "greedy-mi", "predicted-error", "coverage", "guide"
   std::string strategy;
   std::uint64_t seed = 0;
-  std::vector<int> order;  ///< frames of the pool, as positions in the recording's frames
-  std::vector<int> views;  ///< abscissa: how many were used
-  std::vector<std::optional<double>> entropy_nats;  ///< at each; empty: not determined yet
-  std::vector<std::optional<double>> held_out_px;   ///< RMSE on frames outside the pool
-  /// The same over the corners near the image's border, and over the others.
-  std::vector<std::optional<double>> held_out_border_px;
-  std::vector<std::optional<double>> held_out_centre_px;
-  /// Over all of them under the batch's robust loss, sqrt(mean rho(|e|^2)): what the batch means to
-  /// make small, while the RMSE counts gross errors fully. Equal to held_out_px without a loss.
+  std::vector<int> order, views;
+  std::vector<std::optional<double>> entropy_nats, held_out_px;
+  std::vector<std::optional<double>> held_out_border_px, held_out_centre_px;
+  /// What the batch means to make small, while the RMSE counts gross errors fully. Equal to
+  /// held_out_px without a loss.
   std::vector<std::optional<double>> held_out_loss_px;
-  /// held_out_px less that of the best strategy at the same number of views; a strategy with seeds
-  /// stands there with its median. Negative where one seed beats every strategy.
+  /// A strategy with seeds stands there with its median. Negative where one seed beats every
+  /// strategy.
   std::vector<std::optional<double>> regret_px;
-  /// To come within 10 % of the full pool's held-out error and stay there with more views.
   std::optional<int> views_needed;
 };
 
@@ -221,12 +194,11 @@ inline auto elements(Quartiles& q) { return std::tie(q.lower, q.median, q.upper)
 /// The curves of one strategy over its seeds; of a strategy without, all three quartiles agree.
 struct CounterfactualBand {
   std::string strategy;
-  int seeds = 0;                                       ///< curves
-  std::vector<int> views;                              ///< abscissa
-  std::vector<std::optional<Quartiles>> entropy_nats;  ///< empty: not all seeds have a value
-  std::vector<std::optional<Quartiles>> held_out_px;
-  std::vector<std::optional<double>> regret_px;  ///< of the median
-  std::optional<Quartiles> views_needed;         ///< empty: not all seeds get there
+  int seeds = 0;
+  std::vector<int> views;
+  std::vector<std::optional<Quartiles>> entropy_nats, held_out_px;
+  std::vector<std::optional<double>> regret_px;
+  std::optional<Quartiles> views_needed;
 };
 
 void fields(auto& v, CounterfactualBand& b) {
@@ -249,15 +221,13 @@ inline std::string notNeededText(const CounterfactualBand& band) {
 
 struct Counterfactuals {
   std::vector<CounterfactualCurve> curves;
-  std::vector<CounterfactualBand> bands;  ///< one per strategy, in the order of the curves
-  int pool_frames = 0;
-  int held_out_frames = 0;
-  double full_pool_entropy_nats = 0;
-  double full_pool_held_out_px = 0;
-  std::string other_model;  ///< "pinhole-equidistant", ...; empty: none was tried
-  std::vector<CounterfactualBand> other_model_bands;  ///< greedy-mi and random under it
-  std::vector<std::string> remarks;  ///< where and why a strategy loses, from the numbers
-  std::string problem;  ///< why there are no curves (one line, with its cure); empty otherwise
+  std::vector<CounterfactualBand> bands;  ///< in the order of the curves
+  int pool_frames = 0, held_out_frames = 0;
+  double full_pool_entropy_nats = 0, full_pool_held_out_px = 0;
+  std::string other_model;  ///< empty: none was tried
+  std::vector<CounterfactualBand> other_model_bands;
+  std::vector<std::string> remarks;
+  std::string problem;  ///< one line, with its cure
 };
 
 void fields(auto& v, Counterfactuals& c) {
@@ -282,11 +252,10 @@ struct ReplayRecord {
   Assumptions assumptions;
   Verdict verdict;
   AprilGrid target;
-  std::vector<CameraCalibration> cameras;  ///< for drawing: the best that is known at the end
-  std::vector<ReplayFrame> frames;         ///< all of the recording
-  /// When the guide's time began: with the first frame, or the one that replaced a wrong stamp.
+  std::vector<CameraCalibration> cameras;
+  std::vector<ReplayFrame> frames;
   std::optional<TimeNs> begin;
-  std::vector<Decision> decisions;  ///< one per frame
+  std::vector<Decision> decisions;
   std::vector<ReplayStageSummary> stages;
   std::vector<SuggestionOutcome> suggestions;
   std::optional<OperatorCompliance> compliance;

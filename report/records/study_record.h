@@ -19,7 +19,7 @@ constexpr std::array<const char*, 2> enumWords(StudyStatus /*of*/) { return {"ok
 
 /// How long a participant took for one stage.
 struct CaptureStage {
-  std::string name;  ///< as in STUDY.yaml, e.g. "camera", "camera_imu"
+  std::string name;  ///< e.g. "camera", "camera_imu"
   double seconds = 0;
 };
 
@@ -43,30 +43,24 @@ void fields(auto& v, ParameterEstimate& p) {
 /// One session of a study: what was recorded, and what its calibration says. Figures of a
 /// calibration that is not there are empty.
 struct StudySession {
-  std::string name;
-  std::string participant;
-  std::string method;
-  int period = 0;  ///< 1: the participant's first session
+  std::string name, participant, method;
+  int period = 0;
   std::optional<double> capture_s;
-  bool finished = true;  ///< false: gave up
+  bool finished = true;
   std::vector<CaptureStage> stages;
   StudyStatus status = StudyStatus::kOk;
-  std::string failed_step;              ///< e.g. "calibrate"; empty if none failed
-  std::string message;                  ///< of the step that failed
+  std::string failed_step, message;
   std::optional<VerdictLevel> verdict;  ///< none without a calibration
-  std::string verdict_rule;             ///< of the gravest finding; empty where all are good
-  std::string verdict_sentence;         ///< its rule, evidence and advice
-  std::optional<double> camera_rmse_px, camera_imu_rmse_px;
-  std::optional<double> held_out_rmse_px;  ///< sqrt(mean of rmse^2 over held-out recordings)
+  std::string verdict_rule, verdict_sentence;
+  std::optional<double> camera_rmse_px, camera_imu_rmse_px, held_out_rmse_px;
   std::optional<double> camera_entropy_nats, camera_imu_entropy_nats;
   std::optional<double> time_offset_s, time_offset_std_s;
   std::optional<Transform> T_SC0;
-  std::optional<Vector6d> T_SC0_std;         ///< 3 m, 3 rad of the left tangent
+  std::optional<Vector6d> T_SC0_std;
   std::vector<ParameterEstimate> estimates;  ///< of both stages, see parameterEstimates()
-  std::optional<TargetShape> board;          ///< where the shape was fitted
-  std::optional<double> calibration_s;
-  std::optional<double> compliance;  ///< share of the guide's suggestions that were reached
-  std::string page;                  ///< relative to the study's page; empty if there is none
+  std::optional<TargetShape> board;
+  std::optional<double> calibration_s, compliance;
+  std::string page;
 };
 
 inline std::string partName(const StudySession& s) { return s.name; }
@@ -103,10 +97,9 @@ void fields(auto& v, StudySession& s) {
 
 /// A calibration held fixed on a recording that no method saw.
 struct StudyHeldOut {
-  std::string session;
-  std::string recording;
+  std::string session, recording;
   std::optional<double> rmse_px;
-  std::string failure;  ///< empty if there is a score that lacks nothing
+  std::string failure;
 };
 
 inline std::string partName(const StudyHeldOut& h) { return h.session + "/" + h.recording; }
@@ -122,7 +115,7 @@ void fields(auto& v, StudyHeldOut& h) {
 struct StudyPerturbation {
   std::string session;
   double offset_ms = 0;
-  std::optional<double> recovered_ms;  ///< offset found less the one found without perturbation
+  std::optional<double> recovered_ms;
   std::string failure;
 };
 
@@ -138,8 +131,8 @@ void fields(auto& v, StudyPerturbation& p) {
 /// A trajectory estimated under a session's calibration.
 struct StudyTrajectory {
   std::string session, sequence, run;
-  std::optional<double> ate_m;  ///< RMSE of positions after alignment
-  std::string failure;          ///< empty if the run is complete
+  std::optional<double> ate_m;
+  std::string failure;
 };
 
 inline std::string partName(const StudyTrajectory& t) {
@@ -157,8 +150,8 @@ void fields(auto& v, StudyTrajectory& t) {
 /// How far a parameter of another tool is from ours.
 struct StudyDifference {
   std::string parameter, unit;
-  double difference = 0;         ///< other - ours
-  std::optional<double> sigmas;  ///< difference / our deviation
+  double difference = 0;
+  std::optional<double> sigmas;
 };
 
 void fields(auto& v, StudyDifference& d) {
@@ -191,11 +184,10 @@ void fields(auto& v, StudyOther& o) {
 /// A figure that changed against the nights before.
 struct StudyAlarm {
   std::string metric, session;
-  int night = 0;     ///< the first bad one
-  std::string kind;  ///< "deterministic", "median", "cusum"
-  double was = 0;
-  double is = 0;
-  std::string command;  ///< makes the figure again
+  int night = 0;
+  std::string kind;
+  double was = 0, is = 0;
+  std::string command;
 };
 
 inline std::string partName(const StudyAlarm& a) { return a.metric + " " + a.session; }
@@ -220,11 +212,10 @@ void fields(auto& v, StudyAlarm& a) {
 
 /// A night of the history.
 struct StudyNight {
-  int night = 0;  ///< counts from 1
+  int night = 0;
   std::string date, version;
   int sessions = 0, failed = 0, alarms = 0;
-  std::optional<double> seconds;
-  std::optional<double> held_out_rmse_px;  ///< median over sessions
+  std::optional<double> seconds, held_out_rmse_px;
 };
 
 inline std::string partName(const StudyNight& n) { return "night " + std::to_string(n.night); }
@@ -245,10 +236,10 @@ struct StudyRecord {
   std::string name;
   Provenance provenance;
   Verdict verdict;
-  std::string rig;                     ///< that all recordings are of; empty: not stated
-  std::vector<std::string> methods;    ///< the first is the baseline
-  std::vector<std::string> endpoints;  ///< declared: Holm's correction is over them
-  double limit_s = 600;                ///< who gave up counts as unfinished at this time
+  std::string rig;
+  std::vector<std::string> methods;
+  std::vector<std::string> endpoints;  ///< Holm's correction is over them
+  double limit_s = 600;
   std::vector<StudySession> sessions;
   std::vector<StudyHeldOut> held_out;
   std::vector<StudyPerturbation> perturbations;

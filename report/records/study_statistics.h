@@ -24,7 +24,7 @@ constexpr std::array<const char*, 3> enumWords(StudyDesign /*of*/) {
 /// An estimate with its 95 % interval.
 struct StudyInterval {
   double estimate = 0;
-  std::optional<double> low, high;  ///< empty: unbounded at the sample's size
+  std::optional<double> low, high;
 };
 
 void fields(auto& v, StudyInterval& i) {
@@ -37,23 +37,18 @@ void fields(auto& v, StudyInterval& i) {
 /// scale, `ratio` true, effects are factors method / baseline; otherwise differences method -
 /// baseline in the endpoint's unit.
 struct StudyEffect {
-  std::string endpoint, unit;
-  std::string baseline, method;
-  bool declared = false;  ///< in STUDY.yaml: one of those that Holm's correction is over
+  std::string endpoint, unit, baseline, method;
+  bool declared = false;
   StudyDesign design = StudyDesign::kTooFew;
   bool ratio = true;
-  int participants = 0;                      ///< with both methods
-  int left_out = 0;                          ///< participants for whom a figure is missing
-  int first_baseline = 0, first_method = 0;  ///< of them, who began with which
-  StudyInterval effect;                      ///< period taken out in a crossover
-  std::optional<StudyInterval> bca;          ///< the same effect, bias-corrected bootstrap
-  std::optional<double> p, p_holm;  ///< two-sided; the orders are permuted over participants
-  bool exact = false;               ///< all permutations were enumerated
-  double permutations = 0;          ///< that were looked at
+  int participants = 0, left_out = 0, first_baseline = 0, first_method = 0;
+  StudyInterval effect;
+  std::optional<StudyInterval> bca;
+  std::optional<double> p, p_holm;
+  bool exact = false;
+  double permutations = 0;
   std::optional<double> wilcoxon_p;
-  std::optional<StudyInterval> hodges_lehmann;
-  std::optional<StudyInterval> period;      ///< second period against first
-  std::optional<StudyInterval> carry_over;  ///< an estimate, never a gate
+  std::optional<StudyInterval> hodges_lehmann, period, carry_over;
   std::string sentence;
 };
 
@@ -91,7 +86,7 @@ struct StudyQuade {
   int participants = 0;
   double statistic = 0;
   int dof1 = 0, dof2 = 0;
-  std::optional<double> p;  ///< empty without balanced orders: it would not be the methods' own
+  std::optional<double> p;  ///< unbalanced orders would not leave it the methods' own
   std::string sentence = {};
 };
 
@@ -125,7 +120,7 @@ struct StudySurvival {
   std::string method;
   int participants = 0, finished = 0;
   std::vector<SurvivalStep> curve;
-  double restricted_mean_s = 0;  ///< area below the curve up to the limit
+  double restricted_mean_s = 0;
   std::optional<double> median_s;
 };
 
@@ -146,7 +141,7 @@ struct StudyTimeDifference {
   int participants = 0;
   StudyDesign design = StudyDesign::kTooFew;
   StudyInterval difference_s;
-  std::optional<double> p;  ///< as for an effect; none where all had one order
+  std::optional<double> p;  ///< none where all had one order
   bool exact = false;
   std::string sentence;
 };
@@ -169,12 +164,10 @@ void fields(auto& v, StudyTimeDifference& d) {
 struct StudySpread {
   std::string method, parameter, unit;
   int sessions = 0;
-  double mean = 0;
-  double std = 0;            ///< over sessions, divisor n - 1
-  double stated_std = 0;     ///< root mean square of the deviations shown first
-  double ratio = 0;          ///< sqrt(sum of ((x - mean) / stated)^2 / (n - 1)), weighted mean
-  double low = 0, high = 0;  ///< 95 % interval of the ratio were the deviations true: chi-square
-  std::string farthest;      ///< session most stated deviations from the mean
+  double mean = 0, std = 0, stated_std = 0;
+  double ratio = 0;  ///< sqrt(sum of ((x - mean) / stated)^2 / (n - 1))
+  double low = 0, high = 0;
+  std::string farthest;
 };
 
 inline std::string partName(const StudySpread& s) { return s.method + "/" + s.parameter; }
@@ -198,10 +191,8 @@ void fields(auto& v, StudySpread& s) {
 struct StudyMethod {
   std::string method;
   int sessions = 0, calibrated = 0, gave_up = 0, good = 0, caution = 0, bad = 0;
-  std::optional<double> median_capture_s;
-  std::optional<double> median_held_out_px;
-  std::optional<double> time_offset_mean_s, time_offset_std_s;
-  std::optional<double> compliance;
+  std::optional<double> median_capture_s, median_held_out_px;
+  std::optional<double> time_offset_mean_s, time_offset_std_s, compliance;
 };
 
 inline std::string partName(const StudyMethod& m) { return m.method; }
@@ -223,7 +214,7 @@ void fields(auto& v, StudyMethod& m) {
 
 /// What the sessions of a study say together.
 struct StudyStatistics {
-  std::vector<std::string> sentences;  ///< in words, the most important first
+  std::vector<std::string> sentences;
   std::vector<StudyMethod> methods;
   std::vector<StudyEffect> effects;
   std::vector<StudyQuade> quade;

@@ -17,18 +17,12 @@ namespace plumbline {
 
 /// How the stamps of estimate and truth were paired, and their anomalies.
 struct AssociationRecord {
-  std::string rule;     ///< "one-to-one", "interpolate", "evo", "rpg", "ov_eval"
-  double max_dt_s = 0;  ///< largest difference that pairs
+  std::string rule;
+  double max_dt_s = 0;
   std::size_t matches = 0;
-  std::size_t estimate_poses = 0;
-  std::size_t truth_poses = 0;
-  std::size_t estimate_duplicates = 0;  ///< poses whose stamp equals that of the one before
-  std::size_t truth_duplicates = 0;
-  double median_dt_s = 0;             ///< of the pairs, estimate - truth: a clock offset shows here
-  double largest_estimate_gap_s = 0;  ///< between consecutive poses of the estimate
-  double largest_truth_gap_s = 0;
-  double time_offset_s = 0;        ///< that was added to the estimate's stamps before pairing
-  std::size_t stamps_in_gaps = 0;  ///< "interpolate": where the truth's gap was too wide
+  std::size_t estimate_poses = 0, truth_poses = 0, estimate_duplicates = 0, truth_duplicates = 0;
+  double median_dt_s = 0, largest_estimate_gap_s = 0, largest_truth_gap_s = 0, time_offset_s = 0;
+  std::size_t stamps_in_gaps = 0;
 };
 
 /// All but the rule and the number of matches, which a run has at its top.
@@ -48,7 +42,7 @@ void fields(auto& v, AssociationRecord& r) {
 /// p_truth = scale R p_estimate + t.
 struct AlignmentRecord {
   std::string kind;  ///< "se3", "sim3", "scale", "yaw", "origin", "se3-first", "yaw-first", "none"
-  int first_n = 0;   ///< pairs that it stands on; 0: all
+  int first_n = 0;
   double scale = 1;
   Transform T_truth_estimate;
 };
@@ -56,10 +50,8 @@ struct AlignmentRecord {
 /// Errors of relative motion over one distance.
 struct RelativeErrorRecord {
   double delta = 0;
-  std::string unit;                 ///< "frames", "m", "s"
-  std::string pairs = "plumbline";  ///< whose rule selected the pairs: also "evo", "rpg", ...
-  SampleStatistics translation_m;
-  SampleStatistics rotation_deg;
+  std::string unit, pairs = "plumbline";
+  SampleStatistics translation_m, rotation_deg;
 };
 
 void fields(auto& v, RelativeErrorRecord& r) {
@@ -72,10 +64,8 @@ void fields(auto& v, RelativeErrorRecord& r) {
 
 /// t_truth = t_estimate + offset, from correlating angular rates.
 struct ClockOffsetRecord {
-  double offset_s = 0;
-  double std_s = 0;
-  double correlation = 0;   ///< at the maximum, -1 to 1
-  bool magnitudes = false;  ///< of the rates' magnitudes, since no rotation joined the bodies
+  double offset_s = 0, std_s = 0, correlation = 0;
+  bool magnitudes = false;
 };
 
 void fields(auto& v, ClockOffsetRecord& r) {
@@ -88,11 +78,10 @@ void fields(auto& v, ClockOffsetRecord& r) {
 /// The marker body M in the IMU frame S, with the truth's world V and the estimate's world W.
 struct HandEyeRecord {
   Transform T_SM;
-  Vector6d T_SM_std = Vector6d::Zero();         ///< [m, rad]
-  Matrix6d T_SM_covariance = Matrix6d::Zero();  ///< tangent (dt, da) of Transform
+  Vector6d T_SM_std = Vector6d::Zero();
+  Matrix6d T_SM_covariance = Matrix6d::Zero();
   Transform T_VW;
-  double rms_translation_m = 0;
-  double rms_rotation_rad = 0;
+  double rms_translation_m = 0, rms_rotation_rad = 0;
 };
 
 void fields(auto& v, HandEyeRecord& r) {
@@ -112,11 +101,9 @@ constexpr std::array<const char*, 3> enumWords(NeesReading /*of*/) {
 
 /// Mean normalised estimation error squared against its two-sided chi-square bounds.
 struct NeesRecord {
-  std::string part;  ///< "position", "orientation", "pose"
-  int dof = 0;       ///< of one pose
-  double mean = 0;
-  double lower = 0, upper = 0;  ///< bounds of the mean at `confidence`
-  double confidence = 0.95;
+  std::string part;
+  int dof = 0;
+  double mean = 0, lower = 0, upper = 0, confidence = 0.95;
   NeesReading reading = NeesReading::kConsistent;
 };
 
@@ -132,25 +119,15 @@ void fields(auto& v, NeesRecord& r) {
 
 /// How an odometry made an estimate.
 struct OdometryRunRecord {
-  std::string system;              ///< "builtin", or the runner's name
-  double seconds = 0;              ///< of wall time, images read included
-  double real_time_factor = 0;     ///< recorded time / seconds
-  std::size_t frames = 0;          ///< offered
-  std::size_t frames_skipped = 0;  ///< missing, or not to be decoded
-  std::size_t losses = 0;          ///< where the motion was lost and begun anew: a jump
-  double mean_landmarks = 0;       ///< placed, a frame; 0: not known
-  std::vector<std::string> log;    ///< last lines of a system that failed
-  /// What needs no ground truth. Of the built-in odometry:
-  std::optional<double> stereo_px;      ///< median distance from the rig's epipolar lines
-  std::optional<double> innovation_px;  ///< median error of sightings where the IMU predicts them
-  /// Of any: the last pose against the first.
+  std::string system;
+  double seconds = 0, real_time_factor = 0;
+  std::size_t frames = 0, frames_skipped = 0, losses = 0;
+  double mean_landmarks = 0;
+  std::vector<std::string> log;
+  std::optional<double> stereo_px, innovation_px;  ///< of the built-in odometry
   std::optional<double> closure_m, closure_deg;
-  /// Time offset of the cameras that the odometry itself would choose, with its deviation: a hint.
-  std::optional<double> offset_hint_s, offset_hint_std_s;
-  std::optional<double> offset_calibrated_s;  ///< the one that was used
-  /// Change of T_SC0 that it would choose (3 m, 3 rad of the left tangent): a hint.
+  std::optional<double> offset_hint_s, offset_hint_std_s, offset_calibrated_s;
   std::optional<Vector6d> T_SC0_hint, T_SC0_hint_std;
-  /// Time of a frame, image read included: its quantiles, and the longest.
   std::optional<double> frame_p50_ms, frame_p95_ms, frame_p99_ms, frame_max_ms;
 };
 
@@ -188,38 +165,29 @@ constexpr std::array<const char*, 3> enumWords(RunStatus /*of*/) {
 
 /// One estimate against its truth.
 struct TrajectoryRun {
-  bool without_truth = false;  ///< no ground truth was known: no errors
-  std::string sequence;        ///< e.g. "MH_01"
-  std::string calibration;     ///< what is compared, e.g. "plumbline", "kalibr"
-  std::string run;             ///< repetition
-  std::string estimate;        ///< file name
-  std::string truth;
+  bool without_truth = false;
+  std::string sequence, calibration, run, estimate, truth;
   RunStatus status = RunStatus::kComplete;
-  std::string problem;               ///< why partial or failed; empty if complete
-  std::vector<std::string> remarks;  ///< a sentence each, what a reader should know
-  std::string left_out;  ///< why rotation and relative errors are not reported; empty: they are
-  std::string cure;      ///< the option of `evaluate trajectory` that makes them valid
-  double coverage = 0;   ///< share of the truth's span over which the estimate has poses, 0 to 1
-  double coverage_from_first_pose = 0;  ///< the same of the span from its first pose on
-  double starts_late_s = 0;  ///< first pose of the estimate - of the truth; negative: before it
+  std::string problem;
+  std::vector<std::string> remarks;
+  std::string left_out, cure;
+  double coverage = 0, coverage_from_first_pose = 0;
+  double starts_late_s = 0;  ///< negative: before the truth
   AssociationRecord association;
   AlignmentRecord alignment;
-  SampleStatistics ate_translation_m;
-  SampleStatistics ate_rotation_deg;
+  SampleStatistics ate_translation_m, ate_rotation_deg;
   std::vector<RelativeErrorRecord> rpe;
   std::optional<ClockOffsetRecord> clock_offset;
   std::optional<HandEyeRecord> hand_eye;
   std::vector<NeesRecord> nees;
-  std::optional<OdometryRunRecord> odometry;  ///< where `plumbline odometry` made the estimate
+  std::optional<OdometryRunRecord> odometry;
   /// Per pair, for plots; at most a few thousand (thinned evenly), empty for a failed run.
   std::vector<TimeNs> t;
-  std::vector<Eigen::Vector3d> truth_m;     ///< positions of the truth
-  std::vector<Eigen::Vector3d> estimate_m;  ///< aligned positions of the estimate
+  std::vector<Eigen::Vector3d> truth_m, estimate_m;
   /// Roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll), body to the truth's world, without jumps
   /// of a turn; of the estimate aligned. Empty where either has no orientations.
   std::vector<Eigen::Vector3d> truth_rpy_deg, estimate_rpy_deg;
-  std::vector<double> error_m;
-  std::vector<double> error_deg;
+  std::vector<double> error_m, error_deg;
 };
 
 inline std::string partName(const TrajectoryRun& r) {
@@ -291,9 +259,7 @@ void fields(auto& v, TrajectoryRun& r) {
 struct RunsSummary {
   std::string sequence, calibration;
   std::size_t expected = 0, complete = 0, partial = 0, failed = 0;
-  double completion = 0;  ///< complete / expected
-  /// Median over the expected runs of the ATE (RMSE of positions [m]), where one that is not
-  /// complete counts as larger than any; empty where the median is such a one.
+  double completion = 0;
   std::optional<double> ate_median_m;
   VerdictLevel level = VerdictLevel::kGood;
 };
@@ -318,22 +284,15 @@ void fields(auto& v, RunsSummary& s) {
 /// the RMSE of the positions [m]. Negative: b is better.
 struct PairedDifference {
   std::string a, b;
-  std::size_t pairs = 0;
-  std::size_t left_out = 0;
-  double mean_m = 0;    ///< over sequences, of the mean of each one's pairs
-  double median_m = 0;  ///< over pairs
-  double std_m = 0;     ///< likewise
-  std::size_t b_better = 0;
-  std::size_t ties = 0;
-  double sign_test_p = 1;  ///< of the signs of the sequences' means, those of 0 left out
-  /// Sequences, a pair of runs each, with which a mean difference as the present one would be shown
-  /// at 95 % in 4 of 5 studies: the least n of five and more with (t_{0.975, n-1} + t_{0.8, n-1})
-  /// s / sqrt(n) <= |mean|, s the spread of the sequences' means. Empty below three sequences.
+  std::size_t pairs = 0, left_out = 0;
+  double mean_m = 0, median_m = 0, std_m = 0;
+  std::size_t b_better = 0, ties = 0;
+  double sign_test_p = 1;
+  /// The least n of five and more with (t_{0.975, n-1} + t_{0.8, n-1}) s / sqrt(n) <= |mean|, s the
+  /// spread of the sequences' means. Empty below three sequences.
   std::optional<double> pairs_needed;
-  /// 95 % interval of the mean: Student's t over the sequences' means, as runs of one sequence are
-  /// alike. Empty below five sequences.
-  std::optional<double> low_m, high_m;
-  std::string better;  ///< the one that is, where the interval leaves out 0; otherwise empty
+  std::optional<double> low_m, high_m;  ///< of `mean_interval_m`
+  std::string better;
 };
 
 inline std::string partName(const PairedDifference& d) { return d.b + " - " + d.a; }
@@ -371,11 +330,9 @@ void fields(V& v, PairedDifference& d) {
 /// What moving one parameter of a calibration does to the ATE (RMSE of positions) of a sequence.
 struct ParameterSensitivity {
   std::string name, unit;
-  double step = 0;                 ///< by which it is moved [unit]
-  std::optional<double> plus_m;    ///< change of the ATE with + step
-  std::optional<double> minus_m;   ///< with - step; empty where the step has a sign
-  std::optional<double> change_m;  ///< the mean of both, or the one there is; empty: a run failed
-  bool above_chance = false;       ///< |change_m| is more than twice the noise
+  double step = 0;
+  std::optional<double> plus_m, minus_m, change_m;
+  bool above_chance = false;
 };
 
 void fields(auto& v, ParameterSensitivity& p) {
@@ -392,16 +349,11 @@ inline std::string partName(const ParameterSensitivity& p) { return p.name; }
 
 /// Every parameter of a calibration moved by itself.
 struct CalibrationSensitivity {
-  std::string sequence, calibration;
-  std::string towards;  ///< the calibration whose values are taken; empty: steps are deviations
-  double ate_m = 0;     ///< unmoved
-  /// Standard deviation of the ATE where all parameters move by 1e-3 steps at random: changes below
-  /// it mean nothing. Empty where fewer than two of these runs have one.
-  std::optional<double> noise_m;
-  std::optional<double> whole_m;                 ///< ATE under `towards` - ate_m
-  std::optional<double> sum_m;                   ///< of all change_m; empty where one is
-  std::optional<double> interaction_m;           ///< whole - sum: what single moves do not explain
-  std::vector<ParameterSensitivity> parameters;  ///< largest change first
+  std::string sequence, calibration, towards;
+  double ate_m = 0;
+  std::optional<double> noise_m;  ///< empty where fewer than two of its runs have an ATE
+  std::optional<double> whole_m, sum_m, interaction_m;
+  std::vector<ParameterSensitivity> parameters;
 };
 
 inline std::string partName(const CalibrationSensitivity& s) {
@@ -425,7 +377,7 @@ struct TrajectoryStudy {
   std::vector<TrajectoryRun> runs;
   std::vector<RunsSummary> summary;
   std::vector<PairedDifference> paired;
-  std::vector<CalibrationSensitivity> sensitivity;  ///< where it was asked for
+  std::vector<CalibrationSensitivity> sensitivity;
 };
 
 /// Each calibration over everything: over all sequences, or the only one.
