@@ -106,7 +106,7 @@ ChildProcess::ChildProcess(const ProcessRequest& request)
   // Appended to: several programs may share a log, and standard output and error do.
   const int log = open(request.log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (log < 0) {
-    throw badInput(request.log.string(), 0,
+    throw badInput(request.log.string(),
                    {InputFault::kUnwritable, std::strerror(errno), "a file that can be written"});
   }
   std::vector<std::string> words = request.words, environment = environmentOf(request);
@@ -122,9 +122,8 @@ ChildProcess::ChildProcess(const ProcessRequest& request)
   const int error = errno;
   close(log);
   if (pid_ < 0) {
-    throw badInput(
-        request.words[0], 0,
-        {InputFault::kOther, std::string("cannot be started (") + std::strerror(error) + ")"});
+    throw badInput(request.words[0], {InputFault::kOther, std::string("cannot be started (") +
+                                                              std::strerror(error) + ")"});
   }
   children().ids[pid_] = lastSignalOf(request);
   setpgid(pid_, pid_);  // here too: whoever kills the group next finds it

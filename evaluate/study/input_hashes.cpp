@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kSettledNs = 2'000'000'000;
 
 BadInput unreadable(const fs::path& path, const std::string& why) {
-  return badInput(path.string(), 0, {InputFault::kMissingFile, why, "a readable file or folder"});
+  return badInput(path.string(), {InputFault::kMissingFile, why, "a readable file or folder"});
 }
 
 bool isHidden(const fs::path& path) { return path.filename().string().front() == '.'; }

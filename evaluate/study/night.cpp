@@ -38,7 +38,7 @@ int nightAfter(const StudyStore& store) {
 void refuseAfterLaterNight(const StudyStore& store, int number, const fs::path& folder) {
   const int last = nightAfter(store) - 1;
   if (last <= number) return;
-  throw badInput(folder.string(), 0,
+  throw badInput(folder.string(),
                  {InputFault::kOther,
                   fmt::format("night {} is over, and night {} was merged after it; nothing is "
                               "changed",

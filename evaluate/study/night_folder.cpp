@@ -30,25 +30,23 @@ constexpr const char* kLockFile = "study.lock";
 constexpr double kLockPauseS = 0.02;
 
 BadInput unwritable(const fs::path& path, const std::string& why) {
-  return badInput(path.string(), 0,
-                  {InputFault::kUnwritable, "cannot be written (" + why + ")", "",
-                   "check its permissions, or give another folder"});
+  return badInput(path.string(), {InputFault::kUnwritable, "cannot be written (" + why + ")", "",
+                                  "check its permissions, or give another folder"});
 }
 
 /// Results within a recording would change its hash, and a recording within results may be removed.
 void refuseOverlap(const fs::path& folder, const fs::path& recording) {
   if (!isWithin(folder, recording) && !isWithin(recording, folder)) return;
-  throw badInput(
-      folder.string(), 0,
-      {InputFault::kInputInTheWay, "and the recording " + recording.string() + " overlap", "",
-       "choose another folder"});
+  throw badInput(folder.string(), {InputFault::kInputInTheWay,
+                                   "and the recording " + recording.string() + " overlap", "",
+                                   "choose another folder"});
 }
 
 std::string studyIn(const fs::path& mark) {
   try {
     return nlohmann::json::parse(MappedFile(mark.string()).text()).at("study").get<std::string>();
   } catch (const nlohmann::json::exception& error) {
-    throw badInput(mark.string(), 0, {InputFault::kSyntax, error.what(), "a study's mark"});
+    throw badInput(mark.string(), {InputFault::kSyntax, error.what(), "a study's mark"});
   }
 }
 
@@ -56,12 +54,12 @@ std::string studyIn(const fs::path& mark) {
 void refuseForeign(const fs::path& folder) {
   if (!fs::exists(folder)) return;
   if (!fs::is_directory(folder)) {
-    throw badInput(folder.string(), 0, {InputFault::kForeignFiles, "is not a folder", "a folder"});
+    throw badInput(folder.string(), {InputFault::kForeignFiles, "is not a folder", "a folder"});
   }
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if (isTemporaryOf(kStudyMarkFile, name)) continue;  // a first night that was killed at once
-    throw badInput(folder.string(), 0,
+    throw badInput(folder.string(),
                    {InputFault::kForeignFiles, "holds " + name + " and is not a study's folder", "",
                     "choose another folder"});
   }
@@ -96,11 +94,10 @@ NightLock::NightLock(const fs::path& folder, double wait_s) {
     const ssize_t size = read(file_, holder, sizeof holder - 1);
     close(file_);
     if (error != EWOULDBLOCK) throw unwritable(path, std::strerror(error));
-    throw badInput(
-        folder.string(), 0,
-        {InputFault::kUnwritable,
-         fmt::format("another night is running here{}", size > 0 ? ": " + std::string(holder) : ""),
-         "", "wait until it ends"});
+    throw badInput(folder.string(), {InputFault::kUnwritable,
+                                     fmt::format("another night is running here{}",
+                                                 size > 0 ? ": " + std::string(holder) : ""),
+                                     "", "wait until it ends"});
   }
   const std::string text =
       fmt::format("process {} on {} since {}", getpid(), hostName(), makeProvenance("", {}).date);
@@ -124,11 +121,10 @@ void takeNightFolder(const fs::path& folder, const StudyDefinition& study) {
     // By the study's name: a definition that is edited, or lies elsewhere, is the same study.
     const std::string name = studyIn(mark);
     if (name == study.name) return;
-    throw badInput(
-        folder.string(), 0,
-        {InputFault::kForeignFiles,
-         fmt::format("belongs to the study '{}', and this one is '{}'", name, study.name), "",
-         "choose another folder"});
+    throw badInput(folder.string(), {InputFault::kForeignFiles,
+                                     fmt::format("belongs to the study '{}', and this one is '{}'",
+                                                 name, study.name),
+                                     "", "choose another folder"});
   }
   refuseForeign(folder);
   std::error_code error;
@@ -163,9 +159,8 @@ void removeLeftovers(const fs::path& folder) {
 
 void requireNightFolder(const fs::path& folder) {
   if (fs::exists(folder / kStudyMarkFile) && fs::exists(folder / kHistoryFile)) return;
-  throw badInput(folder.string(), 0,
-                 {InputFault::kMissingFile, "contains no results of a study",
-                  "the folder that plumbline study --out wrote"});
+  throw badInput(folder.string(), {InputFault::kMissingFile, "contains no results of a study",
+                                   "the folder that plumbline study --out wrote"});
 }
 
 }  // namespace plumbline

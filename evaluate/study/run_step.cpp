@@ -107,7 +107,7 @@ void requireNeeds(const fs::path& night, const Step& step) {
     const auto result = readStepResult(night / need.name);
     const bool there = result && result->key == need.key && result->status == StepStatus::kDone;
     if (there) continue;
-    throw badInput((night / need.name).string(), 0,
+    throw badInput((night / need.name).string(),
                    {InputFault::kMissingFile, "is not done, and " + step.name + " needs it", "",
                     "run the study again"});
   }
@@ -218,7 +218,7 @@ class StepFolder {
     }
     if (moved != Workplace::Moved::kDone) {
       throw badInput(
-          final_.string(), 0,
+          final_.string(),
           {InputFault::kUnwritable, fmt::format("cannot be written ({})", std::strerror(errno))});
     }
     workplace_.done();
@@ -329,7 +329,7 @@ StepResult runStep(const fs::path& night, const std::string& name, int threads) 
   }
   // Its key says which program made a result; another build must not write under it.
   if (step.program != runningProgramHash()) {
-    throw badInput((night / kPlanFile).string(), 0,
+    throw badInput((night / kPlanFile).string(),
                    {InputFault::kContradiction, "is of another build of the program", "",
                     "run the study again"});
   }

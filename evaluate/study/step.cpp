@@ -25,7 +25,7 @@ auto readOurs(const fs::path& file, const Read& read) {
   try {
     return read();
   } catch (const std::exception& error) {
-    throw badInput(file.string(), 0,
+    throw badInput(file.string(),
                    {InputFault::kSyntax, fmt::format("is damaged ({})", error.what()), "",
                     "run the study again, which rewrites it"});
   }
@@ -55,7 +55,7 @@ Step readPlannedStep(const fs::path& plan, const std::string& name) {
     if (!line.starts_with(start)) continue;
     return readOurs(plan, [&] { return fromJsonOf<Step>(Json::parse(line)); });
   }
-  throw badInput(plan.string(), 0, {InputFault::kUnknownWord, "has no step " + name});
+  throw badInput(plan.string(), {InputFault::kUnknownWord, "has no step " + name});
 }
 
 std::string stepText(const StepResult& result, const StudyRecord& part) {

@@ -136,7 +136,7 @@ StudyTrajectory trajectoryOf(const Step& step, const fs::path& folder) {
     row.ate_m = json.at("ate").at("translation_m").at("rmse").get<double>();
     return row;
   } catch (const nlohmann::json::exception& error) {
-    throw badInput(file.string(), 0, {InputFault::kSyntax, error.what()});
+    throw badInput(file.string(), {InputFault::kSyntax, error.what()});
   }
 }
 

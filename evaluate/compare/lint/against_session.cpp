@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "evaluate/compare/lint/against_session.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -6,54 +8,17 @@
 
 #include <fmt/format.h>
 
-#include "calibrator/base/calibration.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/batch/camera_imu/stage.h"
-#include "calibrator/camera/camera.h"
 #include "calibrator/initialise/imu_sanity.h"
 #include "calibrator/initialise/inertial_alignment.h"
 #include "calibrator/initialise/rate_alignment.h"
-#include "evaluate/compare/lint/rules.h"
 #include "evaluate/metrics/failure_text.h"
 
 namespace plumbline::lint {
 namespace {
 
-// ---- what corners and samples say
-
-constexpr TimeNs kSameTime = 2'000'000;  // [ns]
-// For the median to bear two wrong poses.
-constexpr std::size_t kFewestPairs = 5;
 constexpr double kGaussianQuartile = 0.6745;  // median of |x| for unit normal x
-constexpr std::size_t kViewsForRms = 50;
-
-double medianOf(const std::vector<Transform>& all, double (*value)(const Transform&, int), int i) {
-  std::vector<double> values;
-  for (const Transform& T : all) values.push_back(value(T, i));
-  return median(std::move(values));
-}
-
-/// Poses have the stamps of the views that they were computed from, so that stamps are equal.
-const ImageView* viewAt(const CameraStream& camera, TimeNs t) {
-  const auto at = std::lower_bound(camera.views.begin(), camera.views.end(), t,
-                                   [](const ImageView& v, TimeNs time) { return v.t < time; });
-  return at != camera.views.end() && at->t == t ? &*at : nullptr;
-}
-
-/// Poses T_FC of one camera of a session by its corners alone (camera 0 of each CameraPose is this
-/// camera).
-std::vector<CameraPose> posesOf(const Session& session, std::size_t camera,
-                                const Intrinsics& intrinsics) {
-  Session one;
-  one.target = session.target;
-  // A session of this camera alone, so that no other one shares its poses.
-  one.cameras = {session.cameras[camera]};
-  CameraCalibration calibration;
-  calibration.intrinsics = intrinsics;
-  const std::vector<PackedCorners> corners{PackedCorners(one.target, one.cameras[0].views)};
-  return poseFrames(one, corners, {calibration}, CameraImuOptions()).poses;
-}
 
 /// Pause between neighbouring poses [s] beyond which they give no rate: two and a half median
 /// intervals, so that rates are taken across one lost frame, not across two.
@@ -63,51 +28,6 @@ double longestGap(const std::vector<CameraPose>& poses) {
     intervals.push_back(secondsBetween(poses[i].t, poses[i + 1].t));
   }
   return intervals.empty() ? 0 : 2.5 * median(std::move(intervals));
-}
-
-/// T_C0Ck = T_FC0^-1 T_FCk of views at one time; medians of the components of t and Log(R), so that
-/// single wrong poses do not matter. Log is cut at half a turn: of a camera that is mounted upside
-/// down its medians say little. Nothing where fewer than 5 frames have both.
-std::optional<Transform> medianBaseline(const std::vector<CameraPose>& camera_0,
-                                        const std::vector<CameraPose>& camera_k) {
-  std::vector<Transform> all;
-  for (const CameraPose& a : camera_0) {
-    const auto b = std::lower_bound(camera_k.begin(), camera_k.end(), a.t - kSameTime,
-                                    [](const CameraPose& p, TimeNs t) { return p.t < t; });
-    if (b == camera_k.end() || b->t > a.t + kSameTime) continue;
-    all.push_back(a.T_FC0.inverse() * b->T_FC0);
-  }
-  if (all.size() < kFewestPairs) return std::nullopt;
-  const auto t_of = [](const Transform& T, int i) { return T.t(i); };
-  const auto r_of = [](const Transform& T, int i) { return logSO3(T.R)(i); };
-  Eigen::Vector3d t;
-  Eigen::Vector3d r;
-  for (int i = 0; i < 3; ++i) {
-    t(i) = medianOf(all, t_of, i);
-    r(i) = medianOf(all, r_of, i);
-  }
-  return Transform(expSO3(r), t);
-}
-
-/// RMS reprojection error [px] of a camera's corners under those poses, over every few views.
-double reprojectionRms(const Session& session, std::size_t camera, const Intrinsics& intrinsics,
-                       const std::vector<CameraPose>& poses) {
-  double sum = 0;
-  int count = 0;
-  const std::vector<Eigen::Vector3d> points = cornerPoints(session.target);
-  const std::size_t step = std::max<std::size_t>(1, poses.size() / kViewsForRms);
-  for (std::size_t i = 0; i < poses.size(); i += step) {
-    const ImageView* view = viewAt(session.cameras[camera], poses[i].t);
-    if (view == nullptr) continue;
-    const Transform T_CF = poses[i].T_FC0.inverse();
-    for (const Corner& corner : view->corners) {
-      const auto uv = project(intrinsics, T_CF * points[static_cast<std::size_t>(corner.id)]);
-      if (!uv) continue;
-      sum += (*uv - corner.uv).squaredNorm();
-      ++count;
-    }
-  }
-  return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
 /// An upper bound for the white noise of one sample, of the gyroscope [rad/s] or the accelerometer
@@ -124,64 +44,6 @@ double sampleNoise(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample
   if (differences.empty()) return 0;
   return median(std::move(differences)) / kGaussianQuartile / std::sqrt(6.0);
 }
-
-// ---- cameras
-
-// The first two cameras' intrinsics on the first two streams, straight or in turn.
-struct Assignment {
-  std::optional<Transform> T_C0C1;  // of the calibration's cameras, by the corners
-  double rms_px = 0;                // of both
-};
-
-/// Poses by each camera's own corners and intrinsics, hence the baseline between paired views, and
-/// how well the intrinsics fit the corners.
-Assignment assign(const std::vector<CameraCalibration>& cameras, const Session& session,
-                  bool in_turn) {
-  const std::size_t streams[] = {in_turn ? 1U : 0U, in_turn ? 0U : 1U};
-  std::vector<CameraPose> poses[2];
-  Assignment assignment;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Intrinsics& k = cameras[i].intrinsics;
-    poses[i] = posesOf(session, streams[i], k);
-    assignment.rms_px += reprojectionRms(session, streams[i], k, poses[i]);
-  }
-  assignment.T_C0C1 = medianBaseline(poses[0], poses[1]);
-  return assignment;
-}
-
-/// Within the tolerances of equal transforms; of a long baseline within three tenths of it.
-bool isNear(const Transform& a, const Transform& b) {
-  const Distance d = distanceBetween(a, b);
-  return d.rotation_rad < kSameRotation_rad &&
-         d.translation_m < std::max(kSameTranslation_m, 0.3 * a.t.norm());
-}
-
-std::vector<Finding> orderFault(const LintedCalibration& linted, const Session& session) {
-  const auto& cameras = linted.calibration.cameras;
-  if (cameras.size() < 2 || session.cameras.size() < 2) return {};
-  const Transform& given = cameras[1].T_C0Ci;
-  // Exchanged cameras show an inverse baseline as well, so the exchange is asked about before it.
-  const Assignment straight = assign(cameras, session, false);
-  if (!straight.T_C0C1 || isNear(given, *straight.T_C0C1)) return {};
-  // Only now, as every assignment solves for the poses of all views of two cameras.
-  const Assignment turned = assign(cameras, session, true);
-  const bool swapped =
-      turned.T_C0C1 && isNear(given, *turned.T_C0C1) && turned.rms_px < straight.rms_px;
-  if (!swapped && !isInverse(given, *straight.T_C0C1)) return {};
-  const Eigen::Vector3d stated = 1e3 * given.t;
-  const Eigen::Vector3d seen = 1e3 * straight.T_C0C1->t;
-  return {
-      bad(swapped ? "Order of cameras" : "Inverted baseline",
-          fmt::format("{}: camera 1 is at ({:.1f}, {:.1f}, {:.1f}) mm in camera 0; the corners say "
-                      "({:.1f}, {:.1f}, {:.1f}) mm{}",
-                      linted.name, stated.x(), stated.y(), stated.z(), seen.x(), seen.y(), seen.z(),
-                      swapped ? ", and fit the intrinsics better when exchanged" : ""),
-          swapped ? fmt::format("exchange cam0 and cam1 in {}", linted.name)
-                  : fmt::format("invert T_cn_cnm1 of cam1 in {}", linted.name),
-          {stated.norm(), 1e3 * kSameTranslation_m, "mm"})};
-}
-
-// ---- IMU
 
 // What the rates and the forces of the recording say of the rig.
 struct Alignment {

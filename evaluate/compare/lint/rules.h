@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,9 @@ struct Distance {
   double translation_m = 0;
 };
 Distance distanceBetween(const Transform& a, const Transform& b);
+
+/// Of each component its median; of one point at least.
+Eigen::Vector3d componentMedian(const std::vector<Eigen::Vector3d>& points);
 
 /// Whether `given` is the inverse of `reference` rather than `reference` itself.
 bool isInverse(const Transform& given, const Transform& reference);

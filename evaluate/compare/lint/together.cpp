@@ -1,71 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
-#include "evaluate/compare/lint/rules.h"
+#include "evaluate/compare/lint/rig.h"
 
 namespace plumbline::lint {
 namespace {
-
-// The files of a rig; suspects (parallel) have a fault of their own and are not held against
-// others.
-struct Rig {
-  std::span<const LintedCalibration> all;
-  std::vector<bool> suspects;
-};
-using Group = std::vector<std::size_t>;  // places in Rig::all
-// Whether a pair of files shows a fault of one of them.
-using PairRule = std::function<bool(const LintedCalibration&, const LintedCalibration&)>;
-
-// Files that stand against others under a rule: of three or more the minority, of two both.
-std::vector<Group> accused(const Rig& rig, const PairRule& contradicts) {
-  std::vector<std::size_t> against(rig.all.size(), 0), agreeing(rig.all.size(), 0);
-  Group first;
-  for (std::size_t i = 0; i < rig.all.size(); ++i) {
-    for (std::size_t j = i + 1; j < rig.all.size(); ++j) {
-      // A file with a fault of its own contradicts the others by it and says nothing of them.
-      if (rig.suspects[i] || rig.suspects[j]) continue;
-      const bool fault = contradicts(rig.all[i], rig.all[j]);
-      if (fault && first.empty()) first = {i, j};
-      for (const std::size_t k : {i, j}) ++(fault ? against : agreeing)[k];
-    }
-  }
-  if (first.empty()) return {};
-  std::vector<Group> groups;
-  for (std::size_t i = 0; i < rig.all.size(); ++i) {
-    if (against[i] > agreeing[i]) groups.push_back({i});
-  }
-  // Half of the files or more against the rest is no minority: then the first pair that disagrees
-  // is named, both of it.
-  if (groups.empty() || groups.size() * 2 >= rig.all.size()) return {first};
-  return groups;
-}
-
-std::string namesOf(const Rig& rig, const Group& group) {
-  if (group.size() == 1) return rig.all[group[0]].name;
-  return rig.all[group[0]].name + " or " + rig.all[group[1]].name;
-}
-
-/// A finding of every group under a rule, by its first file and the names of all.
-std::vector<Finding> findingsOf(
-    const Rig& rig, const PairRule& contradicts,
-    const std::function<Finding(const LintedCalibration&, const std::string&)>& describe) {
-  std::vector<Finding> found;
-  for (const Group& group : accused(rig, contradicts)) {
-    found.push_back(describe(rig.all[group[0]], namesOf(rig, group)));
-  }
-  return found;
-}
-
-// ---- transforms and offsets
 
 bool bothHaveImus(const LintedCalibration& a, const LintedCalibration& b) {
   return a.calibration.imu && b.calibration.imu;
@@ -106,157 +52,6 @@ std::vector<Finding> flippedOffset(const Rig& rig) {
         fmt::format("negate timeshift_cam_imu (time_offset_s) in {}: t_imu = t_cam + t_d", names),
         {offset, kFlipOffset_s, "s"});
   });
-}
-
-// ---- cameras
-
-bool isSameModel(const Intrinsics& a, const Intrinsics& b) {
-  return a.projection_model == b.projection_model && a.projection.size() == b.projection.size();
-}
-
-/// Distance of two cameras' parameters; 0 for other models, which say nothing of an exchange.
-double unlikeness(const Calibration& a, std::size_t i, const Calibration& b, std::size_t j) {
-  const Intrinsics& x = a.cameras[i].intrinsics;
-  const Intrinsics& y = b.cameras[j].intrinsics;
-  return isSameModel(x, y) ? (x.projection - y.projection).norm() : 0;
-}
-
-bool haveInverseBaselines(const Calibration& a, const Calibration& b) {
-  // Three cameras and more are told apart by their places: permutedCameras().
-  if (a.cameras.size() != 2 || b.cameras.size() != 2) return false;
-  return isInverse(a.cameras[1].T_C0Ci, b.cameras[1].T_C0Ci);
-}
-
-/// Whether the intrinsics fit better crosswise.
-bool areSwapped(const Calibration& a, const Calibration& b) {
-  return unlikeness(a, 0, b, 1) + unlikeness(a, 1, b, 0) <
-         unlikeness(a, 0, b, 0) + unlikeness(a, 1, b, 1);
-}
-
-std::vector<Finding> camerasAndBaselines(const Rig& rig) {
-  std::vector<Finding> found;
-  for (const bool swapped : {true, false}) {
-    const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
-      return haveInverseBaselines(a.calibration, b.calibration) &&
-             areSwapped(a.calibration, b.calibration) == swapped;
-    };
-    for (const auto& group : accused(rig, rule)) {
-      const double length = rig.all[group[0]].calibration.cameras[1].T_C0Ci.t.norm();
-      const std::string names = namesOf(rig, group);
-      found.push_back(bad(
-          swapped ? "Order of cameras" : "Inverted baseline",
-          fmt::format("T_C0C1 of {} is the inverse of the others' ({:.1f} mm){}", names,
-                      1e3 * length, swapped ? ", and its intrinsics are theirs exchanged" : ""),
-          swapped ? fmt::format("exchange cam0 and cam1 in {}", names)
-                  : fmt::format("invert T_cn_cnm1 of cam1 in {}: it maps the previous camera to "
-                                "this one",
-                                names),
-          {length, kSameTranslation_m, "m"}));
-    }
-  }
-  return found;
-}
-
-/// Of each of a's cameras, which of b's is at its place, where that is another order than b's own.
-/// By the places in the rig, of three and more cameras; of two see camerasAndBaselines().
-std::vector<std::size_t> otherOrder(const Calibration& a, const Calibration& b) {
-  constexpr std::size_t kMostCameras = 6;  // 720 orders
-  const std::size_t n = a.cameras.size();
-  if (b.cameras.size() != n || n < 3 || n > kMostCameras) return {};
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), 0);
-  const auto fits = [&] {
-    // b's poses are in its own camera 0; in another order they are in the one that comes first.
-    const Transform T_newC0 = b.cameras[order[0]].T_C0Ci.inverse();
-    for (std::size_t i = 1; i < n; ++i) {
-      const Distance d = distanceBetween(T_newC0 * b.cameras[order[i]].T_C0Ci, a.cameras[i].T_C0Ci);
-      if (d.rotation_rad > kSameRotation_rad) return false;
-      if (d.translation_m > kSameTranslation_m) return false;
-    }
-    return true;
-  };
-  if (fits()) return {};
-  while (std::next_permutation(order.begin(), order.end())) {
-    if (fits()) return order;
-  }
-  return {};
-}
-
-std::vector<Finding> permutedCameras(const Rig& rig) {
-  std::vector<Finding> found;
-  const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
-    return !otherOrder(a.calibration, b.calibration).empty();
-  };
-  for (const auto& group : accused(rig, rule)) {
-    // Of two that contradict each other the second is described, and both are named.
-    const LintedCalibration& odd = rig.all[group.back()];
-    for (std::size_t j = 0; j < rig.all.size(); ++j) {
-      if (rig.suspects[j]) continue;
-      const auto order = otherOrder(rig.all[j].calibration, odd.calibration);
-      if (order.empty()) continue;
-      std::vector<std::string> names;
-      for (const std::size_t k : order) names.push_back(odd.calibration.cameras[k].name);
-      found.push_back(bad("Order of cameras",
-                          fmt::format("by their places in the rig, {} of {} are the cameras of {}",
-                                      fmt::join(names, ", "), odd.name, rig.all[j].name),
-                          fmt::format("list the cameras of {} in one order, or state rostopic",
-                                      namesOf(rig, group)),
-                          {static_cast<double>(order.size()), 0, "1"}));
-      break;
-    }
-  }
-  return found;
-}
-
-// One file's intrinsics are the other's, but its resolution is not; or the reverse. By logarithms,
-// so that it does not matter which file is which.
-bool resolutionContradicts(const Intrinsics& a, const Intrinsics& b) {
-  if (!isSameModel(a, b)) return false;
-  // fu, fv, pu, pv scale with the image; xi, alpha and beta before them do not.
-  const Eigen::Vector4d x = a.projection.tail<4>();
-  const Eigen::Vector4d y = b.projection.tail<4>();
-  const double image = std::log(static_cast<double>(a.resolution.width) / b.resolution.width);
-  const Eigen::Array4d ratio = x.cwiseQuotient(y).array().log();
-  const double mean = ratio.mean();
-  const bool alike = (ratio - mean).abs().maxCoeff() < std::log1p(kRatioTolerance);
-  return alike && std::abs(image - mean) > std::log(1.2);
-}
-
-std::vector<Finding> resolutions(const Rig& rig) {
-  std::vector<Finding> found;
-  // The first camera of `a` that contradicts b's.
-  const auto cameraOf = [&](const LintedCalibration& a,
-                            const LintedCalibration& b) -> const CameraCalibration* {
-    const std::size_t n = std::min(a.calibration.cameras.size(), b.calibration.cameras.size());
-    for (std::size_t i = 0; i < n; ++i) {
-      const CameraCalibration& camera = a.calibration.cameras[i];
-      if (resolutionContradicts(camera.intrinsics, b.calibration.cameras[i].intrinsics)) {
-        return &camera;
-      }
-    }
-    return nullptr;
-  };
-  const auto rule = [&](const LintedCalibration& a, const LintedCalibration& b) {
-    return cameraOf(a, b) != nullptr;
-  };
-  for (const auto& group : accused(rig, rule)) {
-    const CameraCalibration* camera = nullptr;
-    for (std::size_t j = 0; j < rig.all.size() && camera == nullptr; ++j) {
-      if (!rig.suspects[j]) camera = cameraOf(rig.all[group[0]], rig.all[j]);
-    }
-    if (camera == nullptr) continue;
-    const Resolution size = camera->intrinsics.resolution;
-    found.push_back(bad(
-        "Resolution and principal point",
-        fmt::format("{}: intrinsics and resolution of {} ({}x{} in {}) are not scaled by the same "
-                    "factor as the others'",
-                    namesOf(rig, group), camera->name, size.width, size.height,
-                    rig.all[group[0]].name),
-        fmt::format("check resolution and intrinsics of {} in {}", camera->name,
-                    namesOf(rig, group)),
-        {static_cast<double>(size.width), 0, "px"}));
-  }
-  return found;
 }
 
 // ---- noise
@@ -326,12 +121,7 @@ std::vector<Finding> oddLeverArms(const Rig& rig) {
     arms.push_back(rig.all[i].calibration.imu->T_SC0.inverse().t);
   }
   if (arms.size() < 3) return {};
-  Eigen::Vector3d middle;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> values;
-    for (const auto& arm : arms) values.push_back(arm(axis));
-    middle(axis) = median(std::move(values));
-  }
+  const Eigen::Vector3d middle = componentMedian(arms);
   std::vector<double> distances;
   for (const auto& arm : arms) distances.push_back((arm - middle).norm());
   const double bound = std::max(kOddLeverArm_m, kOddFactor * median(distances));
@@ -368,9 +158,57 @@ std::vector<Finding> together(const Rig& rig) {
 
 }  // namespace
 
+std::vector<Group> accused(const Rig& rig, const PairRule& contradicts) {
+  std::vector<std::size_t> against(rig.all.size(), 0), agreeing(rig.all.size(), 0);
+  Group first;
+  for (std::size_t i = 0; i < rig.all.size(); ++i) {
+    for (std::size_t j = i + 1; j < rig.all.size(); ++j) {
+      // A file with a fault of its own contradicts the others by it and says nothing of them.
+      if (rig.suspects[i] || rig.suspects[j]) continue;
+      const bool fault = contradicts(rig.all[i], rig.all[j]);
+      if (fault && first.empty()) first = {i, j};
+      for (const std::size_t k : {i, j}) ++(fault ? against : agreeing)[k];
+    }
+  }
+  if (first.empty()) return {};
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < rig.all.size(); ++i) {
+    if (against[i] > agreeing[i]) groups.push_back({i});
+  }
+  // Half of the files or more against the rest is no minority: then the first pair that disagrees
+  // is named, both of it.
+  if (groups.empty() || groups.size() * 2 >= rig.all.size()) return {first};
+  return groups;
+}
+
+std::string namesOf(const Rig& rig, const Group& group) {
+  if (group.size() == 1) return rig.all[group[0]].name;
+  return rig.all[group[0]].name + " or " + rig.all[group[1]].name;
+}
+
+std::vector<Finding> findingsOf(
+    const Rig& rig, const PairRule& contradicts,
+    const std::function<Finding(const LintedCalibration&, const std::string&)>& describe) {
+  std::vector<Finding> found;
+  for (const Group& group : accused(rig, contradicts)) {
+    found.push_back(describe(rig.all[group[0]], namesOf(rig, group)));
+  }
+  return found;
+}
+
 Distance distanceBetween(const Transform& a, const Transform& b) {
   const Vector6d d = boxminus(a, b);
   return {d.tail<3>().norm(), d.head<3>().norm()};
+}
+
+Eigen::Vector3d componentMedian(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const auto& point : points) values.push_back(point(axis));
+    middle(axis) = median(std::move(values));
+  }
+  return middle;
 }
 
 bool isInverse(const Transform& given, const Transform& reference) {
