@@ -20,29 +20,29 @@ namespace plumbline {
 
 // Field lists (see fields.h) of what calibrations and sessions are made of, and of statistics.
 
+/// What each term is, where it is positive.
+inline constexpr std::array<const char*, kTargetTerms> kTargetTermTexts = {
+    "wider along x than along y",
+    "loss of right angles",
+    "displacement along x, with x^2",
+    "along x, with x y",
+    "along x, with y^2",
+    "along y, with x^2",
+    "along y, with x y",
+    "along y, with y^2",
+    "height, with x^2",
+    "height, with x y",
+    "height, with y^2",
+    "apparent increase of the tags' size at unchanged pitch"};
+
 /// Values of the terms under their names.
-template <class V>
-void targetTermFields(V& v, TargetTerms& terms) {
-  static constexpr std::array<const char*, kTargetTerms> kTexts = {
-      "wider along x than along y",
-      "loss of right angles",
-      "displacement along x, with x^2",
-      "along x, with x y",
-      "along x, with y^2",
-      "along y, with x^2",
-      "along y, with x y",
-      "along y, with y^2",
-      "height, with x^2",
-      "height, with x y",
-      "height, with y^2",
-      "apparent increase of the tags' size at unchanged pitch"};
+void targetTermFields(auto& v, TargetTerms& terms) {
   for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
-    v(kTargetTermNames[j], terms[static_cast<Eigen::Index>(j)], "m", kTexts[j]);
+    v(kTargetTermNames[j], terms[static_cast<Eigen::Index>(j)], "m", kTargetTermTexts[j]);
   }
 }
 
-template <class V>
-void fields(V& v, TargetShape& s) {
+void fields(auto& v, TargetShape& s) {
   v.group("terms", [&](auto& g) { targetTermFields(g, s.terms); });
   v("covariance", s.covariance, "of the terms, in their order [m^2]; absent: assumed exact");
   v("higher", s.higher,
@@ -52,8 +52,7 @@ void fields(V& v, TargetShape& s) {
     "remainders of single corners [m]: x, y, height of corner 0, then of corner 1; absent: none");
 }
 
-template <class V>
-void fields(V& v, AprilGrid& g) {
+void fields(auto& v, AprilGrid& g) {
   v("rows", g.rows, "tags along y");
   v("cols", g.cols, "tags along x");
   v("tag_size", g.tag_size, "m", "outer edge of a tag's black border");
@@ -65,8 +64,7 @@ inline auto elements(Resolution& r) { return std::tie(r.width, r.height); }
 
 inline auto elements(Corner& c) { return std::tie(c.id, c.uv.x(), c.uv.y()); }
 
-template <class V>
-void fields(V& v, ImuNoise& n) {  // Kalibr's words
+void fields(auto& v, ImuNoise& n) {  // Kalibr's words
   v("gyroscope_noise_density", n.gyro_density, "rad/s/sqrt(Hz)", "white noise of the gyroscope");
   v("gyroscope_random_walk", n.gyro_random_walk, "rad/s^2/sqrt(Hz)", "of its bias");
   v("accelerometer_noise_density", n.accel_density, "m/s^2/sqrt(Hz)",
@@ -75,8 +73,7 @@ void fields(V& v, ImuNoise& n) {  // Kalibr's words
   v("update_rate", n.rate_hz, "Hz", "nominal sample rate");
 }
 
-template <class V>
-void fields(V& v, Frame& f) {
+void fields(auto& v, Frame& f) {
   v("t_ns", f.t, "ns", "stamp of the frame, camera 0's clock");
   v("view", f.view, "of each camera, its view in the session; -1: none");
 }
@@ -149,14 +146,12 @@ void fields(V& v, ImuCalibration& i) {
   v("noise", i.noise, "assumed densities, named as in Kalibr's `imu.yaml`");
 }
 
-template <class V>
-void fields(V& v, Calibration& c) {
+void fields(auto& v, Calibration& c) {
   v("cameras", c.cameras, "in the session's order; camera 0 is the reference");
   v("imu", c.imu, "the IMU's calibration, where there is one");
 }
 
-template <class V>
-void fields(V& v, ParameterName& p) {
+void fields(auto& v, ParameterName& p) {
   v("name", p.name, "`cam0.fu`, `cam0.k1`, `T_C0C1.tx`, `T_SC0.rx`, `time_offset`, ...");
   v("unit", p.unit, "`px`, `-`, `m`, `rad`, `s`");
 }
@@ -170,8 +165,7 @@ void fields(V& v, ParameterCovariance& c) {
   if constexpr (V::kReads) c = parameterCovariance(parameters, c.matrix);
 }
 
-template <class V>
-void fields(V& v, ErrorStatistics& s) {
+void fields(auto& v, ErrorStatistics& s) {
   v("rmse_px", s.rmse_px, "px", "sqrt(mean |e|^2) over corners, e = measured - projected");
   v("mean_px", s.mean_px, "px", "mean of |e|");
   v("median_px", s.median_px, "px", "median of |e|");

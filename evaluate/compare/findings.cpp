@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <tuple>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "evaluate/compare/parameters.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
+#include "evaluate/results/text.h"
 
 namespace plumbline {
 namespace {
@@ -37,10 +39,8 @@ Finding significantFinding(const ComparisonRecord& record, std::size_t i) {
     largest = std::max(largest, *p.significance[i]);
     if (*p.significance[i] > kThresholds.significance) beyond.push_back(&p);
   }
-  std::stable_sort(beyond.begin(), beyond.end(),
-                   [i](const ComparedParameter* a, const ComparedParameter* b) {
-                     return *a->significance[i] > *b->significance[i];
-                   });
+  std::ranges::stable_sort(beyond, std::greater(),
+                           [i](const ComparedParameter* p) { return *p->significance[i]; });
   std::vector<std::string> names;
   for (const ComparedParameter* p : beyond) {
     names.push_back(fmt::format("{} ({:.1f})", p->name, *p->significance[i]));
@@ -113,7 +113,7 @@ std::vector<Geometry> geometryOf(const ComparisonRecord& record, std::size_t i) 
 std::string geometryWords(const std::vector<Geometry>& all) {
   const auto words = [](const Geometry& g) {
     const bool within = g.value > g.bound.caution && g.explained;
-    return fmt::format("{} {:.3g} {}{}", g.name, g.value, g.unit,
+    return fmt::format("{} {} {}{}", g.name, significant(g.value, 3), g.unit,
                        within ? " (within the standard deviations of both)" : "");
   };
   return joined(all, words, "; ");
@@ -138,9 +138,7 @@ void addGeometry(const ComparisonRecord& record, std::size_t i, std::vector<Find
   const auto rank = [](const Geometry& g) {
     return std::tuple(!g.explained, levelAbove(g.value, g.bound), g.value / g.bound.caution);
   };
-  const Geometry& worst =
-      *std::max_element(all.begin(), all.end(),
-                        [rank](const Geometry& a, const Geometry& b) { return rank(a) < rank(b); });
+  const Geometry& worst = *std::ranges::max_element(all, {}, rank);
   const VerdictLevel level =
       worst.explained ? VerdictLevel::kGood : levelAbove(worst.value, worst.bound);
   findings.push_back(finding({"Transforms and offset of " + pairName(record, i), worst.unit,
@@ -154,8 +152,8 @@ std::string mapWords(const ImageMap& map, const MapExtremes& extremes) {
       "{} at {} ", map.camera,
       std::isfinite(map.range_m) ? fmt::format("{:g} m", map.range_m) : std::string("infinity"));
   if (extremes.undefined < 1) {
-    text +=
-        fmt::format("{:.3g} px at most, {:.2g} px at the centre", extremes.worst, extremes.centre);
+    text += fmt::format("{} px at most, {} px at the centre", significant(extremes.worst, 3),
+                        significant(extremes.centre, 2));
   }
   // There one of the two has no ray, or no pixel for the other's.
   if (extremes.undefined > 0) {
@@ -309,8 +307,8 @@ std::string firstNames(std::vector<std::string> names, std::size_t most) {
 }
 
 bool isHeldOut(const ComparisonRecord& record, const std::string& label) {
-  return std::any_of(record.scores.begin(), record.scores.end(),
-                     [&](const CalibrationScore& s) { return s.label == label && s.held_out; });
+  return std::ranges::any_of(
+      record.scores, [&](const CalibrationScore& s) { return s.label == label && s.held_out; });
 }
 
 std::vector<Finding> comparisonFindings(const ComparisonRecord& record) {

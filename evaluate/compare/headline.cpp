@@ -16,14 +16,15 @@
 #include "evaluate/compare/parameters.h"
 #include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/lists.h"
+#include "evaluate/results/text.h"
 
 namespace plumbline {
 namespace {
 
 const CalibrationScore* scoreOf(const ComparisonRecord& record, const std::string& label) {
-  const auto found = std::find_if(
-      record.scores.begin(), record.scores.end(),
-      [&](const CalibrationScore& s) { return s.label == label && s.reprojection.count > 0; });
+  const auto found = std::ranges::find_if(record.scores, [&](const CalibrationScore& s) {
+    return s.label == label && s.reprojection.count > 0;
+  });
   return found == record.scores.end() ? nullptr : &*found;
 }
 
@@ -110,7 +111,7 @@ std::string projectionWords(const ComparisonRecord& record, const std::string& l
     worst = extremes.worst;
     place = placeOf(map, extremes.at);
   }
-  return place.empty() ? "" : fmt::format("by up to {:.2g} px at the {}", worst, place);
+  return place.empty() ? "" : fmt::format("by up to {} px at the {}", significant(worst, 2), place);
 }
 
 std::optional<double> differenceOf(const ComparisonRecord& record, const std::string& name,
@@ -123,10 +124,10 @@ std::string transformWords(const ComparisonRecord& record, std::size_t i) {
   const auto lever = differenceOf(record, "T_SC0.lever", i);
   const auto angle = differenceOf(record, "T_SC0.angle", i);
   if (!lever || !angle) return "";
-  std::string words =
-      fmt::format("by {:.2g} mm and {:.2g} deg in T_SC0", 1e3 * *lever, *angle * kDegrees);
+  std::string words = fmt::format("by {} mm and {} deg in T_SC0", significant(1e3 * *lever, 2),
+                                  significant(*angle * kDegrees, 2));
   if (const auto offset = differenceOf(record, "time_offset", i)) {
-    words += fmt::format(", {:.2g} ms in the time offset", 1e3 * std::abs(*offset));
+    words += fmt::format(", {} ms in the time offset", significant(1e3 * std::abs(*offset), 2));
   }
   return words;
 }

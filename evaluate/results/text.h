@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <iterator>
 #include <sstream>
 #include <string>
@@ -39,6 +40,13 @@ inline ShownUnit shownUnit(const std::string& unit) {
   if (unit == "m") return {"mm", 1e3};
   if (unit == "s") return {"ms", 1e3};
   return {unit == "px" ? "px" : "", 1};
+}
+
+/// So many significant digits, and no exponent: "12.3", "1234" for 3.
+inline std::string significant(double value, int digits) {
+  // From 99.5 on two digits would round to 1e+02.
+  const bool large = std::abs(value) >= std::pow(10, digits) - 0.5;
+  return large ? fmt::format("{:.0f}", value) : fmt::format("{:.{}g}", value, digits);
 }
 
 /// A cell of a CSV file: quoted where a comma, a quote or a line end would break the row.

@@ -176,7 +176,7 @@ std::string renderPage(const Page& study) {
   data page = object(
       {{"kicker", study.kicker},
        {"name", study.name},
-       {"input", p.input},
+       {"input", textOrNothing(p.input)},
        {"date", p.date},
        {"version", p.version},
        {"css", embedded::page_css() + (study.player ? study.player->css : "")},

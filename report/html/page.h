@@ -39,6 +39,10 @@ std::vector<OffsetRow> offsetRows(double time_offset_s, std::optional<double> st
 std::string unlikeOffsetsText(const std::vector<CameraCalibration>& cameras,
                               const ImuCalibration& imu);
 
+/// T_SC0 where there is an IMU, and every T_C0Ci.
+std::vector<NamedTransform> transformsOf(const std::vector<CameraCalibration>& cameras,
+                                         const ImuCalibration* imu);
+
 struct Pair {
   std::string label, value;
 };
@@ -54,8 +58,7 @@ std::vector<Pair> assumptionRows(const Assumptions& assumptions);
 using kainjow::mustache::data;
 
 /// A list, one element per item.
-template <class Items, class Make>
-data listOf(const Items& items, const Make& make) {
+data listOf(const auto& items, const auto& make) {
   data list{data::type::list};
   for (const auto& item : items) list.push_back(make(item));
   return list;

@@ -163,6 +163,18 @@ std::string unlikeOffsetsText(const std::vector<CameraCalibration>& cameras,
       cameras.front().name, moves);
 }
 
+std::vector<NamedTransform> transformsOf(const std::vector<CameraCalibration>& cameras,
+                                         const ImuCalibration* imu) {
+  std::vector<NamedTransform> all;
+  if (imu != nullptr) all.push_back({"T_SC0", imu->T_SC0, "Camera 0 to IMU: p_S = T_SC0 p_C0 [m]"});
+  for (std::size_t i = 1; i < cameras.size(); ++i) {
+    const std::string name = "T_C0C" + std::to_string(i);
+    all.push_back({name, cameras[i].T_C0Ci,
+                   fmt::format("Camera {0} to camera 0: p_C0 = {1} p_C{0} [m]", i, name)});
+  }
+  return all;
+}
+
 std::vector<Pair> provenanceRows(const Provenance& p) {
   std::string options;
   for (const auto& [name, value] : p.options) {

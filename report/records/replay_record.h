@@ -70,8 +70,9 @@ void fields(auto& v, OperatorCompliance& c) {
 /// What an operator can be judged by: one that was open when the frames ended was neither reached
 /// nor missed.
 inline int endedSuggestions(const OperatorCompliance& c) {
-  return static_cast<int>(std::ranges::count_if(
-      c.suggestions, [](const auto& s) { return s.end != SuggestionEvent::kNone; }));
+  return static_cast<int>(std::ssize(c.suggestions) - std::ranges::count(c.suggestions,
+                                                                         SuggestionEvent::kNone,
+                                                                         &SuggestionOutcome::end));
 }
 
 /// Was the guide's "finish" right? Judged by the held-out error of the batch over the views kept.
@@ -140,7 +141,7 @@ void fields(auto& v, ReplayStageSummary& s) {
     "not used, but in hindsight each is at the threshold or above");
   v("suggestions", s.suggestions, "1", "of the guide");
   v("suggestions_reached", s.reached, "1", "of them");
-  v("started_ns", s.started, "first frame of the stage");
+  v("started_ns", s.started, "the frame with which its estimate began");
   v("finished_ns", s.finished, "the guide's \"finish\"");
   v("ended_ns", s.ended, "the stage was ended here without \"finish\"");
   std::optional<double> duration_s;

@@ -6,12 +6,12 @@
 
 #include "report/html/calibration/sections.h"
 #include "report/html/figure.h"
+#include "report/html/text.h"
 
 namespace plumbline::html_internal {
 namespace {
 
-template <class Model>
-std::string nameOf(const Model& model) {
+std::string nameOf(const auto& model) {
   return toString(model.projection) + "-" + toString(model.distortion);
 }
 
@@ -80,7 +80,7 @@ Table halvesTable(const HalvesCheck& check) {
     table.rows.push_back({name, number("{:.1f}", b.chi2), number(b.parameters),
                           number("{:.1f}", b.limit), code(b.worst),
                           number("{:+.3g}{}", factor * b.difference, unit),
-                          number("{:.2g}{}", factor * b.std, unit)});
+                          number(twoDigits(factor * b.std) + unit)});
   }
   return table;
 }

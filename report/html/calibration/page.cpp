@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/fields/json_fields.h"
 #include "generated/report/embedded.h"
 #include "report/html/calibration/sections.h"
 #include "report/html/figure.h"
@@ -157,18 +158,9 @@ Section parametersSection(const CalibrationRecord& record) {
   Section section{"parameters", "Parameters", parametersLead(record), parameterBlocks(record)};
   // As matrices too: in the tables a rotation is a rotation vector, which nobody pastes into a
   // file.
-  Block matrices;
-  if (record.camera_imu) {
-    matrices.matrices.push_back(
-        {"T_SC0", record.camera_imu->imu.T_SC0, "Camera 0 to IMU: p_S = T_SC0 p_C0 [m]"});
-  }
-  for (std::size_t i = 1; i < record.cameras().size(); ++i) {
-    const std::string name = "T_C0C" + std::to_string(i);
-    matrices.matrices.push_back(
-        {name, record.cameras()[i].T_C0Ci,
-         fmt::format("Camera {0} to camera 0: p_C0 = {1} p_C{0} [m]", i, name)});
-  }
-  section.blocks.push_back(std::move(matrices));
+  section.blocks.push_back(
+      {.matrices =
+           transformsOf(record.cameras(), record.camera_imu ? &record.camera_imu->imu : nullptr)});
   return section;
 }
 
@@ -217,21 +209,15 @@ Section sceneSection(const CalibrationRecord& record) {
           {{.html = renderTemplate(embedded::scene(), values)}}};
 }
 
-constexpr std::pair<const char*, double StageSeconds::*> kTimed[] = {
-    {"load", &StageSeconds::load},
-    {"detect", &StageSeconds::detect},
-    {"initialise", &StageSeconds::initialise},
-    {"solve", &StageSeconds::solve},
-    {"checks", &StageSeconds::checks},
-    {"covariance", &StageSeconds::covariance},
-    {"total", &StageSeconds::total}};
-
 std::vector<Block> timings(const CalibrationRecord& record) {
   Table table{{words("Stage")}};
-  for (const auto& [name, seconds] : kTimed) table.columns.push_back(number(name));
+  const plumbline::Json names = plumbline::toJson(StageSeconds());
+  for (const auto& [name, seconds] : names.items()) table.columns.push_back(number(name));
   const auto add = [&](const char* stage, const StageSeconds& all) {
     std::vector<Cell> row = {words(stage)};
-    for (const auto& [name, seconds] : kTimed) row.push_back(number("{:.3f}", all.*seconds));
+    for (const plumbline::Json& seconds : plumbline::toJson(all)) {
+      row.push_back(number("{:.3f}", json_fields::numberFrom(seconds)));
+    }
     table.rows.push_back(std::move(row));
   };
   if (record.camera) add("cameras", record.camera->summary.seconds);

@@ -104,7 +104,10 @@ Figure scatterFigure(const std::vector<Eigen::Vector2d>& errors, const std::stri
   }
   plot.series = {std::move(series)};
   const std::string left_out =
-      outside == 0 ? "" : fmt::format(" {} corners lie outside the axes.", outside);
+      outside == 0
+          ? ""
+          : fmt::format(" {} outside the axes.",
+                        outside == 1 ? "1 corner lies" : fmt::format("{} corners lie", outside));
   // As toSvg() chooses between points and density.
   const std::string shown = errors.size() > plot.max_points ? "the density of all used corners"
                                                             : "one point per used corner";

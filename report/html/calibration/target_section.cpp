@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/fields/calibration_fields.h"
 #include "report/html/calibration/sections.h"
 #include "report/plots/svg.h"
 
@@ -105,11 +106,12 @@ std::string foundText(const TargetFit& fit, bool kept) {
 }
 
 Table termTable(const TargetFit& fit) {
-  Table table{{code("Term"), number("RMS displacement [mm]"), number("Std [mm]")}};
+  Table table{
+      {code("Term"), number("RMS displacement [mm]"), number("Std [mm]"), words("Meaning")}};
   for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
     table.rows.push_back({code(kTargetTermNames[j]), number("{:+.4f}", kMm * fit.shape.terms[i]),
-                          number("{:.4f}", kMm * fit.std[i])});
+                          number("{:.4f}", kMm * fit.std[i]), words(kTargetTermTexts[j])});
   }
   return table;
 }

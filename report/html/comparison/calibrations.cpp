@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "report/html/comparison/sections.h"
+#include "report/html/page.h"
 
 namespace plumbline::html_internal {
 namespace {
@@ -52,15 +53,9 @@ Section calibrationsSection(const ComparisonRecord& record) {
 Section transformsSection(const ComparisonRecord& record) {
   Section section{"transforms", "Transforms", "Metres; p_A = T_AB p_B."};
   for (const ComparedCalibration& c : record.calibrations) {
-    Block block;
-    block.heading = c.label;
-    if (c.calibration.imu) {
-      block.matrices.push_back({"T_SC0", c.calibration.imu->T_SC0, "Camera 0 to IMU"});
-    }
-    for (std::size_t i = 1; i < c.calibration.cameras.size(); ++i) {
-      block.matrices.push_back({fmt::format("T_C0C{}", i), c.calibration.cameras[i].T_C0Ci,
-                                fmt::format("Camera {} to camera 0", i)});
-    }
+    Block block{.heading = c.label,
+                .matrices = transformsOf(c.calibration.cameras,
+                                         c.calibration.imu ? &*c.calibration.imu : nullptr)};
     if (block.matrices.empty()) block.text = "\u2013 (one camera and no IMU)";
     section.blocks.push_back(std::move(block));
   }

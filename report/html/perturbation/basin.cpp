@@ -78,9 +78,8 @@ Series markers(const std::string& name, Colour colour) {
 
 /// Of a single offset a plot shows no basin.
 bool isOneOffset(const CaseGroup& shifts) {
-  return std::ranges::all_of(shifts.cases, [&](const PerturbationCase* c) {
-    return c->amount == shifts.cases.front()->amount;
-  });
+  return std::ranges::count(shifts.cases, shifts.cases.front()->amount,
+                            &PerturbationCase::amount) == std::ssize(shifts.cases);
 }
 
 /// Injected offset against |recovered - injected - base| on decades, failures along the top.

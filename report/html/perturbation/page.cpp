@@ -179,10 +179,12 @@ Section changeSection(const PerturbationRecord& record, const std::vector<CaseGr
 }
 
 Section casesSection(const PerturbationRecord& record, const std::vector<CaseGroup>& groups) {
-  Section section{"cases", "All cases",
-                  "One calibration a row, the first of each table without any change. Error is "
-                  "recovered \u2212 injected \u2212 base; where no offset was injected it is the "
-                  "change of the offset. \u03c3 is the base's standard deviation."};
+  Section section{
+      "cases", "All cases",
+      "One calibration a row, the first of each table without any change. Error is "
+      "recovered \u2212 injected \u2212 base; where no offset was injected it is the "
+      "change of the offset. Standard deviations are formal: they follow from the assumed noise. "
+      "\u03c3 is the base's."};
   for (const CaseGroup& group : groups) {
     section.blocks.push_back({titleOf(group.kind), "", casesTable(record, group)});
   }
@@ -198,7 +200,9 @@ Section baseSection(const PerturbationRecord& record) {
                           number(withPrecisionOf(factor * record.base.values[i], factor * std)),
                           number(twoDigits(factor * std)), words(unit)});
   }
-  Section section{"base", "Base calibration", "The reference of all cases."};
+  Section section{"base", "Base calibration",
+                  "The reference of all cases. Its standard deviations are formal: they follow "
+                  "from the assumed noise and include what the camera stage leaves open."};
   return withTable(std::move(section), std::move(table));
 }
 
@@ -223,7 +227,7 @@ std::vector<Card> cardsOf(const PerturbationRecord& record) {
        fmt::format("{} frames, {} iterations", record.base.frames, record.base.iterations)}};
   if (hasOffset(record)) {
     cards.push_back({"Base time offset", milliseconds(record.base), "ms",
-                     "std " + stdText(record.base) + " ms"});
+                     "formal std " + stdText(record.base) + " ms"});
   }
   if (!(worst < 0)) {  // also where it is not a number
     cards.push_back({shifts == 1 ? "Offset error" : "Largest offset error",

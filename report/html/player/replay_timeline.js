@@ -160,7 +160,9 @@
     /** Smaller where frames lie close together. */
     dotSize() { return Math.min(2.6, Math.max(1.3, 2 * (this.x(1) - this.x(0)))); }
 
+    /** In a narrow chart without what stands behind the last comma or equals sign. */
     name(ctx, text) {
+      while (LEFT + ctx.measureText(text).width > this.width && /[,=]/.test(text)) text = text.replace(/\s*[,=][^,=]*$/, '');
       ctx.fillStyle = inks.ink;
       ctx.textAlign = 'left';
       ctx.fillText(text, LEFT, TOP - 4);

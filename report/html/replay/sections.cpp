@@ -155,8 +155,9 @@ Section replayStagesSection(const ReplayRecord& record) {
   Section section{
       "stages", "Stages",
       "Used: in the estimate. Redundant: used, but in hindsight below the threshold; missed: not "
-      "used, but in hindsight above it. Times count from the first frame, of which a wrong stamp "
-      "does not count. Gained after \"finish\": information that the rest of the recording would "
+      "used, but in hindsight above it. Started: with the first estimate of the stage. Times count "
+      "from the first frame, of which a wrong stamp does not count. Gained after \"finish\": "
+      "information that the rest of the recording would "
       "have added."};
   if (!record.target.shape.isFlat()) {
     section.remarks.push_back("The board's shape is known and used, so it causes no misfit.");

@@ -104,7 +104,7 @@ Table remarksTable(const std::vector<TrajectoryRun>& runs) {
     if (!run.left_out.empty()) texts.push_back(run.left_out);
     for (const std::string& text : texts) {
       auto known =
-          std::ranges::find_if(remarks, [&](const auto& remark) { return remark.first == text; });
+          std::ranges::find(remarks, text, [](const auto& remark) { return remark.first; });
       if (known == remarks.end()) known = remarks.insert(remarks.end(), {text, {}});
       known->second.push_back(runName(run));
     }
@@ -114,7 +114,7 @@ Table remarksTable(const std::vector<TrajectoryRun>& runs) {
     const auto shown = static_cast<std::ptrdiff_t>(std::min(names.size(), kNamed));
     std::string list = fmt::format("{}", fmt::join(names.begin(), names.begin() + shown, ", "));
     if (names.size() > kNamed) list += fmt::format(" and {} more", names.size() - kNamed);
-    table.rows.push_back({{text}, {list}});
+    table.rows.push_back({{typeset(text)}, {list}});
   }
   return table;
 }
@@ -138,7 +138,7 @@ std::vector<Card> trajectoryCards(const TrajectoryStudy& study) {
   std::vector<Card> cards;
   for (const RunsSummary& s : overAll(study)) {
     cards.push_back({"ATE, " + (s.calibration.empty() ? std::string("all runs") : s.calibration),
-                     medianText(s), "m",
+                     medianText(s), s.ate_median_m ? "m" : "",
                      fmt::format("median RMSE; {} of {} complete, {} partial, {} failed",
                                  s.complete, s.expected, s.partial, s.failed)});
   }

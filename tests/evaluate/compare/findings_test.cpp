@@ -45,6 +45,24 @@ TEST(ComparisonFindings, NameWhatDiffersAndWhichPredictsBetter) {
   EXPECT_EQ(find(findings, "Corners of cam1")->evidence.rfind("no clear difference", 0), 0u);
 }
 
+// A wrong lens is off by thousands of pixels at the border, a foreign rig by decimetres.
+TEST(ComparisonFindings, LargeDifferencesHaveNoExponent) {
+  ComparisonRecord record;
+  Calibration far = stereo();
+  far.imu->T_SC0.t.x() += 1.5;
+  record.calibrations = {{"a", "", "", stereo(), {}}, {"b", "", "", far, {}}};
+  record.parameters = comparedParameters({stereo(), far});
+  record.differences = {
+      {"cam0", "b - a", "", 1, 3, 3, 752, 480, {4, 1, 1, 1, 99.6, 1, 1, 1, 5738}, {}, {}}};
+  const auto findings = comparisonFindings(record);
+  EXPECT_NE(find(findings, "Transforms")->evidence.find("T_SC0 1500 mm"), std::string::npos);
+  EXPECT_NE(find(findings, "Projection of b")->evidence.find("5738 px at most, 100 px at the"),
+            std::string::npos);
+  const std::string headline = comparisonHeadline(record);
+  EXPECT_NE(headline.find("by up to 5738 px"), std::string::npos) << headline;
+  EXPECT_NE(headline.find("by 1500 mm"), std::string::npos) << headline;
+}
+
 // A camera's difference at two ranges, another camera's: one cause, one finding with its places.
 TEST(ComparisonFindings, ProjectionsOfAPairAreOneFindingWithItsPlaces) {
   ComparisonRecord record;

@@ -43,6 +43,17 @@ TEST(VerdictOfAPage, ASubjectHasItsWorstFindingAndNoneWhereItWasNotJudged) {
   EXPECT_THAT(pageOf({all}), Not(HasSubstr("class=\"chip\""))) << "the badge says all";
 }
 
+// A comparison without a recording has no input.
+TEST(VerdictOfAPage, TheLineBelowTheTitleBeginsWithWhatThereIs) {
+  Provenance provenance;
+  provenance.date = "2026-01-02";
+  EXPECT_THAT(renderPage({"", "", provenance, {}, {}, {}, {}}),
+              HasSubstr("<p class=\"meta\">2026-01-02 &middot;"));
+  provenance.input = "a recording";
+  EXPECT_THAT(renderPage({"", "", provenance, {}, {}, {}, {}}),
+              HasSubstr("<p class=\"meta\">a recording &middot; 2026-01-02"));
+}
+
 // Findings are written for terminals. What only looks like a unit stays.
 TEST(VerdictOfAPage, HasTheSignsOfPrint) {
   Finding f{"delay", VerdictLevel::kCaution, "0.2 deg (+- 0.1) and 5 us in m/s^2, 4.2 sigma"};
