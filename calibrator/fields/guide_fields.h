@@ -38,8 +38,7 @@ void fields(V& v, Suggestion& s) {
   v("reach_s", s.reach_s, "s", "predicted time until it is reached");
 }
 
-template <class V>
-void fields(V& v, CandidateRound& r) {
+void fields(auto& v, CandidateRound& r) {
   v("asked_ns", r.asked, "stamp of the frame whose estimate the scores are based on");
   v("answered_ns", r.answered, "recording's time at which the scores were available");
   v("candidates", r.names, "their names");
@@ -53,8 +52,7 @@ void fields(V& v, CandidateRound& r) {
   v("best", r.best, "the best by the criterion; -1: none could be scored");
 }
 
-template <class V>
-void fields(V& v, Decision& d) {
+void fields(auto& v, Decision& d) {
   v("t_ns", d.t, "the frame's stamp (camera 0's clock)");
   v("frame", d.frame, "its position in the recording");
   v("stage", d.stage, "`camera` or `camera-imu`");

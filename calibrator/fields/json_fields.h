@@ -33,30 +33,24 @@ class JsonWriter {
   static constexpr bool kReads = false, kAll = false;
   explicit JsonWriter(EmptyFields empty = EmptyFields::kLeftOut) : empty_(empty) {}
 
-  template <class T>
-  void operator()(const char* name, const T& value, const char* /*text*/) {
+  void operator()(const char* name, const auto& value, const char* /*text*/) {
     json_[name] = toJson(value);
   }
   template <class T>
   void operator()(const char* name, const std::optional<T>& value, const char* /*text*/) {
     if (value || empty_ == EmptyFields::kNull) json_[name] = toJson(value);
   }
-  template <class T>
-  void operator()(const char* name, const T& value, const char* /*unit*/, const char* text) {
+  void operator()(const char* name, const auto& value, const char* /*unit*/, const char* text) {
     (*this)(name, value, text);
   }
-  template <class T>
-  void ifSet(const char* name, const T& value, const char* text) {
+  void ifSet(const char* name, const auto& value, const char* text) {
     if (isSet(value)) (*this)(name, value, text);
   }
-  template <class T>
-  void derived(const char* name, const T& value, const char* /*unit*/, const char* text) {
+  void derived(const char* name, const auto& value, const char* /*unit*/, const char* text) {
     (*this)(name, value, text);
   }
-  template <class T>
-  void array(const char* /*name*/, const T& /*value*/, const char* /*text*/) {}
-  template <class List>
-  void group(const char* name, const List& list) {
+  void array(const char* /*name*/, const auto& /*value*/, const char* /*text*/) {}
+  void group(const char* name, const auto& list) {
     JsonWriter inner(empty_);
     list(inner);
     if (!inner.json_.empty()) json_[name] = std::move(inner.json_);
@@ -85,8 +79,7 @@ class JsonReader {
   static constexpr bool kReads = true, kAll = false;
   explicit JsonReader(const Json& json) : json_(json) {}
 
-  template <class T>
-  void operator()(const char* name, T& value, const char* /*text*/) {
+  void operator()(const char* name, auto& value, const char* /*text*/) {
     const auto found = json_.find(name);
     if (found == json_.end()) throw std::runtime_error(std::string(name) + " is missing");
     fromJson(*found, value);
@@ -97,8 +90,7 @@ class JsonReader {
     value.reset();
     if (found != json_.end()) fromJson(*found, value.emplace());
   }
-  template <class T>
-  void operator()(const char* name, T& value, const char* /*unit*/, const char* text) {
+  void operator()(const char* name, auto& value, const char* /*unit*/, const char* text) {
     (*this)(name, value, text);
   }
   template <class T>
@@ -107,13 +99,10 @@ class JsonReader {
     value = T();
     if (found != json_.end()) fromJson(*found, value);
   }
-  template <class T>
-  void derived(const char* /*name*/, const T& /*value*/, const char* /*unit*/,
+  void derived(const char* /*name*/, const auto& /*value*/, const char* /*unit*/,
                const char* /*text*/) {}
-  template <class T>
-  void array(const char* /*name*/, T& /*value*/, const char* /*text*/) {}
-  template <class List>
-  void group(const char* name, const List& list) {
+  void array(const char* /*name*/, auto& /*value*/, const char* /*text*/) {}
+  void group(const char* name, const auto& list) {
     const auto found = json_.find(name);
     if (found == json_.end()) return;
     JsonReader inner(*found);
@@ -300,8 +289,7 @@ void fromJson(const Json& json, T& value) {
 }
 
 /// A document: the struct's fields, two spaces a level, a line end at the end.
-template <class T>
-std::string documentText(const T& value) {
+std::string documentText(const auto& value) {
   // Bytes that are no UTF-8 become U+FFFD: names are refused before, and no work is lost for
   // others.
   return toJson(value).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -22,7 +22,7 @@ namespace plumbline {
 inline std::vector<std::optional<double>> timeOffsetDeviations(
     const ParameterCovariance& covariance, const std::vector<CameraCalibration>& cameras) {
   const auto deviation = [&](const std::string& name) -> std::optional<double> {
-    const auto found = std::find(covariance.names.begin(), covariance.names.end(), name);
+    const auto found = std::ranges::find(covariance.names, name);
     if (found == covariance.names.end()) return std::nullopt;
     const auto i = found - covariance.names.begin();
     return std::sqrt(covariance.matrix(i, i));
@@ -35,8 +35,7 @@ inline std::vector<std::optional<double>> timeOffsetDeviations(
   return deviations;
 }
 
-template <class V>
-void fields(V& v, CornerResidual& r) {
+void fields(auto& v, CornerResidual& r) {
   v("camera", r.camera, "its position");
   v("frame", r.frame, "index into the stage's frames");
   v("corner_id", r.corner_id, "4 tag + corner");
@@ -45,8 +44,7 @@ void fields(V& v, CornerResidual& r) {
   v("used", r.used, "false: rejected as an outlier");
 }
 
-template <class V>
-void fields(V& v, StageSeconds& s) {
+void fields(auto& v, StageSeconds& s) {
   v("load", s.load, "s", "reading the session");
   v("detect", s.detect, "s", "detection of corners");
   v("initialise", s.initialise, "s", "start values");
@@ -58,8 +56,7 @@ void fields(V& v, StageSeconds& s) {
   v("total", s.total, "s", "of the stage, without loading and detection");
 }
 
-template <class V>
-void fields(V& v, HalvesBlock& b) {
+void fields(auto& v, HalvesBlock& b) {
   v("name", b.name, "the block of parameters");
   v("chi2", b.chi2, "1", "of the halves' difference, with their cluster-robust covariance");
   v("parameters", b.parameters, "1", "in the block");
@@ -70,16 +67,14 @@ void fields(V& v, HalvesBlock& b) {
   v("unit", b.unit, "of `difference` and `std`");
 }
 
-template <class V>
-void fields(V& v, HalvesCheck& h) {
+void fields(auto& v, HalvesCheck& h) {
   v("split_ns", h.split, "stamp of the second half's first frame");
   v("blocks", h.blocks, "of the stage's parameters");
 }
 
 /// All but the covariance, which calibration.json has apart, and the seconds, which only a stage
 /// has.
-template <class V>
-void figures(V& v, StageSummary& s) {
+void figures(auto& v, StageSummary& s) {
   fields(v, s.reprojection);
   v("per_camera", s.per_camera, "the same over each camera's used corners");
   v("corners_used", s.corners_used, "1", "in the solution");
@@ -100,8 +95,7 @@ void figures(V& v, StageSummary& s) {
   v("cost", s.cost, "1", "0.5 x sum of squared residuals over their sigma, after the loss");
 }
 
-template <class V>
-void fields(V& v, StageSummary& s) {
+void fields(auto& v, StageSummary& s) {
   figures(v, s);
   v("covariance", s.covariance, "of the calibration parameters");
 }
@@ -111,8 +105,7 @@ constexpr std::array<const char*, 7> enumWords(TargetFinding /*of*/) {
           "bent",       "known",          "another board"};
 }
 
-template <class V>
-void fields(V& v, TargetFit& t) {
+void fields(auto& v, TargetFit& t) {
   v("finding", t.finding, "test of the board's shape on the recording");
   v("shape", t.shape, "terms estimated with the cameras, formal covariance");
   v.group("std", [&](auto& g) { targetTermFields(g, t.std); });
@@ -138,8 +131,7 @@ void fields(V& v, TargetFit& t) {
   v("corners_height_std", t.corners_height_std, "m", "the same in height");
 }
 
-template <class V>
-void fields(V& v, ModelCandidate& m) {
+void fields(auto& v, ModelCandidate& m) {
   v("camera_model", m.projection, "the projection");
   v("distortion_model", m.distortion, "its distortion");
   v("parameters", m.parameters, "1", "of the lens");
@@ -156,8 +148,7 @@ constexpr std::array<const char*, 4> enumWords(ModelReason /*of*/) {
   return {"not tested", "stated", "smallest", "common"};
 }
 
-template <class V>
-void fields(V& v, ModelChoice& m) {
+void fields(auto& v, ModelChoice& m) {
   v("camera", m.camera, "its name");
   v("camera_model", m.projection, "the chosen projection");
   v("distortion_model", m.distortion, "its distortion");
@@ -168,8 +159,7 @@ void fields(V& v, ModelChoice& m) {
   v("candidates", m.candidates, "models that were tried, the best first");
 }
 
-template <class V>
-void fields(V& v, BiasRatio& b) {
+void fields(auto& v, BiasRatio& b) {
   v("camera", b.camera, "its name");
   v("bias_ratio", b.ratio, "1", "share of the mean squared error that is systematic");
   v("noise_px", b.noise_px, "px", "of a corner per axis, from patches of neighbouring corners");
@@ -177,8 +167,7 @@ void fields(V& v, BiasRatio& b) {
   v("patches", b.patches, "1", "number of patches behind `noise_px`; 0: too few");
 }
 
-template <class V>
-void fields(V& v, CameraStageResult& s) {
+void fields(auto& v, CameraStageResult& s) {
   figures(v, s.summary);
   v("seconds", s.summary.seconds, "wall clock");
   v("cameras", s.cameras, "as this stage estimated them");
@@ -191,23 +180,20 @@ void fields(V& v, CameraStageResult& s) {
   v.array("residuals", s.residuals, "corners' reprojection errors");
 }
 
-template <class V>
-void fields(V& v, ImuState& s) {
+void fields(auto& v, ImuState& s) {
   v("T_FS", s.T_FS, "m", "the IMU in the target's frame");
   v("v_F", s.v_F, "m/s", "its velocity there");
   v("gyro_bias", s.gyro_bias, "rad/s", "bias of the gyroscope");
   v("accel_bias", s.accel_bias, "m/s^2", "bias of the accelerometer");
 }
 
-template <class V>
-void fields(V& v, MeanReading& r) {
+void fields(auto& v, MeanReading& r) {
   v("measured", r.measured, "mean over the interval, in the IMU's axes at its start");
   v("predicted", r.predicted, "the same from the states at its ends");
   v("std", r.std, "of `measured`, by the assumed density");
 }
 
-template <class V>
-void fields(V& v, ImuIntervalResidual& r) {
+void fields(auto& v, ImuIntervalResidual& r) {
   v("t_ns", r.t, "of the earlier frame, camera clock");
   v("dt_s", r.dt_s, "s", "length of the interval");
   v("rotation_rad", r.rotation_rad, "rad", "residual of the rotation");
@@ -218,16 +204,14 @@ void fields(V& v, ImuIntervalResidual& r) {
   v("accel", r.accel, "m/s^2", "readings of the accelerometer: measured and predicted");
 }
 
-template <class V>
-void fields(V& v, ImuNoiseCheck& c) {
+void fields(auto& v, ImuNoiseCheck& c) {
   v("expected_rms", c.expected_rms, "1",
     "expected normalised RMS; below 1, since states absorb part of the residual");
   v("factor", c.factor, "1", "factor by which the density should be multiplied");
   v("redundancy", c.redundancy, "1", "redundancy: effective number of residuals");
 }
 
-template <class V>
-void fields(V& v, ImuNoiseChecks& c) {
+void fields(auto& v, ImuNoiseChecks& c) {
   v("gyro", c.gyro, "gyroscope, from the rotation rows");
   v("accel", c.accel, "accelerometer, from the velocity and position rows");
   v("gyro_bias", c.gyro_bias, "random walk of the gyroscope's bias");
@@ -236,8 +220,7 @@ void fields(V& v, ImuNoiseChecks& c) {
     "standard deviation of a corner, per axis, that explains the noise of the poses");
 }
 
-template <class V>
-void fields(V& v, ImuResidualSummary& s) {
+void fields(auto& v, ImuResidualSummary& s) {
   v("gyro_rms_rad_s", s.gyro_rms_rad_s, "rad/s", "RMS of |rotation residual| / interval");
   v("accel_rms_m_s2", s.accel_rms_m_s2, "m/s^2", "RMS of |velocity residual| / interval");
   v.group("imu_normalised_rms", [&](auto& g) {
@@ -252,8 +235,7 @@ void fields(V& v, ImuResidualSummary& s) {
   v("imu_dof", s.dof, "1", "their number");
 }
 
-template <class V>
-void fields(V& v, FrameErrors& e) {
+void fields(auto& v, FrameErrors& e) {
   v("rmse_px", e.rmse_px, "px", "at the solution");
   v("free_rmse_px", e.free_rmse_px, "px", "with every frame at the pose of its own corners");
   v("along", e.along, "px^2", "squared error of a frame that a shift of its stamp explains, mean");
@@ -263,8 +245,7 @@ void fields(V& v, FrameErrors& e) {
   v("jitter_s", e.jitter_s, "s", "RMS of the shifts beyond what directions explain by chance");
 }
 
-template <class V>
-void fields(V& v, InertialCheck& c) {
+void fields(auto& v, InertialCheck& c) {
   v("target_scale", c.target_scale, "1", "metres per stated metre of the target");
   v("target_scale_std", c.target_scale_std, "1", "its standard deviation");
   v("gravity_m_s2", c.gravity_m_s2, "m/s^2", "magnitude as measured; 0: not known");
@@ -272,37 +253,32 @@ void fields(V& v, InertialCheck& c) {
           "residual of the fit over the residual that noise explains");
 }
 
-template <class V>
-void fields(V& v, ImuSpike& s) {
+void fields(auto& v, ImuSpike& s) {
   v("t_ns", s.t, "stamp of the sample, as recorded");
   v("channel", s.channel, "0 to 2: gyroscope x, y, z; 3 to 5: accelerometer");
   v("size", s.size, "reading minus the prediction from its neighbours, SI units");
   v("line", s.line, "of the file; 0: not known");
 }
 
-template <class V>
-void fields(V& v, ImuPause& p) {
+void fields(auto& v, ImuPause& p) {
   v("t_ns", p.t, "stamp of the sample before it, as recorded");
   v("duration_s", p.duration_s, "s", "to the next sample");
   v("line", p.line, "of the sample before it in the file; 0: not known");
 }
 
-template <class V>
-void fields(V& v, RepeatedView& r) {
+void fields(auto& v, RepeatedView& r) {
   v("camera", r.camera, "its position");
   v("t_ns", r.t, "stamp of the view");
 }
 
-template <class V>
-void fields(V& v, MisplacedTag& m) {
+void fields(auto& v, MisplacedTag& m) {
   v("camera", m.camera, "its position");
   v("t_ns", m.t, "stamp of the view");
   v("tag", m.tag, "id that was read");
   v("place", m.place, "tag at whose position it is");
 }
 
-template <class V>
-void fields(V& v, Screening& s) {
+void fields(auto& v, Screening& s) {
   v.ifSet("spikes", s.spikes, "samples of the IMU that their neighbours contradict: excluded");
   v.ifSet("pauses", s.pauses, "gaps in the IMU's samples: frames are not linked across them");
   v.ifSet("repeated_views", s.repeated_views,
@@ -314,8 +290,7 @@ void fields(V& v, Screening& s) {
           "excluded: seen at 89 degrees and more from the optical axis");
 }
 
-template <class V>
-void fields(V& v, FaultTest& t) {
+void fields(auto& v, FaultTest& t) {
   v("fault", t.fault, "what was tested");
   v("camera", t.camera, "its position; -1: no camera's own fault");
   v("since_ns", t.since, "time from which it applies, camera clock");
@@ -331,8 +306,7 @@ void fields(V& v, FaultTest& t) {
   v("shift_sigma", t.shift_sigma, "the largest of these in robust standard deviations");
 }
 
-template <class V>
-void fields(V& v, FaultDiagnosis& d) {
+void fields(auto& v, FaultDiagnosis& d) {
   v("causes", d.causes,
     "significant faults, most important first, each tested with those before it modelled");
   v("alternative", d.alternative, "explains the residuals as well as the first cause");
@@ -345,8 +319,7 @@ void fields(V& v, FaultDiagnosis& d) {
 }
 
 /// Of the stage alone: `imu` and `cameras` stand at the top of calibration.json.
-template <class V>
-void fields(V& v, CameraImuStageResult& s) {
+void fields(auto& v, CameraImuStageResult& s) {
   figures(v, s.summary);
   v("seconds", s.summary.seconds, "wall clock");
   v.derived("time_offset_s", s.imu.timeOffset(), "s", "as in `imu`");

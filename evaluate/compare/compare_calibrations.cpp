@@ -125,9 +125,7 @@ struct OnSession {
 
 /// One finding says what a file's errors on the recording are worth: the worst.
 std::vector<Finding> worstOf(std::vector<Finding> findings) {
-  const auto worst =
-      std::max_element(findings.begin(), findings.end(),
-                       [](const Finding& a, const Finding& b) { return a.level < b.level; });
+  const auto worst = std::ranges::max_element(findings, {}, &Finding::level);
   if (worst == findings.end()) return {};
   return {std::move(*worst)};
 }

@@ -75,7 +75,7 @@ std::vector<LoneParameter> loneAmong(const std::vector<ComparedParameter>& param
       all.push_back(std::move(lone));
     }
   }
-  std::stable_sort(all.begin(), all.end(), [](const LoneParameter& a, const LoneParameter& b) {
+  std::ranges::stable_sort(all, [](const LoneParameter& a, const LoneParameter& b) {
     return a.calibration != b.calibration ? a.calibration < b.calibration : a.sigmas > b.sigmas;
   });
   return all;

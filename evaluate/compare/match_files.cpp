@@ -24,8 +24,8 @@ std::string listOf(const std::vector<StatedCamera>& cameras) {
 Places commonFirst(const std::vector<CameraMatch>& matches) {
   Places order, rest;
   for (std::size_t c = 0; c < matches.front().at.size(); ++c) {
-    const bool everywhere = std::all_of(matches.begin(), matches.end(),
-                                        [c](const CameraMatch& m) { return m.at[c].has_value(); });
+    const bool everywhere =
+        std::ranges::all_of(matches, [c](const CameraMatch& m) { return m.at[c].has_value(); });
     (everywhere ? order : rest).push_back(c);
   }
   if (order.empty()) return {};
@@ -68,7 +68,7 @@ std::vector<Finding> pairing(const FileCameras& file, const std::vector<StatedCa
   std::vector<StatedCamera> paired, left_out;
   for (const std::size_t place : file.places) paired.push_back(file.stated[place]);
   for (std::size_t k = 0; k < file.stated.size(); ++k) {
-    const bool used = std::find(file.places.begin(), file.places.end(), k) != file.places.end();
+    const bool used = std::ranges::find(file.places, k) != file.places.end();
     if (!used) left_out.push_back(file.stated[k]);
   }
   Finding f{"Cameras of " + file.label};
@@ -79,7 +79,7 @@ std::vector<Finding> pairing(const FileCameras& file, const std::vector<StatedCa
     parts.push_back("neither rostopic nor names tell which is which; in the files' order: " +
                     pairs);
     f.advice = "state rostopic in both files, the same where it is the same camera";
-  } else if (!std::is_sorted(file.places.begin(), file.places.end())) {
+  } else if (!std::ranges::is_sorted(file.places)) {
     parts.push_back("the file has another order of cameras; by rostopic and name: " + pairs);
   }
   if (!left_out.empty()) {
@@ -149,7 +149,7 @@ std::vector<Finding> matchToSession(std::vector<ComparedFile>& files, const Sess
     Places places(wanted.size());
     const CameraMatch match = matchStated(wanted, all);
     for (std::size_t k = 0; k < all.size(); ++k) {
-      const auto at = std::find(match.at.begin(), match.at.end(), std::optional(k));
+      const auto at = std::ranges::find(match.at, std::optional(k));
       if (at == match.at.end()) continue;
       places[static_cast<std::size_t>(at - match.at.begin())] = own.size();
       own.push_back(all[k]);

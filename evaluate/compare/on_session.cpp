@@ -111,8 +111,8 @@ SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>&
   own.calibration.cameras = solved.cameras;
   // As calibrateSession() does: the board that the cameras were estimated with.
   session.target.shape = solved.target;
-  const bool imu = std::any_of(calibrations.begin(), calibrations.end(),
-                               [](const Calibration& c) { return c.imu.has_value(); });
+  const bool imu =
+      std::ranges::any_of(calibrations, [](const Calibration& c) { return c.imu.has_value(); });
   if (imu && options.use_imu && session.imu) {
     auto stage = convergedCameraImu(session, solved.cameras, options.camera_imu, &solved);
     if (stage) {

@@ -55,7 +55,7 @@ std::vector<ComparedParameter> listedRows(const Calibrations& calibrations) {
       row.std.push_back(p ? p->std : std::nullopt);
       row.dof.push_back(p ? p->dof : std::nullopt);
     }
-    if (std::none_of(row.dof.begin(), row.dof.end(), [](const auto& d) { return d.has_value(); })) {
+    if (std::ranges::none_of(row.dof, [](const auto& d) { return d.has_value(); })) {
       row.dof.clear();
     }
     row.difference.assign(lists.size(), std::nullopt);
@@ -153,10 +153,9 @@ void nameCameras(const Calibrations& calibrations, std::vector<ComparedParameter
   std::map<std::string, std::string> names;  // by "camI"
   const auto& first = calibrations.front().cameras;
   for (std::size_t i = 0; i < first.size(); ++i) {
-    const bool agreed =
-        std::all_of(calibrations.begin(), calibrations.end(), [&](const Calibration& c) {
-          return i >= c.cameras.size() || c.cameras[i].name == first[i].name;
-        });
+    const bool agreed = std::ranges::all_of(calibrations, [&](const Calibration& c) {
+      return i >= c.cameras.size() || c.cameras[i].name == first[i].name;
+    });
     if (!agreed) return;
     names[fmt::format("cam{}", i)] = first[i].name;
   }

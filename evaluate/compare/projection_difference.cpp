@@ -127,7 +127,7 @@ constexpr int kMostGridPoints = 500;
 /// Ranges are compared exactly: both maps are made for the same list of options, infinity included.
 const ImageMap* find(const std::vector<ImageMap>& maps, const std::string& label,
                      const std::string& camera, double range_m) {
-  const auto found = std::find_if(maps.begin(), maps.end(), [&](const ImageMap& m) {
+  const auto found = std::ranges::find_if(maps, [&](const ImageMap& m) {
     return m.label == label && m.camera == camera && m.range_m == range_m;
   });
   return found == maps.end() ? nullptr : &*found;
@@ -135,8 +135,8 @@ const ImageMap* find(const std::vector<ImageMap>& maps, const std::string& label
 
 /// Whether weights leave enough points for a fit. Deviations of 0 and unknown ones leave none.
 bool canWeight(const std::vector<double>& weights) {
-  return std::count_if(weights.begin(), weights.end(),
-                       [](double w) { return std::isfinite(w) && w > 0; }) >= kFewestFitRays;
+  return std::ranges::count_if(weights, [](double w) { return std::isfinite(w) && w > 0; }) >=
+         kFewestFitRays;
 }
 
 /// Undefined all over where too few pixels of the fit have a ray under both: without a map nobody

@@ -101,14 +101,14 @@ void addScores(Text& text, const ComparisonRecord& record) {
   }
   // Once for all files, whose entropies are of one list of parameters and one noise; otherwise they
   // would not compare.
-  const auto scored = std::find_if(record.scores.begin(), record.scores.end(),
-                                   [](const CalibrationScore& s) { return s.entropy_nats; });
+  const auto scored = std::ranges::find_if(
+      record.scores, [](const CalibrationScore& s) { return s.entropy_nats.has_value(); });
   if (scored == record.scores.end()) return;
   add(text, "  Entropy of {} parameters ({} ... {}), corner noise {:g} px\n",
       scored->entropy_parameters.size(), scored->entropy_parameters.front(),
       scored->entropy_parameters.back(), record.assumptions.pixel_sigma_px);
-  const bool imu = std::any_of(record.scores.begin(), record.scores.end(),
-                               [](const auto& s) { return s.camera_imu_entropy_nats.has_value(); });
+  const bool imu = std::ranges::any_of(
+      record.scores, [](const auto& s) { return s.camera_imu_entropy_nats.has_value(); });
   if (!imu) return;
   add(text,
       "  Entropy of camera-IMU: T_SC0 and time_offset, the session's IMU noise, cameras fixed\n");

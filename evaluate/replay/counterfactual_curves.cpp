@@ -53,9 +53,8 @@ int firstBetween(const ViewPool& pool, const std::vector<int>& order, int low, i
 }
 
 /// Of a figure of curves; empty unless all have it: quartiles over the others would be too good.
-template <class Get>
 std::optional<Quartiles> quartilesOf(const std::vector<const CounterfactualCurve*>& curves,
-                                     const Get& get) {
+                                     const auto& get) {
   std::vector<double> all;
   for (const CounterfactualCurve* curve : curves) {
     const std::optional<double> value = get(*curve);

@@ -126,7 +126,7 @@ void CounterfactualOptions::check() const {
   if (random_seeds < 1) throw InputError("at least one random order is needed");
   if (online_views < 4) throw InputError("an order by predicted error has four views or more");
   if (max_held_out < 1) throw InputError("at least one frame must be held out");
-  if (std::any_of(views.begin(), views.end(), [](int n) { return n < 1; })) {
+  if (std::ranges::any_of(views, [](int n) { return n < 1; })) {
     throw InputError("numbers of views are 1 or more");
   }
 }

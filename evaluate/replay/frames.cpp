@@ -135,8 +135,8 @@ Session ReplayRun::sessionFrom(int first) const {
 void addImages(const LoadedSession& loaded, const std::vector<Frame>& paired,
                std::vector<ReplayFrame>& frames, int threads, const ProgressSink& progress) {
   assert(paired.size() == frames.size());
-  const bool any = std::any_of(loaded.images.begin(), loaded.images.end(),
-                               [](const auto& images) { return !images.empty(); });
+  const bool any =
+      std::ranges::any_of(loaded.images, [](const auto& images) { return !images.empty(); });
   if (!any) return;
   parallelFor(frames.size(), threads, "copying images", progress, [&](int, std::size_t i) {
     ReplayFrame& frame = frames[i];

@@ -58,8 +58,7 @@ class Information {
 };
 
 /// Adds `count` candidates, each the one that leaves the least.
-template <class Criterion>
-void addBest(const Candidates& candidates, Criterion criterion, int count,
+void addBest(const Candidates& candidates, auto criterion, int count,
              std::vector<std::size_t>& used) {
   // The criterion is a copy, begun anew with the views used: their terms are those of this
   // estimate.
@@ -93,7 +92,7 @@ class Online {
 
   OnlineOrder run(const std::vector<int>& first) {
     for (const int f : first) {
-      const auto at = std::find(frames_.begin(), frames_.end(), f);
+      const auto at = std::ranges::find(frames_, f);
       // From here on frames are positions among the candidates.
       if (at != frames_.end()) used_.push_back(static_cast<std::size_t>(at - frames_.begin()));
     }
@@ -148,7 +147,7 @@ class Online {
   /// The next one as they are listed.
   void addNext() {
     for (std::size_t i = 0; i < frames_.size(); ++i) {
-      if (std::find(used_.begin(), used_.end(), i) != used_.end()) continue;
+      if (std::ranges::find(used_, i) != used_.end()) continue;
       used_.push_back(i);
       return;
     }

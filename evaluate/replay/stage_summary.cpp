@@ -194,8 +194,7 @@ StageBatches<CameraStageResult> cameraBatches(const ReplayRun& run,
 
 StageBatches<CameraImuStageResult> cameraImuBatches(const ReplayRun& run,
                                                     const std::vector<CameraCalibration>& cameras) {
-  const auto first = std::find_if(run.decisions.begin(), run.decisions.end(),
-                                  [](const auto& d) { return d.stage == GuideStage::kCameraImu; });
+  const auto first = std::ranges::find(run.decisions, GuideStage::kCameraImu, &Decision::stage);
   if (first == run.decisions.end()) return {};
   const auto batch = [&](const Session& session) -> Result<CameraImuStageResult> {
     auto stage = calibrateCameraImu(session, cameras, run.camera_imu);

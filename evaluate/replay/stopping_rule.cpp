@@ -74,9 +74,8 @@ std::vector<int> keptAndContinued(const ReplayRun& run, const CameraStageResult&
 
 /// The time of the frame from which on the first frames of `order` are enough for good, tried at
 /// some numbers of them; empty if even the last one is not.
-template <class IsEnough>
 std::optional<TimeNs> enoughSince(const ReplayRun& run, const std::vector<int>& order,
-                                  const std::vector<int>& counts, const IsEnough& is_enough) {
+                                  const std::vector<int>& counts, const auto& is_enough) {
   std::optional<TimeNs> since;
   for (const int count : counts) {
     if (!is_enough(run.sessionOfFrames({order.begin(), order.begin() + count}), count)) {

@@ -72,7 +72,7 @@ constexpr TimeNs kShownWithin = 60'000'000'000;
 std::vector<TimeNs> stampsInCompany(const std::vector<GuideFrame>& frames) {
   std::vector<TimeNs> all, near;
   for (const GuideFrame& frame : frames) all.push_back(frame.t);
-  std::sort(all.begin(), all.end());
+  std::ranges::sort(all);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const bool after = i > 0 && all[i] - all[i - 1] <= kShownWithin;
     const bool before = i + 1 < all.size() && all[i + 1] - all[i] <= kShownWithin;
@@ -95,9 +95,7 @@ std::size_t cameraOf(const Suggestion& suggestion,
   if (suggestion.stage == GuideStage::kCameraImu) return 0;
   const auto stated = static_cast<std::size_t>(suggestion.camera);
   if (suggestion.camera >= 0 && stated < overlay.size()) return stated;
-  const auto most =
-      std::max_element(overlay.begin(), overlay.end(),
-                       [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  const auto most = std::ranges::max_element(overlay, {}, &std::vector<Corner>::size);
   return static_cast<std::size_t>(most - overlay.begin());
 }
 
@@ -205,7 +203,7 @@ void checkShownWithin(const std::vector<GuideFrame>& frames,
                       SuggestionsFile file) {
   const std::vector<TimeNs> stamps = stampsInCompany(frames);
   if (stamps.empty() || suggestions.empty()) return;
-  const bool any = std::any_of(suggestions.begin(), suggestions.end(), [&](const Suggestion& s) {
+  const bool any = std::ranges::any_of(suggestions, [&](const Suggestion& s) {
     const auto next = std::lower_bound(stamps.begin(), stamps.end(), s.t - kShownWithin);
     return next != stamps.end() && *next - s.t <= kShownWithin;
   });

@@ -111,8 +111,7 @@ std::vector<int> coverageOrder(const std::vector<std::vector<int>>& cells) {
   }
   std::vector<bool> covered(count, false);
   const auto adds = [&](int view) {
-    return std::count_if(cells[view].begin(), cells[view].end(),
-                         [&](int cell) { return !covered[cell]; });
+    return std::ranges::count_if(cells[view], [&](int cell) { return !covered[cell]; });
   };
   std::vector<int> left(cells.size());
   std::iota(left.begin(), left.end(), 0);
@@ -126,7 +125,7 @@ std::vector<int> coverageOrder(const std::vector<std::vector<int>>& cells) {
       most = std::max(most, added);
     }
     // Not where nothing is covered: views without a corner would begin anew for ever.
-    if (most == 0 && std::find(covered.begin(), covered.end(), true) != covered.end()) {
+    if (most == 0 && std::ranges::find(covered, true) != covered.end()) {
       covered.assign(count, false);
       continue;
     }

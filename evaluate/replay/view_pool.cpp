@@ -119,7 +119,7 @@ CameraProblem ViewPool::problemOf(const std::vector<int>& frames) const {
 }
 
 std::optional<ViewSolution> ViewPool::solve(std::vector<int> frames) const {
-  std::sort(frames.begin(), frames.end());
+  std::ranges::sort(frames);
   const CameraProblem problem = problemOf(frames);
   // Every selection in the minimum of the reference: what differs is the frames and not how a first
   // guess went.

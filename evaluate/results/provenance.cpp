@@ -52,7 +52,7 @@ std::string hashOfFolder(const fs::path& folder) {
     if (entry.is_regular_file()) files.push_back(entry.path());
   }
   // A folder is listed in no order of its own.
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   std::string listed;
   for (const fs::path& file : files) {
     listed += fmt::format("{} {}\n", fs::relative(file, folder).string(), hashOfFile(file));
@@ -64,7 +64,7 @@ std::string hashOfFolder(const fs::path& folder) {
 
 std::string inputFilesHash(const std::vector<std::string>& inputs, const std::string& recording) {
   // A hash of the other inputs alone would call runs equal that are not.
-  if (std::find(inputs.begin(), inputs.end(), "-") != inputs.end()) return "";
+  if (std::ranges::find(inputs, "-") != inputs.end()) return "";
   std::string listed = recording;
   for (const std::string& input : inputs) {
     listed += "\n" + (fs::is_directory(input) ? hashOfFolder(input) : hashOfFile(input));
@@ -87,7 +87,7 @@ std::string shellWords(const std::vector<std::string>& arguments) {
   std::string line;
   for (const std::string& argument : arguments) {
     if (!line.empty()) line += ' ';
-    if (!argument.empty() && std::all_of(argument.begin(), argument.end(), plain)) {
+    if (!argument.empty() && std::ranges::all_of(argument, plain)) {
       line += argument;
       continue;
     }

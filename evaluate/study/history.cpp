@@ -40,8 +40,7 @@ std::string familyOf(const std::string& name) { return name.substr(0, name.find(
 /// A figure is judged as all of its family. Null for figures that are kept and not judged.
 const Judged* judgedAs(const std::string& name) {
   const std::string family = familyOf(name);
-  const auto found = std::find_if(kJudged.begin(), kJudged.end(),
-                                  [&](const Judged& j) { return family == j.name; });
+  const auto found = std::ranges::find(kJudged, family, &Judged::name);
   return found == kJudged.end() ? nullptr : &*found;
 }
 
@@ -162,8 +161,7 @@ class Judge {
         const std::vector<double> recent(good.end() - count, good.end());
         // What was done once can be done, however often it failed: the least in place of the
         // median, and no deviation.
-        const double middle =
-            failure ? *std::min_element(recent.begin(), recent.end()) : median(recent);
+        const double middle = failure ? *std::ranges::min_element(recent) : median(recent);
         const double scale =
             failure ? how.least
                     : std::max({deviation(recent, middle), t_.floor * std::abs(middle), how.least});

@@ -44,7 +44,7 @@ std::vector<fs::path> filesBelow(const fs::path& path) {
     }
   }
   if (error) throw unreadable(path, error.message());
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   return files;
 }
 

@@ -98,7 +98,7 @@ class Merger {
   static bool isOfOther(const Step& step) { return step.part.find('/') != std::string::npos; }
   // The plan leaves --with out for the built-in one.
   static bool isBuiltinOdometry(const Step& step) {
-    return std::find(step.words.begin(), step.words.end(), "--with") == step.words.end();
+    return std::ranges::find(step.words, "--with") == step.words.end();
   }
   static std::string toolOf(const Step& step) { return step.part.substr(0, step.part.find('/')); }
 

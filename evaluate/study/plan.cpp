@@ -36,7 +36,7 @@ const std::map<StepKind, std::string> kShared{
 bool takes(StepKind kind, const std::string& option) {
   if (kind == StepKind::kCalibrate) return true;
   const std::vector<std::string> shared = wordsOf(kShared.at(kind));
-  return std::find(shared.begin(), shared.end(), option) != shared.end();
+  return std::ranges::find(shared, option) != shared.end();
 }
 
 /// Whether a recording comes as images, whose corners a step must find first.
@@ -122,8 +122,8 @@ class Planner {
   }
 
   bool givesCameras() const {
-    return std::any_of(study_.calibrate.begin(), study_.calibrate.end(),
-                       [](const auto& option) { return option.first == "cameras"; });
+    return std::ranges::any_of(study_.calibrate,
+                               [](const auto& option) { return option.first == "cameras"; });
   }
 
   void addOptions(StepBuilder& step, StepKind kind) {
@@ -323,8 +323,7 @@ class Planner {
     for (const RecordingEntry& sequence : study_.sequences) names.push_back(sequence.name);
     for (const RunFile& file : findRuns(study_.trajectories.pattern, names)) {
       const auto sequence =
-          std::find_if(study_.sequences.begin(), study_.sequences.end(),
-                       [&](const RecordingEntry& entry) { return entry.name == file.sequence; });
+          std::ranges::find(study_.sequences, file.sequence, &RecordingEntry::name);
       // Files of other calibrations or sequences may lie there, too.
       if (calibrations_.count(file.calibration) == 0 || sequence == study_.sequences.end()) {
         continue;

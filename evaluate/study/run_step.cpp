@@ -243,8 +243,7 @@ bool findsFolder(StepKind kind) {
 
 /// The command's output goes with its result. Where it is this program's, it tells of the folder
 /// that the result has in the end; of another's nothing is changed.
-template <class Named>
-void keepLog(const fs::path& log, const Step& step, const fs::path& folder, const Named& named) {
+void keepLog(const fs::path& log, const Step& step, const fs::path& folder, const auto& named) {
   if (!fs::exists(log)) return;
   const fs::path kept = folder / kLogFile;
   fs::rename(log, kept);

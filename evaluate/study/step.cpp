@@ -20,8 +20,7 @@ namespace fs = std::filesystem;
 constexpr const char* kPart = "part";
 
 /// What `read` makes of a file of ours; whatever it throws, the file is damaged.
-template <class Read>
-auto readOurs(const fs::path& file, const Read& read) {
+auto readOurs(const fs::path& file, const auto& read) {
   try {
     return read();
   } catch (const std::exception& error) {

@@ -34,8 +34,7 @@ struct StepInput {
   std::string path, stamp;
 };
 
-template <class V>
-void fields(V& v, StepInput& i) {
+void fields(auto& v, StepInput& i) {
   v("path", i.path, "absolute");
   v("stamp", i.stamp, "see stampOf()");
 }
@@ -45,8 +44,7 @@ struct StepNeed {
   std::string name, key;
 };
 
-template <class V>
-void fields(V& v, StepNeed& n) {
+void fields(auto& v, StepNeed& n) {
   v("name", n.name, "of the step");
   v("key", n.key, "of the result that is needed");
 }
@@ -72,8 +70,7 @@ struct Step {
   bool keep_records = false;  ///< otherwise records.sqlite is removed when its rows are read
 };
 
-template <class V>
-void fields(V& v, Step& s) {
+void fields(auto& v, Step& s) {
   v("name", s.name, "its folder");
   v("kind", s.kind, "what it does");
   v("session", s.session, "whose result");

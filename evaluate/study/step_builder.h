@@ -60,9 +60,9 @@ class StepBuilder {
     return needs(earlier);
   }
   StepBuilder& needs(const Step& earlier) {
-    const bool known = std::any_of(step_.needs.begin(), step_.needs.end(),
-                                   [&](const StepNeed& n) { return n.name == earlier.name; });
-    if (!known) step_.needs.push_back({earlier.name, earlier.key});
+    if (std::ranges::find(step_.needs, earlier.name, &StepNeed::name) == step_.needs.end()) {
+      step_.needs.push_back({earlier.name, earlier.key});
+    }
     key_ += "result " + earlier.inputs_key + "\n";
     return *this;
   }

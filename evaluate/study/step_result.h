@@ -45,8 +45,7 @@ struct StepResult {
   }
 };
 
-template <class V>
-void fields(V& v, StepResult& r) {
+void fields(auto& v, StepResult& r) {
   v("name", r.name, "of the step");
   v("key", r.key, "of inputs, options and version");
   v("inputs_key", r.inputs_key, "of inputs and options");

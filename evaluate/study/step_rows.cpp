@@ -38,7 +38,7 @@ std::optional<double> recordedCompliance(const Step& step, const CalibrationReco
   const auto file = findSuggestions(recording);
   if (!file) return std::nullopt;
   SessionReadOptions options;
-  const auto target = std::find(step.words.begin(), step.words.end(), "--target");
+  const auto target = std::ranges::find(step.words, "--target");
   if (target != step.words.end()) options.target_path = *(target + 1);
   try {
     const Session session = readSession(recording, options);

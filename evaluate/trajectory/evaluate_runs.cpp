@@ -64,7 +64,7 @@ void refuseUnknown(const std::vector<RunFile>& files, const RunsRequest& request
                      "does not state which calibration a run belongs to; expected {calibration}");
   }
   for (const RunFile& file : files) {
-    if (std::find(known.begin(), known.end(), file.calibration) != known.end()) continue;
+    if (std::ranges::find(known, file.calibration) != known.end()) continue;
     throw InputError(file.path.string(), 0,
                      fmt::format("'{}' is none of the calibrations, which are labelled {}; name "
                                  "them as the files do, with --labels",

@@ -30,7 +30,7 @@ std::string groupOf(const std::string& field, std::vector<std::string> words) {
   if (words.empty()) return "([^/]+)";
   // Longest first: of alternatives a regular expression takes the first that fits, so that "MH_01"
   // does not take what is "MH_01_easy"'s.
-  std::sort(words.begin(), words.end(), [](const std::string& a, const std::string& b) {
+  std::ranges::sort(words, [](const std::string& a, const std::string& b) {
     return a.size() != b.size() ? a.size() > b.size() : a < b;
   });
   std::string group;
@@ -62,7 +62,7 @@ Matcher matcherOf(const std::string& pattern, const std::vector<std::string>& se
                                    "{}",
                                    kExample));
     }
-    const auto known = std::find(matcher.fields.begin(), matcher.fields.end(), field);
+    const auto known = std::ranges::find(matcher.fields, field);
     if (known != matcher.fields.end()) {
       // A field that stands twice has to stand for the same text: a back reference.
       expression += fmt::format("\\{}", known - matcher.fields.begin() + 1);
@@ -138,8 +138,7 @@ std::vector<RunFile> findRuns(const std::string& pattern,
     }
     if (file) files.push_back(*file);
   }
-  std::sort(files.begin(), files.end(),
-            [](const RunFile& a, const RunFile& b) { return a.path < b.path; });
+  std::ranges::sort(files, {}, &RunFile::path);
   return files;
 }
 

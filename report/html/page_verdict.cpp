@@ -68,8 +68,8 @@ data findingRows(const std::vector<Finding>& findings) {
 /// has a subject.
 data subjectChips(const std::vector<Finding>& findings) {
   data chips{data::type::list};
-  if (std::ranges::all_of(findings,
-                          [](const Finding& f) { return f.subject == FindingSubject::kResult; })) {
+  if (std::ranges::count(findings, FindingSubject::kResult, &Finding::subject) ==
+      std::ssize(findings)) {
     return chips;
   }
   // What is about the result as a whole is the badge's.
@@ -90,8 +90,8 @@ data subjectChips(const std::vector<Finding>& findings) {
 // A record without a headline says how many rules hold.
 std::string sentenceOf(const Verdict& verdict) {
   if (!verdict.headline.empty()) return verdict.headline;
-  const auto beyond = std::ranges::count_if(
-      verdict.findings, [](const Finding& f) { return f.level != VerdictLevel::kGood; });
+  const auto beyond = std::ssize(verdict.findings) -
+                      std::ranges::count(verdict.findings, VerdictLevel::kGood, &Finding::level);
   if (beyond == 0) return fmt::format("All {} rules are met.", verdict.findings.size());
   return fmt::format(
       "{} of {} rules {}; the evidence is below.", beyond, verdict.findings.size(),

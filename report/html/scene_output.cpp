@@ -17,8 +17,7 @@ std::string list(const Eigen::Vector3d& v) {
   return fmt::format("[{:.4g},{:.4g},{:.4g}]", v.x(), v.y(), v.z());
 }
 
-template <class Container, class Write>
-std::string join(const Container& items, const Write& write) {
+std::string join(const auto& items, const auto& write) {
   std::string text = "[";
   for (const auto& item : items) {
     if (text.size() > 1) text += ',';

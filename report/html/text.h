@@ -44,8 +44,7 @@ inline std::size_t placeOf(const std::vector<std::string>& names, const std::str
 }
 
 /// The names of the rows, each once, in the order of their first.
-template <class Rows, class Name>
-std::vector<std::string> distinct(const Rows& rows, const Name& name) {
+std::vector<std::string> distinct(const auto& rows, const auto& name) {
   std::vector<std::string> names;
   for (const auto& row : rows) {
     if (placeOf(names, name(row)) == names.size()) names.push_back(name(row));

@@ -2,6 +2,7 @@
 #include "report/records/calibration_record.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 #include "calibrator/base/calibration.h"
@@ -113,8 +114,7 @@ std::vector<std::vector<Finding>> findingsByCure(const std::vector<Finding>& fin
     }
   }
   // Stable: within a level the rules keep their order.
-  std::ranges::stable_sort(
-      rows, [](const auto& a, const auto& b) { return a.front().level > b.front().level; });
+  std::ranges::stable_sort(rows, std::greater(), [](const auto& row) { return row.front().level; });
   return rows;
 }
 

@@ -24,8 +24,7 @@ class FieldWalker {
   static constexpr bool kReads = false, kAll = Sink::kAll;
   explicit FieldWalker(Sink& sink, std::string unit = "") : sink_(sink), unit_(std::move(unit)) {}
 
-  template <class T>
-  void operator()(const char* name, T& value, const char* text) {
+  void operator()(const char* name, auto& value, const char* text) {
     (*this)(name, value, "", text);
   }
   template <class T>
@@ -33,20 +32,12 @@ class FieldWalker {
     const std::string own = unit == kSameUnit ? unit_ : unit;
     if (sink_.template field<std::remove_const_t<T>>(name, own, text)) visit(name, value, own);
   }
-  template <class T>
-  void ifSet(const char* name, T& value, const char* text) {
-    (*this)(name, value, text);
-  }
-  template <class T>
-  void derived(const char* name, const T& value, const char* unit, const char* text) {
+  void ifSet(const char* name, auto& value, const char* text) { (*this)(name, value, text); }
+  void derived(const char* name, const auto& value, const char* unit, const char* text) {
     (*this)(name, value, unit, text);
   }
-  template <class T>
-  void array(const char* name, T& values, const char* text) {
-    sink_.array(name, values, text);
-  }
-  template <class List>
-  void group(const char* name, const List& list) {
+  void array(const char* name, auto& values, const char* text) { sink_.array(name, values, text); }
+  void group(const char* name, const auto& list) {
     sink_.enter(name);
     list(*this);
     sink_.leave();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -41,9 +42,8 @@ std::vector<std::size_t> worstFirst(const std::vector<ViewErrors>& views) {
   std::vector<std::size_t> order(views.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   // Stable: views of equal error keep the order of the recording, and pages their bytes.
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    const auto size = [&](std::size_t i) { return views[i].used > 0 ? views[i].rmse_px : -1; };
-    return size(a) > size(b);
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) {
+    return views[i].used > 0 ? views[i].rmse_px : -1;
   });
   return order;
 }

@@ -68,8 +68,7 @@ std::int64_t writeStore(const std::filesystem::path& path,
                         const std::function<std::int64_t(SQLite::Database&)>& insert);
 
 /// Opens an existing store for reading and turns whatever goes wrong into an InputError.
-template <class Work>
-auto readStore(const std::filesystem::path& path, const Work& work) {
+auto readStore(const std::filesystem::path& path, const auto& work) {
   if (!std::filesystem::is_regular_file(path)) {
     throw InputError(path.string(), 0, "no such file; name a store that Plumbline wrote");
   }

@@ -19,25 +19,14 @@ static_assert(std::endian::native == std::endian::little, "arrays are written as
 template <class Visitor>
 class FieldsAlike {
  public:
-  template <class T>
-  void operator()(const char* name, T&& value, const char* /*unit*/, const char* text) {
+  void operator()(const char* name, auto&& value, const char* /*unit*/, const char* text) {
     self()(name, value, text);
   }
-  template <class T>
-  void ifSet(const char* name, T&& value, const char* text) {
-    self()(name, value, text);
-  }
-  template <class T>
-  void derived(const char* /*name*/, const T& /*value*/, const char* /*unit*/,
+  void ifSet(const char* name, auto&& value, const char* text) { self()(name, value, text); }
+  void derived(const char* /*name*/, const auto& /*value*/, const char* /*unit*/,
                const char* /*text*/) {}
-  template <class T>
-  void array(const char* name, T&& value, const char* text) {
-    self()(name, value, text);
-  }
-  template <class List>
-  void group(const char* /*name*/, const List& list) {
-    list(self());
-  }
+  void array(const char* name, auto&& value, const char* text) { self()(name, value, text); }
+  void group(const char* /*name*/, const auto& list) { list(self()); }
 
  private:
   Visitor& self() { return static_cast<Visitor&>(*this); }
@@ -55,10 +44,7 @@ class PackedWalk : public FieldsAlike<Self> {
  public:
   using FieldsAlike<Self>::operator();
 
-  template <class T>
-  void operator()(const char* /*name*/, T& value, const char* /*text*/) {
-    visit(value);
-  }
+  void operator()(const char* /*name*/, auto& value, const char* /*text*/) { visit(value); }
 
  protected:
   template <class T>
@@ -110,14 +96,12 @@ class PackedWalk : public FieldsAlike<Self> {
     }
     value = static_cast<T>(byte);
   }
-  template <class List>
-  void size(List& list) {
+  void size(auto& list) {
     const std::size_t size = self().count(list.size());
     if constexpr (Self::kReads && requires { list.resize(size); }) list.resize(size);
     if (list.size() != size) throw std::runtime_error("a list has not the length it should");
   }
-  template <class Matrix>
-  void shape(Matrix& matrix) {
+  void shape(auto& matrix) {
     const std::size_t rows = self().count(static_cast<std::size_t>(matrix.rows()));
     const std::size_t cols = self().count(static_cast<std::size_t>(matrix.cols()));
     if constexpr (Self::kReads) self().resize(matrix, rows, cols);
@@ -156,10 +140,7 @@ class Unpacker : public PackedWalk<Unpacker> {
   static constexpr bool kReads = true, kAll = false;
   explicit Unpacker(const std::string& bytes) : bytes_(bytes) {}
 
-  template <class T>
-  void unpack(T& value) {
-    visit(value);
-  }
+  void unpack(auto& value) { visit(value); }
   bool more() const { return at_ < bytes_.size(); }
 
  private:
@@ -178,8 +159,7 @@ class Unpacker : public PackedWalk<Unpacker> {
     }
     return static_cast<std::size_t>(size);
   }
-  template <class Matrix>
-  void resize(Matrix& matrix, std::size_t rows, std::size_t cols) {
+  void resize(auto& matrix, std::size_t rows, std::size_t cols) {
     if (cols > 0 && rows > (bytes_.size() - at_) / cols) {
       throw std::runtime_error("a matrix states more elements than it contains");
     }

@@ -53,8 +53,7 @@ void checkCovariance(const ParameterCovariance& covariance) {
 }
 
 // Every residual stands for a camera and a frame of its stage.
-template <class StageResult>
-void checkStage(const StageResult& stage) {
+void checkStage(const auto& stage) {
   checkCameras(stage.cameras);
   checkCovariance(stage.summary.covariance);
   for (const CornerResidual& r : stage.residuals) {

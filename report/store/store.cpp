@@ -83,8 +83,7 @@ struct MetricSink : PathSink {
     const std::size_t stage = path.size() > 1 && (in_list || path[0] == "stages") ? 1 : 0;
     metrics.push_back({path[stage], under(name, stage + 1), unit, value});
   }
-  template <class T>
-  void array(const char* /*name*/, const T& /*values*/, const char* /*text*/) {}
+  void array(const char* /*name*/, const auto& /*values*/, const char* /*text*/) {}
 };
 
 constexpr RunKind kindOf(const CalibrationRecord& /*of*/) { return RunKind::kCalibration; }

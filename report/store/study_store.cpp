@@ -116,8 +116,7 @@ class TemporaryFile {
 };
 
 /// Does the work; InputError where the history turns out to be damaged.
-template <class Work>
-auto orDamaged(const fs::path& path, const Work& work) {
+auto orDamaged(const fs::path& path, const auto& work) {
   try {
     return work();
   } catch (const SQLite::Exception& error) {
@@ -130,8 +129,7 @@ auto orDamaged(const fs::path& path, const Work& work) {
 }
 
 /// The rows of a query, in which `night` is what a night is asked for by, each as `make` has it.
-template <class Make>
-auto rowsOf(SQLite::Database& db, const fs::path& path, const char* query, const Make& make,
+auto rowsOf(SQLite::Database& db, const fs::path& path, const char* query, const auto& make,
             std::optional<int> night = {}) {
   return orDamaged(path, [&] {
     SQLite::Statement row(db, query);

@@ -31,8 +31,7 @@ fs::path calibrationIn(const YamlMap& map, const std::string& key) {
     const std::string name = p.filename().string();
     return std::pair(name.find("imucam") == std::string::npos, name);
   };
-  std::sort(chains.begin(), chains.end(),
-            [&](const fs::path& a, const fs::path& b) { return rank(a) < rank(b); });
+  std::ranges::sort(chains, {}, rank);
   if (!chains.empty()) return chains.front();
   throw map.fault(key, {InputFault::kMissingFile,
                         path.string() + " is neither a calibration nor a folder with one",
@@ -88,7 +87,7 @@ void refuseFarBeyond(const YamlMap& map, double seconds, double limit_s) {
 void readMethod(const YamlMap& map, const std::vector<std::string>& methods, StudySession& row) {
   row.method = map.text("method", "one of the study's methods");
   if (methods.empty()) return;  // they were refused
-  if (std::find(methods.begin(), methods.end(), row.method) != methods.end()) return;
+  if (std::ranges::find(methods, row.method) != methods.end()) return;
   throw map.fault("method",
                   {InputFault::kUnknownWord, fmt::format("unknown method '{}'", row.method),
                    fmt::format("one of {}", fmt::join(methods, ", "))});

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 void refuseUnknownKeys(const YamlMap& map, std::initializer_list<const char*> known) {
   FaultList faults;
   for (const std::string& key : map.keys()) {
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    if (std::ranges::find(known, key) != known.end()) continue;
     faults.attempt([&] {
       throw map.fault(key, {InputFault::kUnknownWord, fmt::format("unknown key '{}'", key),
                             fmt::format("one of {}", fmt::join(known, ", "))});
@@ -50,7 +50,7 @@ bool flagOf(const YamlMap& map, const std::string& key, bool otherwise) {
 // result in the making has beside it, stay below the 255 of a file system.
 std::string nameOf(const YamlMap& map, const std::string& key) {
   const std::string name = map.text(key, "a name");
-  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+  const bool plain = std::ranges::all_of(name, [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
   });
   if (!name.empty() && plain && name.front() != '.' && name.size() <= 100) return name;
@@ -68,7 +68,7 @@ std::vector<std::string> wordsOf(const YamlMap& map, const std::string& key,
   if (!list.IsSequence()) throw refuse();
   for (const YAML::Node& entry : list) {
     if (!entry.IsScalar() || entry.Scalar().empty()) throw refuse();
-    if (std::find(words.begin(), words.end(), entry.Scalar()) != words.end()) {
+    if (std::ranges::find(words, entry.Scalar()) != words.end()) {
       throw map.fault(key,
                       {InputFault::kDuplicate,
                        fmt::format("'{}' is given twice in {}", entry.Scalar(), key), "each once"});
@@ -103,7 +103,7 @@ fs::path recordingOf(const YamlMap& map, const std::string& key) {
 }
 
 bool isOneOf(const std::string& word, std::initializer_list<const char*> list) {
-  return std::find(list.begin(), list.end(), word) != list.end();
+  return std::ranges::find(list, word) != list.end();
 }
 
 void Names::add(const YamlMap& map, const std::string& name) {

@@ -20,8 +20,7 @@ namespace plumbline::study_internal {
 class FaultList {
  public:
   /// Whether reading went well; what it throws is kept.
-  template <class Read>
-  bool attempt(const Read& read) {
+  bool attempt(const auto& read) {
     try {
       read();
       return true;
@@ -37,8 +36,7 @@ class FaultList {
   /// Throws the only one as it was, or several as InputErrors in the order of their lines.
   void raise() {
     if (found_.empty()) return;
-    std::stable_sort(found_.begin(), found_.end(),
-                     [](const InputError& a, const InputError& b) { return a.line() < b.line(); });
+    std::ranges::stable_sort(found_, {}, &InputError::line);
     if (found_.size() == 1) std::rethrow_exception(last_);
     throw InputErrors(std::move(found_));
   }

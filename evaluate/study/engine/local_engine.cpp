@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <set>
 #include <utility>
@@ -106,8 +107,7 @@ class LocalEngine {
       if (need == Need::kDone) list.push_back(*it);
       ++it;
     }
-    std::stable_sort(list.begin(), list.end(),
-                     [&](std::size_t a, std::size_t b) { return urgency_[a] > urgency_[b]; });
+    std::ranges::stable_sort(list, std::greater(), [&](std::size_t i) { return urgency_[i]; });
     return list;
   }
 

@@ -95,7 +95,7 @@ std::set<std::string> lostSteps(const PreparedNight& night, const StepResults& s
   for (const auto& stage : unsettledStages(night.folder, night.steps)) {
     for (const Step& step : stage) {
       // What needs a step that failed is missing for good.
-      const bool could = std::all_of(step.needs.begin(), step.needs.end(), [&](const auto& need) {
+      const bool could = std::ranges::all_of(step.needs, [&](const auto& need) {
         const auto result = settled.find(need.name);
         return result != settled.end() && result->second.status == StepStatus::kDone;
       });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,12 +44,10 @@ std::vector<NamedGap> longestGaps(const std::vector<SampleIntervals>& sensors) {
   for (const SampleIntervals& s : sensors) {
     for (const SampleGap& gap : s.gaps) gaps.push_back({s.sensor, gap});
   }
-  std::ranges::stable_sort(gaps, [](const NamedGap& a, const NamedGap& b) {
-    return a.gap.duration_s > b.gap.duration_s;
-  });
+  std::ranges::stable_sort(gaps, std::greater(),
+                           [](const NamedGap& g) { return g.gap.duration_s; });
   gaps.resize(std::min(gaps.size(), kMostRows));
-  std::ranges::stable_sort(gaps,
-                           [](const NamedGap& a, const NamedGap& b) { return a.gap.t < b.gap.t; });
+  std::ranges::stable_sort(gaps, {}, [](const NamedGap& g) { return g.gap.t; });
   return gaps;
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -140,9 +141,8 @@ std::vector<Rejected> rejectedOf(const std::vector<ViewErrors>& views) {
       if (!r->used) list.push_back({i, r});
     }
   }
-  std::ranges::stable_sort(list, [](const Rejected& a, const Rejected& b) {
-    return a.corner->error.squaredNorm() > b.corner->error.squaredNorm();
-  });
+  std::ranges::stable_sort(list, std::greater(),
+                           [](const Rejected& r) { return r.corner->error.squaredNorm(); });
   return list;
 }
 

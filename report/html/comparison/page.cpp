@@ -39,8 +39,7 @@ Card significanceCard(const ComparisonRecord& record) {
 std::vector<Card> cardsOf(const ComparisonRecord& record) {
   std::ptrdiff_t lint = 0;
   for (const ComparedCalibration& c : record.calibrations) {
-    lint += std::ranges::count_if(c.lint,
-                                  [](const Finding& f) { return f.level != VerdictLevel::kGood; });
+    lint += std::ssize(c.lint) - std::ranges::count(c.lint, VerdictLevel::kGood, &Finding::level);
   }
   std::vector<Card> cards = {{"Calibrations", std::to_string(record.calibrations.size()), "",
                               record.calibrations.empty()

@@ -13,8 +13,7 @@
 namespace plumbline::html_internal {
 
 /// Page of the session whose figure is nearest to a value, such as a median; "" where none has one.
-template <class Sessions, class Get>
-std::string pageNearest(const Sessions& sessions, double value, const Get& get) {
+std::string pageNearest(const auto& sessions, double value, const auto& get) {
   std::string page;
   double least = std::numeric_limits<double>::infinity();
   for (const auto& session : sessions) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <fmt/format.h>
 
@@ -57,9 +58,8 @@ std::string largestDifferences(const StudyOther& other) {
   std::vector<StudyDifference> all = other.differences;
   // Without a deviation of Plumbline's there is no order among units.
   std::erase_if(all, [](const StudyDifference& d) { return !d.sigmas; });
-  std::ranges::stable_sort(all, [](const StudyDifference& a, const StudyDifference& b) {
-    return std::abs(*a.sigmas) > std::abs(*b.sigmas);
-  });
+  std::ranges::stable_sort(all, std::greater(),
+                           [](const StudyDifference& d) { return std::abs(*d.sigmas); });
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(3, all.size()); ++i) {
     text += fmt::format("{}{} {:+.2g} \u03c3", i > 0 ? ", " : "", all[i].parameter, *all[i].sigmas);

@@ -40,9 +40,8 @@ void addGroup(BoxPlot& plot, const BoxRule& rule, const std::string& name, std::
 }
 
 /// Values of each (sequence, calibration) in the order of appearance.
-template <class Collect>
 BoxPlot boxesBySequence(const std::vector<TrajectoryRun>& runs, const BoxRule& rule,
-                        const Collect& collect) {
+                        const auto& collect) {
   BoxPlot plot;
   plot.series = calibrationsOf(runs);
   for (const std::string& sequence : sequencesOf(runs)) {
