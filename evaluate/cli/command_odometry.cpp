@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/session_folder.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/result_options.h"
@@ -92,6 +93,20 @@ std::optional<Runner> runnerFrom(const std::string& with) {
   return isRunnerFile(with) ? readRunner(with) : runnerOf(with);
 }
 
+/// --cameras: with fewer than it asks for, a calibration would be compared on others' terms.
+void checkCameras(const OdometryRequest& request) {
+  const int cameras = request.builtin.cameras;
+  if (cameras == 0) return;
+  if (request.runner) throw InputError("--cameras is of the built-in odometry; omit it");
+  for (const std::string& path : request.calibrations) {
+    const std::size_t known = readCalibration(path).cameras.size();
+    if (static_cast<std::size_t>(cameras) <= known) continue;
+    throw InputError(path, 0,
+                     fmt::format("has {} camera{}; expected {} or more; correct --cameras", known,
+                                 known == 1 ? "" : "s", cameras));
+  }
+}
+
 OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
   OdometryRequest request = o.request;
   request.runner = runnerFrom(o.with);
@@ -106,6 +121,7 @@ OdometryRequest odometryRequest(const OdometryCommandOptions& o) {
         "--estimate-w-first and --estimate-inverted are of what an external system writes; choose "
         "one by --with, or omit them");
   }
+  checkCameras(request);
   // Never empty: CLI11 has let through known words only.
   request.hint = *enumFrom<HintKind>(o.estimate);
   request.how = judgedAs(o.metrics);

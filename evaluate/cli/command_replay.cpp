@@ -207,12 +207,15 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
       ->check(numberFrom(1));
   addWithDefault(app, "--seed", o.seed, "Seed of the first random order")->check(seedFrom(1));
   app.add_flag("--no-counterfactuals", o.no_counterfactuals,
-               "Skip the counterfactuals (other orders of views)");
+               "Skip the counterfactuals (other orders of views)")
+      ->excludes(app.get_option("--random-orders"))
+      ->excludes(app.get_option("--seed"));
   addWithDefault(app, "--stop-tolerance-s", o.stop_tolerance_s,
                  "A stop up to this long after the views were sufficient counts as right [s]")
       ->check(numberFrom(0));
   o.output.declareResult(app);
-  app.add_flag("--no-images", o.no_images, "Do not embed images in the page");
+  app.add_flag("--no-images", o.no_images, "Do not embed images in the page")
+      ->excludes(app.get_option("--no-report"));
 }
 
 ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {

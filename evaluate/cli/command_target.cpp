@@ -62,8 +62,10 @@ void declarePrint(CLI::App& app, PrintOptions& o) {
 
 /// The name of the sheet's target.yaml: that of the PDF with another ending.
 std::string yamlBeside(const std::string& pdf) {
-  const bool ends = pdf.ends_with(".pdf") || pdf.ends_with(".PDF");
-  return (ends ? pdf.substr(0, pdf.size() - 4) : pdf) + ".yaml";
+  if (pdf.ends_with(".pdf") || pdf.ends_with(".PDF"))
+    return pdf.substr(0, pdf.size() - 4) + ".yaml";
+  throw InputError(fmt::format(
+      "--out {}: expected a name that ends in .pdf; target.yaml is written beside it", pdf));
 }
 
 int printTarget(const PrintOptions& o) {

@@ -431,6 +431,10 @@ TEST_F(CommandReplay, BadUsageLeavesNothing) {
         "--criterion error", "--later-use here", "--first-trajectory now", "--stop-excess 0"}) {
     expectRefusal(replay(session(), options), 2, Not(HasSubstr("terminate")));
   }
+  // replay() gives --no-counterfactuals.
+  for (const char* options : {"--random-orders 3", "--seed 9", "--no-images --no-report"}) {
+    expectRefusal(replay(session(), options), 2, HasSubstr(" excludes --no-"));
+  }
   expectRefusal(replay(session(), "--random-orders 0"), 2, HasSubstr("0: expected 1 or more;"));
   expectRefusal(replay(session(), "--stop-tolerance-s -1"), 2, HasSubstr("-1: expected 0 or more"));
 }

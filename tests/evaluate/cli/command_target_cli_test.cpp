@@ -49,6 +49,10 @@ TEST_F(CommandTarget, RefusesWhatCannotBePrinted) {
     EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
     EXPECT_FALSE(fs::exists(at("x.pdf"))) << wrong;
   }
+  const Outcome yaml = plumbline("target print --tag-size 88mm --out " + at("x.yaml"));
+  EXPECT_EQ(yaml.exit_code, 2);
+  EXPECT_THAT(yaml.text, HasSubstr("x.yaml: expected a name that ends in .pdf"));
+  EXPECT_FALSE(fs::exists(at("x.yaml")));
 }
 
 TEST_F(CommandTarget, FitsOneBoardToSeveralSessions) {

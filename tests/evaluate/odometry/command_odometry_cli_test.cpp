@@ -364,6 +364,10 @@ TEST_F(OtherOdometry, RefusesWhatCannotBeCompared) {
   EXPECT_EQ(alone.exit_code, 2) << alone.text;
   EXPECT_THAT(alone.text, HasSubstr("states no standard deviations"));
   EXPECT_EQ(odometry(sequence + calibration + " --executable x").exit_code, 2);
+  EXPECT_THAT(odometry(sequence + calibration + " --cameras 99").text,
+              HasSubstr("has 2 cameras; expected 99 or more; correct --cameras"));
+  EXPECT_THAT(odometry(sequence + calibration + " --with openvins --cameras 1").text,
+              HasSubstr("--cameras is of the built-in odometry"));
   const Outcome open =
       odometry(sequence + calibration + " --truth '" + folder_.string() + "/{sequence'");
   EXPECT_EQ(open.exit_code, 2) << open.text;
