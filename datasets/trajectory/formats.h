@@ -118,6 +118,9 @@ std::optional<TableHeader> parseTableHeader(std::string_view line);
 /// Cov(da) = R Cov(e) R^T. The file has no cross terms; they are zero here.
 TrajectoryFile readPoseTable(const TrajectorySource& source, const TrajectoryReadOptions& options);
 
+/// Mends what readPoseTable() has read from Kalibr's poses by their header (isKalibrPosesHeader()).
+void correctKalibrPoses(const TrajectorySource& source, TrajectoryFile& file);
+
 /// KITTI's poses: T_WB as 12 numbers a line (3x4, row by row), with `options.times` one stamp in
 /// seconds a line, whose intervals must be those of poses. Rotations must be orthonormal within
 /// 1e-2.

@@ -69,7 +69,9 @@ TrajectoryFile readText(const TrajectorySource& source, const TrajectoryReadOpti
   if (format == TrajectoryFormat::kMotive) return readMotive(source, options);
   if (format == TrajectoryFormat::kVicon) return readVicon(source, options);
   if (format == TrajectoryFormat::kKitti) return readKitti(source, options);
-  return readPoseTable(source, options);
+  TrajectoryFile file = readPoseTable(source, options);
+  if (!options.format) correctKalibrPoses(source, file);
+  return file;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "calibrator/base/enum_words.h"
@@ -49,5 +50,13 @@ struct TrajectoryFile {
 /// options name a body or times that files of this format do not have.
 TrajectoryFile readTrajectory(const std::filesystem::path& path,
                               const TrajectoryReadOptions& options = {});
+
+/// The first line of Kalibr's poses-*.csv: EuRoC's names without a unit of the stamps, 8 columns.
+/// It promises w, x, y, z and Kalibr writes x, y, z, w of the conjugate (JPL), with w >= 0. Where
+/// signs show that, and no format is asked for, readTrajectory() reads them so, with a remark.
+bool isKalibrPosesHeader(std::string_view line);
+
+/// Poses that were read as that header says, as Kalibr has written them.
+void readAsKalibrs(std::vector<StampedPose>& poses);
 
 }  // namespace plumbline

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,35 +8,13 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "datasets/calibration/kalibr/run.h"
 #include "datasets/files/bad_input.h"
-#include "datasets/files/file_io.h"
-#include "datasets/files/numbers.h"
-#include "datasets/files/table.h"
+#include "datasets/trajectory/trajectory_reader.h"
 
 namespace plumbline {
 namespace {
 
-constexpr const char* kRow = "stamp [ns], p x y z [m] and a quaternion, separated by commas";
-constexpr double kUnitTolerance = 1e-3;
 constexpr double kLooking = 0.8;  // share of poses that must look at the target
 constexpr double kSharper = 0.5;  // an order that brings the aims this much closer is the right one
-
-StampedPose poseOf(TextTable& table) {
-  const NumberRow row = table.numbers();
-  table.expectColumns(row, 8, kRow);
-  const auto t = parseStamp(row.stamp, 0);
-  if (!t) throw table.fault({InputFault::kBadNumber, "the stamp is not a time", kRow});
-  const double* const v = &row.values[1];
-  if (!std::all_of(v, v + 7, [](double value) { return std::isfinite(value); })) {
-    throw table.fault({InputFault::kNotFinite, "the pose is not finite (nan or inf)", kRow});
-  }
-  // The quaternion: x, y, z, w of the conjugate, whatever the header says.
-  const StampedPose pose{*t, {v[0], v[1], v[2]}, {v[6], -v[3], -v[4], -v[5]}};
-  if (std::abs(pose.q.norm() - 1) > kUnitTolerance) {
-    throw table.fault({InputFault::kNotRigid,
-                       fmt::format("the quaternion's length is {:.4f}", pose.q.norm()), "1"});
-  }
-  return pose;
-}
 
 // Where the optical axis meets the target's plane; nothing where it points away from it.
 std::optional<Eigen::Vector2d> aimOf(const StampedPose& pose) {
@@ -73,22 +49,10 @@ Aim aimOf(const std::vector<StampedPose>& poses) {
   return {static_cast<double>(x.size()) / static_cast<double>(poses.size()), median(distances)};
 }
 
-// The four columns taken as the header names them: w, x, y, z.
-std::vector<StampedPose> asTheHeaderSays(std::vector<StampedPose> poses) {
-  for (StampedPose& pose : poses) {
-    const Eigen::Quaterniond& q = pose.q;
-    // poseOf() undone: the columns a, b, c, d are w = d and (x, y, z) = (-a, -b, -c) there.
-    pose.q = Eigen::Quaterniond(-q.x(), -q.y(), -q.z(), q.w());
-  }
-  return poses;
-}
-
 // Cameras that see the target aim at it, more or less at one place. Smoothness would not tell: both
 // readings of the columns turn by the same angles between poses, as a quaternion's components only
 // change place and sign.
-void requireLooking(const std::string& path, const Trajectory& trajectory) {
-  const Aim aim = aimOf(trajectory.poses);
-  const Aim other = aimOf(asTheHeaderSays(trajectory.poses));
+void requireLooking(const std::string& path, const Aim& aim, const Aim& other) {
   const bool other_is_better = other.share >= kLooking && other.spread_m < kSharper * aim.spread_m;
   if (aim.share >= kLooking && !other_is_better) return;
   throw badInput(
@@ -107,20 +71,11 @@ void requireLooking(const std::string& path, const Trajectory& trajectory) {
 }  // namespace
 
 Trajectory readKalibrPoses(const std::string& path) {
-  const MappedFile file(path);
-  TextTable table(path, file.text(), kRow);
-  Trajectory trajectory;
-  trajectory.name = std::filesystem::path(path).stem().string();
-  while (table.nextRow()) {
-    trajectory.poses.push_back(poseOf(table));
-    const auto& poses = trajectory.poses;
-    if (poses.size() > 1 && poses.back().t <= poses[poses.size() - 2].t) {
-      throw table.fault({InputFault::kBadOrder, "the stamps do not ascend", "ascending stamps"});
-    }
-  }
-  if (trajectory.poses.empty())
-    throw badInput(path, {InputFault::kEmpty, "contains no poses", kRow});
-  requireLooking(path, trajectory);
+  // By the header, or as EuRoC has the columns where there is none.
+  Trajectory trajectory = readTrajectory(path, {.format = TrajectoryFormat::kEuroc}).trajectory;
+  const Aim as_stated = aimOf(trajectory.poses);
+  readAsKalibrs(trajectory.poses);
+  requireLooking(path, aimOf(trajectory.poses), as_stated);
   return trajectory;
 }
 

@@ -11,6 +11,7 @@
 #include "datasets/files/file_io.h"
 #include "datasets/files/table.h"
 #include "datasets/files/yaml_map.h"
+#include "datasets/trajectory/trajectory_reader.h"
 
 namespace plumbline {
 namespace {
@@ -41,7 +42,6 @@ std::optional<Kind> yamlKind(const std::string& path) {
   return imu.has("gyroscope_noise_density") ? std::optional(Kind::kImu) : std::nullopt;
 }
 
-// The table of poses has no unit in the first name of its header, unlike EuRoC's, and 8 columns.
 std::optional<Kind> textKind(std::string_view text) {
   TextLines lines(text);
   if (!lines.next()) return std::nullopt;
@@ -49,9 +49,7 @@ std::optional<Kind> textKind(std::string_view text) {
     const bool cameras = text.find("Camera-system parameters") != std::string_view::npos;
     return cameras ? Kind::kResultsCameras : Kind::kResultsImu;
   }
-  const bool poses =
-      lines.text().starts_with("#timestamp, p_RS_R_x ") && csvCells(lines.text()).size() == 8;
-  return poses ? std::optional(Kind::kPoses) : std::nullopt;
+  return isKalibrPosesHeader(lines.text()) ? std::optional(Kind::kPoses) : std::nullopt;
 }
 
 /// Equal up to the text's rounding, relative for numbers above 1.

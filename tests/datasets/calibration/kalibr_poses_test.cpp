@@ -75,7 +75,7 @@ TEST(KalibrPoses, FaultsAreNamedByLine) {
   EXPECT_EQ(read(good + "2,0,0,1,1,0,0\n"), InputFault::kBadColumns);
   EXPECT_EQ(read(good + "2,0,0,1,nan,0,0,0\n"), InputFault::kNotFinite);
   EXPECT_EQ(read(good + "2,0,0,1,2,0,0,0\n"), InputFault::kNotRigid);
-  EXPECT_EQ(read(good + good), InputFault::kBadOrder);
+  EXPECT_EQ(read("2,0,0,1,1,0,0,0\n" + good), InputFault::kBadOrder);
   EXPECT_EQ(read("# nothing\n"), InputFault::kEmpty);
 }
 

@@ -266,6 +266,28 @@ TEST(EurocTrajectory, AHeaderMayPutTheScalarLast) {
   expectQuaternion(file.trajectory.poses[0].q, {0.6, 0, 0, 0.8});
 }
 
+// Kalibr's poses-cam0.csv: the last column is the scalar, and the others change sign where it
+// would.
+TEST(EurocTrajectory, OfKalibrsPosesTheHeaderIsNotBelieved) {
+  const std::string header =
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+      "q_RS_z []\n";
+  const std::string first = "1404733405832800000,0.3,0.2,1,-0.96,0,0,0.28\n";
+  const std::string kalibrs = header + first + "1404733405882800000,0.3,0.2,1,0.96,0.28,0,0\n";
+  const TrajectoryFile file = read(kalibrs);
+  expectQuaternion(file.trajectory.poses[0].q, {0.96, 0, 0, 0.28});
+  expectQuaternion(file.trajectory.poses[1].q, {-0.96, -0.28, 0, 0});
+  EXPECT_THAT(file.remarks, ElementsAre(HasSubstr("Kalibr")));
+  // Asked for, or of signs that an honest file may have.
+  for (const TrajectoryFile& honest :
+       {read(kalibrs, {.format = TrajectoryFormat::kEuroc}),
+        read(header + first + "1404733405882800000,0.3,0.2,1,-0.96,0.28,0,0\n"),
+        read(header + first + "1404733405882800000,0.3,0.2,1,0.96,0,0,-0.28\n")}) {
+    expectQuaternion(honest.trajectory.poses[0].q, {0, 0, 0.28, -0.96});
+    EXPECT_THAT(honest.remarks, IsEmpty());
+  }
+}
+
 TEST(EurocTrajectory, LeicaHasNoOrientation) {
   const TrajectoryFile file = read(
       "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m]\n"
