@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -265,7 +266,8 @@ void addDeviations(const YamlMap& file, const char* stage, StatedDeviations& out
     const YamlMap record = stages.map(stage, "a stage");
     if (record.has("robust_std")) {
       // Through both stages they are not of cameras' own time offsets, which stand behind.
-      addRobust(record, {std::min(count, kImuParameters), count}, stated);
+      const bool through_both = std::string_view(stage) == "camera_imu";
+      addRobust(record, {through_both ? std::min(count, kImuParameters) : count, count}, stated);
     } else if (record.has("faults") && count >= kImuParameters) {
       // Given cameras: no deviations through both stages, but those of the tests for faults.
       const YamlMap faults = record.map("faults", "tests for faults");

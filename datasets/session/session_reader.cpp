@@ -211,7 +211,7 @@ void selectFrames(Recording& recording, const SessionReadOptions& options) {
     const double length = secondsBetween(frames.front().t, frames.back().t);
     throw BadInput(InputFault::kNothingSelected,
                    fmt::format("from {:g} to {:g} contains no frame; expected an interval within "
-                               "the recording's {:.1f} s; correct them",
+                               "the recording's {:.1f} s",
                                options.from_s, options.to_s, length));
   }
   // Under a stride alone the samples between the frames that stay are those of the whole recording.

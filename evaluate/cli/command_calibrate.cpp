@@ -116,9 +116,7 @@ void checkCalibrateLine(std::vector<std::string> reversed) {
   CLI::App app;
   CalibrateOptions options;
   declareCalibrate(app, options);
-  // Neither --help nor the work: the request alone.
-  app.set_help_flag();
-  app.parse(std::move(reversed));
+  parseReversed(app, "calibrate", std::move(reversed));
   calibrateRequest(options, app).check();
 }
 

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -32,7 +33,7 @@ void declareReport(CLI::App& app, ReportOptions& o) {
 }
 
 /// Of a folder its records file; any other path is taken for one, and the store says what is wrong
-/// with it.
+/// with it, but for an empty file, which to SQLite is a store of nobody.
 std::filesystem::path storeOf(const std::string& input) {
   const std::filesystem::path path(input);
   if (std::filesystem::is_directory(path)) {
@@ -44,6 +45,10 @@ std::filesystem::path storeOf(const std::string& input) {
                        "records file");
     }
     return store;
+  }
+  std::error_code unknown;
+  if (std::filesystem::is_regular_file(path) && std::filesystem::file_size(path, unknown) == 0) {
+    throw InputError(input, 0, "is empty; expected a records file; was its copy interrupted?");
   }
   return path;
 }

@@ -72,12 +72,8 @@ void checkCalibrate(const StudyCommandOptions& options) {
     refuseReserved(option.first);
     (option.first == "models" ? models : others).push_back(option);
   }
-  try {
-    for (const StudyCommandOptions& together : {models, others}) {
-      checkCalibrateLine(lineOf({"session", "--out", "result"}, together));
-    }
-  } catch (const CLI::ParseError& error) {
-    throw InputError(fmt::format("plumbline calibrate: {}", error.what()));
+  for (const StudyCommandOptions& together : {models, others}) {
+    checkCalibrateLine(lineOf({"session", "--out", "result"}, together));
   }
 }
 
@@ -87,13 +83,7 @@ void checkTrajectory(const StudyCommandOptions& options) {
   TrajectoryMetricWords metrics;
   declareTrajectoryMetrics(app, metrics);
   declareCoverage(app, metrics);
-  // No --help among a study's options.
-  app.set_help_flag();
-  try {
-    app.parse(lineOf({}, options));
-  } catch (const CLI::ParseError& error) {
-    throw InputError(fmt::format("plumbline evaluate trajectory: {}", error.what()));
-  }
+  parseReversed(app, "evaluate trajectory", lineOf({}, options));
   // Numbers were checked as they were parsed; words are where they are read.
   (void)judgedAs(metrics);
 }

@@ -9,6 +9,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "calibrator/base/error.h"
+
 namespace plumbline {
 namespace {
 
@@ -134,6 +136,15 @@ std::string usageText(const CLI::ParseError& error, const CLI::App& app) {
                      !takesValue(*option) ? "no value"
                      : whole              ? "a whole number below 2147483648"
                                           : "a number");
+}
+
+void parseReversed(CLI::App& app, const char* command, std::vector<std::string> reversed) {
+  app.set_help_flag();
+  try {
+    app.parse(std::move(reversed));
+  } catch (const CLI::ParseError& error) {
+    throw InputError(fmt::format("plumbline {}: {}", command, usageText(error, app)));
+  }
 }
 
 std::string didYouMean(const CLI::App& app) {

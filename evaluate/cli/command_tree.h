@@ -49,6 +49,10 @@ std::string withOwners(const std::string& text, const CLI::App& command);
 /// is given twice, without its value, or with one that is no number.
 std::string usageText(const CLI::ParseError& error, const CLI::App& app);
 
+/// Parses words, the last one first, as CLI11 takes a vector, with the options of `command` but
+/// --help. Throws InputError in the words of that command.
+void parseReversed(CLI::App& app, const char* command, std::vector<std::string> reversed);
+
 /// "; did you mean --out?" where an argument that the chosen command does not know resembles one
 /// that it does; "" otherwise. `app` after a parse that failed.
 std::string didYouMean(const CLI::App& app);

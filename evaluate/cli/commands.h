@@ -74,7 +74,7 @@ Command odometryCommand();
 Command evaluateCommand();  ///< with subcommands
 
 /// What `plumbline calibrate` itself says against its words, the last one first, as CLI11 takes a
-/// vector; no file is opened. Throws CLI::ParseError or InputError.
+/// vector; no file is opened. Throws InputError.
 void checkCalibrateLine(std::vector<std::string> reversed);
 
 // Of `simulate`.

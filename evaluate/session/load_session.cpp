@@ -31,7 +31,8 @@ void keepOnly(Recording& recording, const std::vector<std::string>& only) {
   for (const CameraStream& camera : recording.session.cameras) names.push_back(camera.name);
   for (const std::string& name : only) {
     if (std::find(names.begin(), names.end(), name) == names.end()) {
-      throw InputError(
+      throw BadInput(
+          InputFault::kUnknownCamera,
           fmt::format("the session has no camera {}; it has {}", name, fmt::join(names, ", ")));
     }
   }

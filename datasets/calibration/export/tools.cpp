@@ -44,7 +44,7 @@ std::string wrappedParagraph(const std::string& paragraph, const std::string& pr
 }  // namespace
 
 void ExportSource::refuse(InputFault code, const std::string& what, const std::string& cure) const {
-  throw BadInput(code, options.source, 0, fmt::format("{}: {}; {}", tool, what, cure));
+  throw badInput(options.source, {code, fmt::format("{}: {}", tool, what), "", cure});
 }
 
 void ExportSource::atMostCameras(std::size_t count) const {
@@ -95,15 +95,14 @@ void ExportSource::knownNoise() const {
   if (!calibration.imu) return;
   if (!options.noise_known) {
     refuse(InputFault::kNoImuNoise,
-           "it needs the IMU's noise densities, and this file does not state them",
-           "give Kalibr's imu.yaml in addition");
+           "it needs the IMU's noise densities, and this file does not state them");
   }
   const ImuNoise& n = calibration.imu->noise;
   const bool positive = n.gyro_density > 0 && n.gyro_random_walk > 0 && n.accel_density > 0 &&
                         n.accel_random_walk > 0 && n.rate_hz > 0;
   if (!positive) {
     refuse(InputFault::kNoImuNoise, "a noise density or the IMU's rate is not positive",
-           "correct the calibration, or give Kalibr's imu.yaml in addition");
+           "correct the calibration");
   }
 }
 

@@ -38,7 +38,8 @@ struct ExportSource {
   [[noreturn]] void refuseModel(const CameraCalibration& camera, const std::string& known) const;
   /// The tool's word for the distortion of a camera that must be a pinhole.
   const char* distortionWord(const CameraCalibration& camera, const PinholeWords& words) const;
-  [[noreturn]] void refuse(InputFault code, const std::string& what, const std::string& cure) const;
+  [[noreturn]] void refuse(InputFault code, const std::string& what,
+                           const std::string& cure = {}) const;
 
  private:
   using TextOf = std::string (*)(const Intrinsics&);

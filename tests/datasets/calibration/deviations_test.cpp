@@ -112,6 +112,20 @@ TEST_F(Deviations, ThroughBothStagesMayLeaveOutCamerasOwnOffsets) {
             InputFault::kContradiction);
 }
 
+// The camera stage has no such offsets: seven of ten deviations are not its first parameters'.
+TEST_F(Deviations, OfTheCameraStageAreOfAllItsParameters) {
+  const auto read = [&](const std::string& robust) {
+    return faultOf([&] {
+      (void)readDeviations(write(fmt::format(
+          R"({{"schema": 1, "cameras": [], "stages": {{"camera": {{"robust_std": [{}]}}}},
+"covariance": {{"camera": {}}}}})",
+          robust, imuCovariance({"a", "b", "c"}))));
+    });
+  };
+  EXPECT_EQ(read("1, 1, 1, 1, 1, 1, 1, 1, 1, 1"), std::nullopt);
+  EXPECT_EQ(read("1, 1, 1, 1, 1, 1, 1"), InputFault::kContradiction);
+}
+
 // With given cameras there are none through both stages, but those of the tests for faults.
 TEST_F(Deviations, OfGivenCamerasAreThoseOfTheTestsForFaults) {
   const auto stated = readDeviations(write(file(

@@ -111,6 +111,10 @@ TEST_F(CommandCalibrate, ReportIsMadeAgainFromTheRecordsAlone) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_EQ(read(again), page);
   EXPECT_EQ(plumbline("report " + session().string() + " --out x.html").exit_code, 2);
+  const fs::path empty = scratch() / "empty.sqlite";
+  write(empty, "");
+  EXPECT_THAT(plumbline("report " + empty.string() + " --out x.html").text,
+              HasSubstr("empty.sqlite: is empty; expected a records file"));
   const std::string document = read(out / "calibration.json");
   const Outcome piped = plumbline("report " + out.string() + " --json - 2>/dev/null");
   EXPECT_EQ(piped.exit_code, 0);

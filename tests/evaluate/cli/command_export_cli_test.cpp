@@ -112,6 +112,9 @@ TEST_F(CommandExport, OnlyOneCamera) {
 }
 
 TEST_F(CommandExport, RefusalsLeaveNothingBehind) {
+  write(root_ / "chain.yaml", read(kConfigs / "kalibr/camchain-imucam.yaml"));
+  expectRefusal(exported(root_ / "chain.yaml", "--to openvins"),
+                HasSubstr("does not state them; give its noise densities with --imu imu.yaml\n"));
   expectRefusal(exportedSource("--to rtabmap"), HasSubstr("vins-fusion"));
   for (const std::string rate : {"0", "-5", "nan", "2e6"}) {
     expectRefusal(exportedSource("--to kalibr --camera-rate " + rate),

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
+
+#include "calibrator/base/error.h"
 
 namespace plumbline {
 namespace {
@@ -76,6 +79,23 @@ TEST(Owners, AnOptionOfCalibrateThatAnotherCommandLacksIsSaidToBeCalibrates) {
   EXPECT_EQ(withOwners(text, *score),
             "try calibrate's --models auto (calibrate's --models), or --no-imu; --unknown stays");
   EXPECT_EQ(withOwners("", *score), "");
+}
+
+// Options of a study's file, which are refused in the words of the command line.
+TEST(ParseReversed, SaysWhatIsNoNumberInOurWords) {
+  CLI::App app;
+  double shift = 0;
+  app.add_option("--shift", shift);
+  const auto said = [&](std::vector<std::string> words) -> std::string {
+    try {
+      parseReversed(app, "calibrate", std::move(words));
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(said({"2", "--shift"}), "");
+  EXPECT_EQ(said({"two", "--shift"}), "plumbline calibrate: --shift: two: expected a number");
 }
 
 }  // namespace
