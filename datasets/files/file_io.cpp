@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <optional>
 #include <system_error>
 
@@ -59,8 +60,10 @@ int writeAll(int file, std::string_view content) {
 }
 
 BadInput irregular(const std::string& path) {
-  return badInput(path, {InputFault::kMissingFile, "is not a regular file", "a file",
-                         "give the path of a file"});
+  std::error_code unknown;
+  const bool folder = std::filesystem::is_directory(path, unknown);
+  return badInput(path, {InputFault::kMissingFile, folder ? "is a folder" : "is not a regular file",
+                         "a file", "give the path of a file"});
 }
 
 constexpr std::size_t kSmall = 1U << 16U;  // mapping and unmapping takes longer than copying

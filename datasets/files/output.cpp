@@ -65,9 +65,12 @@ void refuseInputs(const OutputRequest& request, const fs::path& final_path) {
     const auto status = statusOf(input);
     if (status && isWithinExisting(final_path, *status)) {
       const auto output = statusOf(final_path);
-      const char* where = output && isSame(*output, *status) ? "is" : "is inside";
+      const bool same = output && isSame(*output, *status);
+      const std::string what = !same                   ? "is inside " + input + ","
+                               : request.path == input ? "is"
+                                                       : "is " + input + ",";
       throw refusal(InputFault::kInputInTheWay, request.path,
-                    fmt::format("{} {}, an input, which is never written to", where, input));
+                    what + " an input, which is never written to");
     }
     refuseHolding(request, final_path, input);
     std::error_code error;  // a recording may be a folder of links

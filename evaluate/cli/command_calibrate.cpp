@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <fmt/core.h>
 
 #include "calibrator/base/error.h"
 #include "evaluate/calibration/calibrate_session.h"

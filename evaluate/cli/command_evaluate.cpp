@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"

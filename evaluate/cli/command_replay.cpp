@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <CLI/App.hpp>
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 

@@ -5,7 +5,6 @@
 #include <system_error>
 
 #include <CLI/CLI.hpp>
-#include <fmt/core.h>
 
 #include "calibrator/base/error.h"
 #include "evaluate/cli/commands.h"

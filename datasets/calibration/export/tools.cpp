@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <sstream>
-#include <string_view>
 
 #include <fmt/format.h>
 

@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
