@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/cli/options/session_options.h"
 
-
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
