@@ -33,6 +33,7 @@ void SimulationOptions::check() const {
   requireWithin(0, 0.999999, "|down_F.x| / |down_F|", std::abs(down_F.x()) / down_F.norm());
   requireWithin(1e-6, 100, "trajectory.pace", trajectory.pace);
   requireWithin(0.1, 100, "trajectory.distance_ratio", trajectory.distance_ratio);
+  requireWithin(0, 100, "trajectory.reach", trajectory.reach);
   requireWithin(1e-6, 1e6, "|trajectory.axis_S|", trajectory.axis_S.norm());
 }
 

@@ -89,11 +89,12 @@ AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedR
   const auto channel = [&](double mean, double amplitude, double base_hz) {
     return wandering(random, options.pace, mean, amplitude, base_hz);
   };
-  distance_ = channel(1.4 * near, 0.45 * near, 0.17);
-  aim_x_ = channel(centre.x(), 0.15 * target.width(), 0.13);
-  aim_y_ = channel(centre.y(), 0.15 * target.height(), 0.11);
-  azimuth_ = channel(0, 0.62, 0.21);
-  elevation_ = channel(0, 0.52, 0.27);
+  const double reach = options.reach;
+  distance_ = channel(1.4 * near, 0.45 * near * reach, 0.17);
+  aim_x_ = channel(centre.x(), 0.15 * target.width() * reach, 0.13);
+  aim_y_ = channel(centre.y(), 0.15 * target.height() * reach, 0.11);
+  azimuth_ = channel(0, 0.62 * reach, 0.21);
+  elevation_ = channel(0, 0.52 * reach, 0.27);
   pan_ = channel(0, 0.60 * halfAngle(camera, 0), 0.23);
   tilt_ = channel(0, 0.55 * halfAngle(camera, 1), 0.19);
   roll_ = channel(0, 0.75, 0.31);
@@ -103,11 +104,11 @@ AnalyticTrajectory::AnalyticTrajectory(const AprilGrid& target, const SimulatedR
   const bool moves = kind_ != MotionKind::kStatic;
   const bool translates = moves && kind_ != MotionKind::kPureRotation;
   // Channels without motion keep their draws, at amplitude 0: kinds of one seed share their phases.
-  const double reach = translates ? 0.2 * near : 0;
+  const double way = translates ? 0.2 * near : 0;
   angle_ = channel(0.1, moves ? 0.4 : 0, 0.27);
-  x_ = channel(0, reach, 0.23);
-  y_ = channel(0, reach, 0.19);
-  z_ = channel(0, reach, 0.29);
+  x_ = channel(0, way, 0.23);
+  y_ = channel(0, way, 0.19);
+  z_ = channel(0, way, 0.29);
   // At rest the rig's centre stands squarely before the target's.
   const Transform T_FRig(facingTarget(), {centre.x(), centre.y(), 1.3 * near});
   const bool by_camera = kind_ == MotionKind::kFrontoParallel;

@@ -33,6 +33,7 @@ struct TrajectoryOptions {
   std::uint64_t seed = 1;     ///< phases, and +-10 % of every amplitude and frequency
   double pace = 1;            ///< multiplies every frequency; 1: at most about 3 rad/s, 5 m/s^2
   double distance_ratio = 1;  ///< multiplies the distance to the target
+  double reach = 1;           ///< multiplies the ways of kFull; 0: the rig's centre stays in place
 };
 
 /// Distance at which the target's longer side would fill the shorter side of the image, were the

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -133,6 +134,8 @@ class ScoreTests {
   ScoreTests(const Scores& scores, Terms model);
 
   const Terms& model() const { return model_; }
+  /// How far the model's optimum is from the solution, in deviations.
+  double offOptimum() const { return std::sqrt(gradient_.dot(S_ * gradient_)); }
   /// Deviations of T_SC0 (3 m, 3 rad) and the time offset [s]: robust ones by the blocks as they
   /// are, of which the tests are made. As the calibration's they are too small on short recordings;
   /// see clusterRobustDeviations().

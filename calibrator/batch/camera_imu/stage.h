@@ -143,6 +143,10 @@ FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate
 /// many blocks.
 double significanceBound(double deviations, int dof, std::size_t blocks);
 
+/// Relative errors (radians likewise) up to which the score tests' linear model holds: an estimate
+/// beyond it is no test.
+inline constexpr double kLinearShare = 0.25;
+
 struct Diagnosis {
   FaultDiagnosis faults;
   /// Of a batch that refines the cameras: cluster-robust deviations of all that
@@ -168,8 +172,9 @@ std::size_t diagnosedBlocks(const std::vector<Frame>& frames);
 /// The first cause is the significant fault that explains most (Schwarz's criterion: what the cost
 /// falls by over that factor, less dof log(blocks)), the next ones are those
 /// that remain significant with the first in the model. Estimates are right to first order: faults
-/// that move the calibration far are found, their size is then a guess. Empty where the recording
-/// has too few blocks or the system has no inverse.
+/// that move the calibration far are found, their size is then a guess. An estimate far outside the
+/// range where the fault acts linearly is no test: its chi2 is 0. Empty where the recording has too
+/// few blocks, the system has no inverse, or the solver stopped far from an optimum.
 /// `cameras_given`: the cameras are tested too, see CameraImuOptions.
 std::optional<Diagnosis> diagnoseFaults(const CameraImuProblem& problem,
                                         const CameraImuSolution& solution, bool cameras_given);

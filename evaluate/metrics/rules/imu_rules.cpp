@@ -130,14 +130,20 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
   const double off = size->estimate(0);
   const double std = size->std(0);
   const double sure = significanceBound(kSigmas, 1, diagnosedBlocks(stage.frames));
+  Rule rule{"Size of the target by the batch", "share", t.target_scale,
+            "Measure a tag's black square against tagSize in target.yaml. If it agrees, record "
+            "again with brisker motion: this recording is not conclusive."};
+  if (std::abs(off) > kLinearShare) {
+    return finding(
+        rule, VerdictLevel::kGood, 0.0,
+        "not tested: the motion hardly depends on the target's size (a rig that turns in "
+        "place, or gentle motion)");
+  }
   // What these deviations leave of the estimate at least, so that an uncertain one is good; NaN
   // stays NaN.
   const bool differs = !(size->significance <= sure);
   const double least = differs ? std::max(std::abs(off) - sure * std, 0.0) : 0;
   const double moved = movedInDeviations(*size, *stage.faults);
-  Rule rule{"Size of the target by the batch", "share", t.target_scale,
-            "Measure a tag's black square against tagSize in target.yaml. If it agrees, record "
-            "again with brisker motion: this recording is not conclusive."};
   VerdictLevel level = std::min(VerdictLevel::kCaution, levelAbove(least, rule.bound));
   double value = least;
   if (level == VerdictLevel::kGood && differs && !(moved <= kSigmas)) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -115,6 +116,24 @@ TEST(CameraImuDiagnosis, CleanRecordingsNameNoFault) {
       EXPECT_TRUE(diagnosis.causes.empty()) << rig << ", seed " << seed;
       EXPECT_GE(diagnosis.tests.size(), 11U);
     }
+  }
+}
+
+// A camera that turns in place, slowly, tells neither size nor scales: the cost falls with the
+// board's size all the way, and the solver runs out of steps far from an optimum.
+TEST(CameraImuDiagnosis, ACameraThatTurnsInPlaceNamesNoFault) {
+  SimulatedRig rig = simulatedRig("euroc");
+  rig.calibration.cameras.resize(1);
+  for (const auto& [seed, pace] : {std::pair<std::uint64_t, double>{3, 0.15}, {5, 0.15}, {1, 1}}) {
+    SimulationOptions simulation = test::noisyRecording(seed, kDuration);
+    simulation.trajectory = {.seed = seed, .pace = pace, .reach = 0};
+    const SimulatedSession simulated = simulateSession(rig, simulation);
+    CameraImuOptions options = test::matchedOptions(simulated, 0.2);
+    options.max_translation_std_m = 1;
+    const auto result = calibrateCameraImu(simulated.session, simulated.truth.cameras, options);
+    ASSERT_TRUE(result) << seed;
+    EXPECT_EQ(result->faults.has_value(), result->summary.converged) << seed;
+    EXPECT_TRUE(!result->faults || result->faults->causes.empty()) << seed;
   }
 }
 

@@ -168,6 +168,10 @@ TEST(Verdict, AWrongSizeBelowTheBoundOfACauseIsACaution) {
   EXPECT_EQ(level(0.2, 0.02, 4.9), VerdictLevel::kCaution);        // never bad
   EXPECT_EQ(level(0.015, 0.0066, 2.0), VerdictLevel::kGood);       // gentle motion, size as stated
   EXPECT_EQ(level(-0.009, 0.0005, 4.9), VerdictLevel::kGood);      // too little to matter
+  // Far outside the linear range, as of a camera that turns in place: no test.
+  EXPECT_EQ(level(-0.54, 0.07, 6.6), VerdictLevel::kGood);
+  EXPECT_THAT(findingOf(judge(record), "Size of the target by the batch").evidence,
+              ::testing::StartsWith("not tested"));
   EXPECT_EQ(level(0.2, std::nan(""), 4.9), VerdictLevel::kCaution);
   EXPECT_EQ(level(0.2, 0.02, std::nan("")), VerdictLevel::kCaution);
   // Below the bound as well, where it moves T_SC0 by three of its larger deviations.
