@@ -103,6 +103,21 @@ TEST(Trajectory, PureRotationKeepsTheImuInPlace) {
   EXPECT_GT(largest, 0.3);
 }
 
+TEST(Trajectory, WithoutReachTheOnlyCameraTurnsInPlaceAboutAllAxes) {
+  SimulatedRig rig = simulatedRig("euroc");
+  rig.calibration.cameras.resize(1);
+  const AnalyticTrajectory trajectory(AprilGrid{}, rig, {.reach = 0});
+  const Transform& T_SC0 = rig.calibration.imu->T_SC0;
+  const Vector3d place = (trajectory.at(0).T_FB * T_SC0).t;
+  Matrix3d spread = Matrix3d::Zero();
+  for (double t = 0; t < 20; t += 0.37) {
+    const MotionState m = trajectory.at(t);
+    EXPECT_LT(((m.T_FB * T_SC0).t - place).norm(), 1e-12);
+    spread += m.omega_B * m.omega_B.transpose();
+  }
+  EXPECT_GT(spread.eigenvalues().real().minCoeff(), 1);
+}
+
 TEST(Trajectory, PlanarMotionStaysInThePlaneAcrossItsAxis) {
   const Vector3d axis = Vector3d::UnitX();
   const AnalyticTrajectory planar = makeTrajectory(MotionKind::kPlanar, 1, axis);
