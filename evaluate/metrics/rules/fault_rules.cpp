@@ -211,9 +211,18 @@ double effectInSigma(const FaultTest& test, const FaultDiagnosis& diagnosis) {
 bool contradictsStatedValue(UnmodelledFault fault) {
   using Fault = UnmodelledFault;
   constexpr std::array kOfNoSingleValue{
-      Fault::kClockDrift,   Fault::kCameraDelay,   Fault::kImuMoved,    Fault::kClockStep,
-      Fault::kCameraMoved,  Fault::kTargetShape,   Fault::kTargetMoved, Fault::kTargetSways,
-      Fault::kGyroBiasJump, Fault::kAccelBiasJump, Fault::kStampsWander};
+      Fault::kClockDrift,
+      Fault::kCameraDelay,
+      Fault::kImuMoved,
+      Fault::kClockStep,
+      Fault::kCameraMoved,
+      Fault::kTargetShape,
+      Fault::kTargetMoved,
+      Fault::kTargetSways,
+      Fault::kGyroBiasJump,
+      Fault::kAccelBiasJump,
+      Fault::kStampsWander,
+      Fault::kImuDelay};  // gyroscope and accelerometer have time offsets of their own
   return std::find(kOfNoSingleValue.begin(), kOfNoSingleValue.end(), fault) !=
          kOfNoSingleValue.end();
 }
@@ -249,8 +258,16 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
                   const std::string& evidence, const std::string& advice,
                   const VerdictThresholds& t) {
   const double sigma = effectInSigma(cause, diagnosis);
-  const Effect effect_of = worstEffect(cause, sigma, t);
+  const bool first = &cause == &diagnosis.causes.front();
+  Effect effect_of = worstEffect(cause, sigma, t);
   VerdictLevel level = levelAbove(effect_of.value, effect_of.bound);
+  // Which of two it is nobody knows, and the other may not be harmless: the gyroscope's axes move
+  // T_SC0, the accelerometer's do not.
+  if (first && diagnosis.alternative && level == VerdictLevel::kGood) {
+    const FaultTest& other = *diagnosis.alternative;
+    effect_of = worstEffect(other, effectInSigma(other, diagnosis), t);
+    level = std::min(VerdictLevel::kCaution, levelAbove(effect_of.value, effect_of.bound));
+  }
   if (level == VerdictLevel::kGood && contradictsStatedValue(cause.fault)) {
     level = VerdictLevel::kCaution;
   }
@@ -258,10 +275,9 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
       {name, effect_of.unit, effect_of.bound, advice}, level, effect_of.value,
       fmt::format("{}; {} ({:.1f} of its formal standard deviations){}", evidence, effect(cause),
                   sigma,
-                  &cause == &diagnosis.causes.front()
-                      ? fmt::format("; it explains the residuals best among {} faults tested",
-                                    diagnosis.tests.size())
-                      : ""));
+                  first ? fmt::format("; it explains the residuals best among {} faults tested",
+                                      diagnosis.tests.size())
+                        : ""));
 }
 
 }  // namespace

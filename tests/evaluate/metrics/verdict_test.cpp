@@ -197,6 +197,33 @@ TEST(Verdict, AWrongSizeBelowTheBoundOfACauseIsACaution) {
   }
 }
 
+TEST(Verdict, OfTwoFaultsThatAreNotToldApartTheWorseCounts) {
+  CalibrationRecord record;
+  CameraImuStageResult& stage = record.camera_imu.emplace();
+  stage.frames.push_back({0, {0}});
+  FaultDiagnosis& faults = stage.faults.emplace();
+  faults.formal_std.setConstant(1e-4);
+  const auto level = [&] { return levelOf(judge(record), "Unmodelled fault"); };
+  FaultTest test;
+  test.fault = UnmodelledFault::kAccelMisalignment;
+  test.estimate = test.std = Eigen::VectorXd::Constant(6, 1e-3);
+  faults.tests = faults.causes = {test};
+  EXPECT_EQ(level(), VerdictLevel::kGood);
+  test.fault = UnmodelledFault::kGyroMisalignment;
+  faults.alternative = test;
+  EXPECT_EQ(level(), VerdictLevel::kGood);
+  faults.alternative->shift(3) = 17e-4;
+  EXPECT_EQ(level(), VerdictLevel::kCaution);
+  faults.alternative->shift(3) = 17e-3;
+  EXPECT_EQ(level(), VerdictLevel::kCaution) << "it may be the other";
+  // Two sensors with time offsets of their own: the calibration states one.
+  test.fault = UnmodelledFault::kImuDelay;
+  test.estimate = test.std = Eigen::VectorXd::Constant(1, 5e-4);
+  faults.alternative.reset();
+  faults.causes = {test};
+  EXPECT_EQ(level(), VerdictLevel::kCaution);
+}
+
 TEST(Verdict, GivenCamerasThatDoNotSuitAreNamedAndTheGyroscopeIsNotBlamed) {
   CalibrationRecord record;
   CameraImuStageResult& stage = record.camera_imu.emplace();
