@@ -89,10 +89,3 @@ inline void checkRecord(const TrajectoryRecord& /*record*/) {}
 Json parsedDocument(const std::string& text);
 
 }  // namespace plumbline::store_internal
-
-namespace plumbline {
-
-/// docs/records.md: the tables of all documents and arrays, from the field lists.
-std::string fieldTables();
-
-}  // namespace plumbline
