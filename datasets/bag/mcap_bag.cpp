@@ -175,7 +175,18 @@ class McapBag : public Bag {
       if (!readDescription(kind, in) && kind == RecordKind::kStatistics) readStatistics(in);
       return true;
     });
-    is_counted_ &= channels_.size() == stated_channels_;
+    is_counted_ &= repeatsAll();
+  }
+
+  /// Whether the summary names whatever it counts. C++'s writer, that of ROS 2's recorder, repeats
+  /// channels without messages, too, and does not count them.
+  bool repeatsAll() const {
+    const auto is_counted = [&](const auto& count) { return channels_.contains(count.first); };
+    const auto has_type = [&](const auto& channel) {
+      return channel.second.schema == 0 || schemas_.contains(channel.second.schema);
+    };
+    return channels_.size() >= stated_channels_ && std::ranges::all_of(counts_, is_counted) &&
+           std::ranges::all_of(channels_, has_type);
   }
 
   void readSchema(FieldReader& in) {

@@ -81,7 +81,7 @@ std::unique_ptr<Bag> openBag(const std::string& path) {
   if (begin.starts_with(kMcap)) return openMcapBag(path);
   if (begin.starts_with(kZstd)) {
     throw badInput(path, {InputFault::kUnsupported, "is compressed (zstd)", "an uncompressed file",
-                          "unpack a copy with `zstd -d`"});
+                          "`zstd -d FILE -o COPY` unpacks it"});
   }
   if (begin.starts_with(kOlderRos1)) {
     throw badInput(path, {InputFault::kUnsupported, "is of an older format of ROS 1", "format 2.0",

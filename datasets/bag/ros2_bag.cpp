@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <utility>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -28,10 +29,13 @@ std::string untouchedUri(const std::string& path) {
   return uri + "?immutable=1";
 }
 
+/// `.recover` would be simpler: Debian's and Ubuntu's sqlite3 are built without what it needs.
 BadInput damaged(const std::string& path, const std::string& why) {
-  return badInput(path, {InputFault::kSyntax, "is no whole bag of ROS 2 (" + why + ")",
-                         "rosbag2's tables `topics` and `messages`",
-                         "`sqlite3 FILE .recover | sqlite3 COPY` keeps what can be read"});
+  return badInput(
+      path, {InputFault::kSyntax, "is no whole bag of ROS 2 (" + why + ")",
+             "rosbag2's tables `topics` and `messages`",
+             "`sqlite3 FILE .dump | sed 's/^ROLLBACK.*/COMMIT;/' | sqlite3 COPY` keeps what can "
+             "be read"});
 }
 
 /// What is in the log beside a database has not reached it; what is in the journal undoes a write
@@ -80,7 +84,8 @@ class Ros2Bag : public Bag {
             const std::function<void(const BagMessage&)>& take) override {
     std::string ids;
     for (const auto& [id, topic] : topics_) {
-      if (std::find(topics.begin(), topics.end(), topic.name) == topics.end()) continue;
+      if (other_formats_.contains(id) || std::ranges::find(topics, topic.name) == topics.end())
+        continue;
       ids += (ids.empty() ? "" : ",") + std::to_string(id);
     }
     guarded([&] {
@@ -108,16 +113,20 @@ class Ros2Bag : public Bag {
   void readTopics() {
     SQLite::Statement rows(*database_, "SELECT id, name, type, serialization_format FROM topics");
     while (rows.executeStep()) {
-      BagTopic& topic = topics_[rows.getColumn(0).getInt()];
+      const int id = rows.getColumn(0).getInt();
+      BagTopic& topic = topics_[id];
       topic = {rows.getColumn(1).getString(), ros1Type(rows.getColumn(2).getString())};
       const std::string format = rows.getColumn(3).getString();
-      if (format != "cdr") topic.type += " (" + format + ")";
+      if (format == "cdr") continue;
+      topic.type += " (" + format + ")";
+      other_formats_.insert(id);
     }
   }
 
   std::string path_;
   std::unique_ptr<SQLite::Database> database_;
   std::map<int, BagTopic> topics_;  // by their ids, without the numbers of messages
+  std::set<int> other_formats_;     // of topics that are not in CDR
 };
 
 }  // namespace

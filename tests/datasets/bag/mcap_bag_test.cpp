@@ -86,6 +86,36 @@ TEST(McapBag, MessagesOfRos1KeepTheirLayout) {
   bag->read({"/imu0"}, [&](const BagMessage& m) { EXPECT_EQ(decodeImu(m)->t, mcapSample(2).t); });
 }
 
+// Of what repeats channels alone, types are in the data.
+TEST(McapBag, TypesAreKnownWithoutSchemasInTheSummary) {
+  const TemporaryFolder folder;
+  WrittenMcap mcap("zstd");
+  mcap.topic("/imu0", "sensor_msgs/msg/Imu");
+  mcap.message("/imu0", 0, imuMessage(Serialization::kCdr, mcapSample(2)));
+  const auto topics = openBag(folder.write("a.mcap", mcap.content(false)))->topics();
+  ASSERT_EQ(topics.size(), 1U);
+  EXPECT_EQ(topics[0].type, "sensor_msgs/Imu");
+  EXPECT_EQ(topics[0].messages, 1U);
+}
+
+// ROS 2's recorder names topics on which nothing came, and does not count them: that is no reason
+// to read all data. Here they are damaged, which only reading them tells.
+TEST(McapBag, TopicsWithoutMessagesAreListedFromTheSummary) {
+  const TemporaryFolder folder;
+  WrittenMcap mcap("");
+  mcap.topic("/imu0", "sensor_msgs/msg/Imu");
+  mcap.topic("/rosout", "rcl_interfaces/msg/Log");
+  mcap.message("/imu0", 0, imuMessage(Serialization::kCdr, mcapSample(2)));
+  std::string changed = mcap.content();
+  changed[changed.find("some_frame")] ^= 0x55;
+  const auto bag = openBag(folder.write("a.mcap", changed));
+  const auto topics = bag->topics();
+  ASSERT_EQ(topics.size(), 2U);
+  EXPECT_EQ(topics[0].messages, 1U);
+  EXPECT_EQ(topics[1].messages, 0U);
+  EXPECT_EQ(faultOf([&] { bag->read({"/imu0"}, [](const BagMessage&) {}); }), InputFault::kSyntax);
+}
+
 // Foxglove's writers put messages of JSON beside those of ROS.
 TEST(McapBag, MessagesOfAnotherEncodingAreNamedAndLeftOut) {
   const TemporaryFolder folder;

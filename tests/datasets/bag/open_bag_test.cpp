@@ -114,8 +114,15 @@ TEST(OpenBag, ARecordingThatWasNotClosedIsToldSo) {
 
 TEST(OpenBag, AnotherSerialisationThanCdrIsNamed) {
   const TemporaryFolder folder;
-  WrittenRos2Bag(folder.path("a.db3")).topic("/imu0", "sensor_msgs/msg/Imu", "protobuf");
-  EXPECT_EQ(openBag(folder.path("a.db3"))->topics()[0].type, "sensor_msgs/Imu (protobuf)");
+  {
+    WrittenRos2Bag written(folder.path("a.db3"));
+    written.topic("/imu0", "sensor_msgs/msg/Imu", "protobuf");
+    written.message("/imu0", 1, imuMessage(Serialization::kCdr, {}));
+  }
+  const auto bag = openBag(folder.path("a.db3"));
+  EXPECT_EQ(bag->topics()[0].type, "sensor_msgs/Imu (protobuf)");
+  EXPECT_EQ(bag->topics()[0].messages, 1U);
+  bag->read({"/imu0"}, [](const BagMessage&) { FAIL() << "its messages are no CDR"; });
 }
 
 }  // namespace

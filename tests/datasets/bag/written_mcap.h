@@ -41,7 +41,8 @@ class WrittenMcap {
                               message.content());
   }
 
-  std::string content() const {
+  /// `repeats_schemas`: as a summary may leave out.
+  std::string content(bool repeats_schemas = true) const {
     const std::string records = schemas_ + channels_ + records_;
     const std::string stored = compressed(records);
     const auto sum = static_cast<std::uint32_t>(
@@ -59,7 +60,7 @@ class WrittenMcap {
                           stored);
     file += record(15, packed().number(std::uint32_t{0}).content());
     const std::uint64_t summary = file.size();
-    file += schemas_ + channels_ + record(11, statistics());
+    file += (repeats_schemas ? schemas_ : "") + channels_ + record(11, statistics());
     file += record(
         2, packed().number(summary).number(std::uint64_t{0}).number(std::uint32_t{0}).content());
     return file + std::string("\x89MCAP0\r\n", 8);
@@ -78,8 +79,9 @@ class WrittenMcap {
       messages += count;
     }
     WrittenMessage all = packed();
-    all.number(messages).number(static_cast<std::uint16_t>(ids_.size()));
-    all.number(static_cast<std::uint32_t>(ids_.size()));
+    // As C++'s writer counts: only channels that have messages.
+    all.number(messages).number(static_cast<std::uint16_t>(counts_.size()));
+    all.number(static_cast<std::uint32_t>(counts_.size()));
     for (int i = 0; i < 3; ++i) all.number(std::uint32_t{i == 2});  // attachments, metadata, chunks
     all.number(std::uint64_t{0}).number(std::uint64_t{0}).bytes(counts.content());
     return all.content();
