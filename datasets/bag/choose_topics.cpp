@@ -113,7 +113,8 @@ SessionTopics chooseTopics(const std::vector<BagTopic>& topics, const BagImport&
   if (chosen.imu) all.push_back(*chosen.imu);
   for (const BagTopic& topic : all) {
     for (const BagTopic& other : topics) {
-      if (other.name != topic.name || other.type == topic.type) continue;
+      const bool holds_none = other.messages == 0;
+      if (other.name != topic.name || other.type == topic.type || holds_none) continue;
       throw BadInput(InputFault::kContradiction,
                      fmt::format("topic {} is {} in one part of the recording and {} in another; "
                                  "name other topics, or the bags of one type alone",

@@ -100,8 +100,7 @@ void ExportSource::knownNoise() const {
   const bool positive = n.gyro_density > 0 && n.gyro_random_walk > 0 && n.accel_density > 0 &&
                         n.accel_random_walk > 0 && n.rate_hz > 0;
   if (!positive) {
-    refuse(InputFault::kNoImuNoise, "a noise density or the IMU's rate is not positive",
-           "correct the calibration");
+    refuse(InputFault::kNoImuNoise, "a noise density or the IMU's rate is not positive");
   }
 }
 

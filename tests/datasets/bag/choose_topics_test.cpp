@@ -89,7 +89,9 @@ TEST(ChooseTopics, ATopicOfTwoTypesIsToldWhereItIsNeeded) {
   std::vector<BagTopic> topics = kTopics;
   topics.push_back({"/tf", "tf/tfMessage", 5});
   EXPECT_EQ(chooseTopics(topics, {}, "").cameras.size(), 2U);
-  topics.push_back({"/imu0", "my_msgs/Imu", 100});
+  topics.push_back({"/imu0", "my_msgs/Imu", 0});
+  EXPECT_EQ(chooseTopics(topics, {}, "").imu->name, "/imu0");
+  topics.back().messages = 100;
   const auto refusal = refusalOf([&] { chooseTopics(topics, {}, ""); });
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->code(), InputFault::kContradiction);
