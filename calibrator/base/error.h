@@ -116,7 +116,7 @@ enum class FailureCode {
   kMotionInformationSingular,  ///< T_SC0 and the time offset are free
   kLooseDirections,  ///< of each loose one: translation_axis, translation_std_m; rotation_axis,
                      ///< rotation_std_rad; offset_std_s
-  kTooFewDraws,      ///< stage
+  kTooFewDraws,      ///< stage, failed
   // The marker body (calibrator/batch/hand_eye).
   kHandEyeTooFewPairs,        ///< pairs, needed
   kHandEyeNoRotation,         ///< across, needed [rad]

@@ -68,8 +68,9 @@ Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int fr
   for (const auto& draw : solved) {
     if (draw) draws.col(count++) = *draw;
   }
-  if (count < 2) return Failure{FailureCode::kTooFewDraws, {{"stage", stage}}};
-  return summariseDraws(parameters, draws.leftCols(count), options.draws - count);
+  const int failed = options.draws - count;
+  if (count < 2) return Failure{FailureCode::kTooFewDraws, {{"stage", stage}, {"failed", failed}}};
+  return summariseDraws(parameters, draws.leftCols(count), failed);
 }
 
 }  // namespace plumbline

@@ -53,7 +53,7 @@ ResampleSummary summariseDraws(const ParameterCovariance& parameters, const Eige
 using DrawSolver = std::function<std::optional<Eigen::VectorXd>(const std::vector<FrameSegment>&)>;
 
 /// Solves every draw of `frame_count` frames, shared out over the options' threads, and summarises
-/// them; the order does not matter. Fails with kTooFewViews if fewer than two have a solution;
+/// them; the order does not matter. Fails with kTooFewDraws if fewer than two have a solution;
 /// `stage` names it in the message.
 Result<ResampleSummary> solveDraws(const ParameterCovariance& parameters, int frame_count,
                                    const ResampleOptions& options, const std::string& stage,

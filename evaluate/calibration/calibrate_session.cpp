@@ -21,8 +21,11 @@
 namespace plumbline {
 namespace {
 
-ResampleSpread spreadOf(const ResampleSummary& summary, int draws) {
-  return {draws, summary.failed, summary.names, summary.std};
+/// A calibration stands without its bootstrap: where too few draws have a solution there is no
+/// spread, and the verdict says so.
+ResampleSpread spreadOf(const Result<ResampleSummary>& summary, int draws) {
+  if (summary) return {draws, summary->failed, summary->names, summary->std};
+  return {draws, static_cast<int>(summary.failure().number("failed")), {}, {}};
 }
 
 // Reading and detection count in the total of both stages: each is then the time of a run that
@@ -60,10 +63,9 @@ std::optional<Failure> cameraStage(const CalibrateRequest& request, const Loaded
   }
   if (request.resamples > 0) {
     progress("resampling the cameras", -1);
-    const auto spread =
-        resampleCameras(loaded.session, *record.camera, resampleOptions(request), request.camera);
-    if (!spread) return spread.failure();
-    record.camera_resample = spreadOf(*spread, request.resamples);
+    record.camera_resample = spreadOf(
+        resampleCameras(loaded.session, *record.camera, resampleOptions(request), request.camera),
+        request.resamples);
   }
   return std::nullopt;
 }
@@ -100,9 +102,8 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   addLoading(loaded, record.camera_imu->summary.seconds);
   if (request.resamples > 0) {
     progress("resampling camera and IMU", -1);
-    const auto spread = resampledCameraImu(request, loaded.session, stated, record);
-    if (!spread) return spread.failure();
-    record.camera_imu_resample = spreadOf(*spread, request.resamples);
+    record.camera_imu_resample =
+        spreadOf(resampledCameraImu(request, loaded.session, stated, record), request.resamples);
   }
   return std::nullopt;
 }

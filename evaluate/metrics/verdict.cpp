@@ -32,6 +32,7 @@ Findings cameraFindings(const CalibrationRecord& record, const VerdictThresholds
   append(findings, judgeLeftOut(record, t), Subject::kRecording);
   append(findings, judgeCameraStd(record, t), Subject::kCameras);
   append(findings, judgeHalves(stage.summary, "cameras", t), Subject::kCameras);
+  append(findings, judgeResample(record.camera_resample, "cameras"), Subject::kCameras);
   return findings;
 }
 
@@ -52,6 +53,7 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
   append(findings, judgeStatements(record, t), Subject::kExtrinsics);
   append(findings, judgeImuStd(record, t), Subject::kExtrinsics);
   append(findings, judgeHalves(stage.summary, "camera-IMU", t), Subject::kExtrinsics);
+  append(findings, judgeResample(record.camera_imu_resample, "camera-IMU"), Subject::kExtrinsics);
   append(findings, judgePlausibility(stage, t), Subject::kExtrinsics);
   append(findings, judgeDensity("gyroscope", stage.imu_summary.noise.gyro, record, t),
          Subject::kImuNoise);

@@ -129,8 +129,8 @@ void fields(auto& v, CameraCounts& c) {
 /// standard deviations that makes no assumption on the noise. Names as in ParameterCovariance.
 struct ResampleSpread {
   int resamples = 0, failed = 0;
-  std::vector<std::string> names;
-  Eigen::VectorXd std;  ///< one per name
+  std::vector<std::string> names;  ///< none where fewer than two draws have a solution
+  Eigen::VectorXd std;             ///< one per name
 };
 
 template <class V>

@@ -184,4 +184,19 @@ Findings judgeHalves(const StageSummary& summary, const std::string& stage,
   return {above(rule, ratio(*worst), evidenceOf(*worst))};
 }
 
+Findings judgeResample(const std::optional<ResampleSpread>& spread, const std::string& stage) {
+  if (!spread || !spread->names.empty()) return {};
+  const double most = spread->resamples - 2;
+  return {
+      above({fmt::format("Bootstrap ({})", stage),
+             "1",
+             {most, spread->resamples + 1.0},
+             "The calibration itself has a solution. Record longer for a bootstrap std, or omit "
+             "--resample."},
+            spread->failed,
+            fmt::format("no bootstrap std: {} of {} resampled problems have no solution, and a "
+                        "spread needs two that have one",
+                        spread->failed, spread->resamples))};
+}
+
 }  // namespace plumbline

@@ -108,7 +108,8 @@ std::string heldLead(const HeldCalibration& held) {
 
 std::string parametersLead(const CalibrationRecord& record) {
   if (record.held) return heldLead(*record.held);
-  const bool bootstrap = record.camera_resample || record.camera_imu_resample;
+  const auto hasSpread = [](const auto& spread) { return spread && !spread->names.empty(); };
+  const bool bootstrap = hasSpread(record.camera_resample) || hasSpread(record.camera_imu_resample);
   return std::string(
              "Std is cluster-robust where a formal one is listed too: it is computed from the "
              "scores of blocks of the recording, and remains valid where the errors of "

@@ -120,6 +120,7 @@ TEST(SolveDraws, OneSolutionHasNoSpread) {
       solveDraws(named(), 100, drawOptions(3, 10), "camera", solverOf(next, {0, 2}));
   ASSERT_FALSE(summary.ok());
   EXPECT_EQ(summary.failure().code, FailureCode::kTooFewDraws);
+  EXPECT_EQ(summary.failure().number("failed"), 2);
 }
 
 }  // namespace

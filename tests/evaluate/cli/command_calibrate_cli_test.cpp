@@ -55,6 +55,17 @@ TEST_F(CommandCalibrate, ResamplingReportsItsSpread) {
   expectRefusal(calibrateAsStated(session(), "--resample 1"), 2, HasSubstr("--resample"));
 }
 
+TEST_F(CommandCalibrate, AResultStandsWhereItsBootstrapHasNoSpread) {
+  const Outcome outcome =
+      calibrateAsStated(session(), "--only cam0 --no-report --stride 4 --resample 2");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text,
+              HasSubstr("caution - Bootstrap (camera-IMU): no bootstrap std: 2 of 2"));
+  const std::string json = read(scratch() / "out/calibration.json");
+  EXPECT_EQ(numberAfter(json, "\"resamples\": "), 2);
+  EXPECT_THAT(json, HasSubstr("\"T_SC0\""));
+}
+
 TEST_F(CommandCalibrate, MoreCornersThanAViewHoldsAreAskedForByOption) {
   expectRefusal(calibrate(session(), "--min-corners 200"), 1,
                 AllOf(HasSubstr("--min-corners 200"), HasSubstr("at least 200 corners"),

@@ -96,6 +96,20 @@ TEST(Verdict, ResampledSpreadOverrulesAFormalDeviation) {
   EXPECT_EQ(levelOf(verdict, "Focal length"), VerdictLevel::kCaution);
 }
 
+TEST(Verdict, ABootstrapWithoutASpreadIsACautionOfItsStage) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  record.camera_resample = ResampleSpread{10, 9, {}, {}};
+  const Verdict verdict = judge(record);
+  EXPECT_EQ(levelOf(verdict, "Bootstrap"), VerdictLevel::kCaution);
+  EXPECT_THAT(findingOf(verdict, "Bootstrap (cameras)").evidence, ::testing::HasSubstr("9 of 10"));
+  record.camera_resample->failed = 10;
+  EXPECT_EQ(levelOf(judge(record), "Bootstrap"), VerdictLevel::kCaution);
+  record.camera_resample = ResampleSpread{10, 8, {"cam0.fu"}, Eigen::VectorXd::Constant(1, 0.1)};
+  for (const Finding& finding : judge(record).findings) {
+    EXPECT_EQ(finding.rule.find("Bootstrap"), std::string::npos);
+  }
+}
+
 TEST(Verdict, DensitiesAreJudgedWhereResidualsSayEnough) {
   CalibrationRecord record = cameraRecord(0.3, 0.8);
   record.camera_imu = CameraImuStageResult();
