@@ -263,18 +263,24 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
   VerdictLevel level = levelAbove(effect_of.value, effect_of.bound);
   // Which of two it is nobody knows, and the other may not be harmless: the gyroscope's axes move
   // T_SC0, the accelerometer's do not.
+  std::string of_other;
   if (first && diagnosis.alternative && level == VerdictLevel::kGood) {
     const FaultTest& other = *diagnosis.alternative;
-    effect_of = worstEffect(other, effectInSigma(other, diagnosis), t);
-    level = std::min(VerdictLevel::kCaution, levelAbove(effect_of.value, effect_of.bound));
+    const double other_sigma = effectInSigma(other, diagnosis);
+    const Effect worse = worstEffect(other, other_sigma, t);
+    if (levelAbove(worse.value, worse.bound) != VerdictLevel::kGood) {
+      effect_of = worse;
+      level = VerdictLevel::kCaution;
+      of_other = fmt::format("; of the alternative: {} ({:.1f})", effect(other), other_sigma);
+    }
   }
   if (level == VerdictLevel::kGood && contradictsStatedValue(cause.fault)) {
     level = VerdictLevel::kCaution;
   }
   return finding(
       {name, effect_of.unit, effect_of.bound, advice}, level, effect_of.value,
-      fmt::format("{}; {} ({:.1f} of its formal standard deviations){}", evidence, effect(cause),
-                  sigma,
+      fmt::format("{}; {} ({:.1f} of its formal standard deviations){}{}", evidence, effect(cause),
+                  sigma, of_other,
                   first ? fmt::format("; it explains the residuals best among {} faults tested",
                                       diagnosis.tests.size())
                         : ""));

@@ -226,8 +226,13 @@ TEST(Verdict, OfTwoFaultsThatAreNotToldApartTheWorseCounts) {
   test.fault = UnmodelledFault::kGyroMisalignment;
   faults.alternative = test;
   EXPECT_EQ(level(), VerdictLevel::kGood);
+  faults.alternative->shift(3) = 5e-5;
+  EXPECT_EQ(findingOf(judge(record), "Unmodelled fault").value, 0) << "the first cause's";
   faults.alternative->shift(3) = 17e-4;
   EXPECT_EQ(level(), VerdictLevel::kCaution);
+  EXPECT_NEAR(findingOf(judge(record), "Unmodelled fault").value, 17, 1e-9);
+  EXPECT_THAT(findingOf(judge(record), "Unmodelled fault").evidence,
+              ::testing::HasSubstr("of the alternative: modelling it"));
   faults.alternative->shift(3) = 17e-3;
   EXPECT_EQ(level(), VerdictLevel::kCaution) << "it may be the other";
   // Two sensors with time offsets of their own: the calibration states one.
