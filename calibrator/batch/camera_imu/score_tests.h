@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -135,7 +136,10 @@ class ScoreTests {
 
   const Terms& model() const { return model_; }
   /// How far the model's optimum is from the solution, in deviations.
-  double offOptimum() const { return std::sqrt(gradient_.dot(S_ * gradient_)); }
+  double offOptimum() const {
+    // Rounding may leave less than 0 at an optimum; NaN stays NaN.
+    return std::sqrt(std::max(gradient_.dot(S_ * gradient_), 0.0));
+  }
   /// Deviations of T_SC0 (3 m, 3 rad) and the time offset [s]: robust ones by the blocks as they
   /// are, of which the tests are made. As the calibration's they are too small on short recordings;
   /// see clusterRobustDeviations().
