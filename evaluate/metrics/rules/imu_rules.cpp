@@ -71,8 +71,8 @@ std::optional<Finding> judgeSynchrony(const CameraImuStageResult& stage,
 // the rig moves gently (by 3 to 4 % in recordings by hand that are in order).
 Finding untested(Rule rule, double value, std::string evidence) {
   rule.advice =
-      "The recording is too short to test for faults: record 10 s or more. In a shorter one, a "
-      "wrong target size, a wrong focal length, IMU faults and gentle motion cannot be "
+      "Faults were not tested: record 10 s or more in which the target is seen, with brisk motion. "
+      "Without, a wrong target size, a wrong focal length, IMU faults and gentle motion cannot be "
       "distinguished.";
   const VerdictLevel level = std::min(VerdictLevel::kCaution, levelAbove(value, rule.bound));
   return finding(rule, level, value, std::move(evidence));
