@@ -42,7 +42,7 @@ inline ShownUnit shownUnit(const std::string& unit) {
   return {unit == "px" ? "px" : "", 1};
 }
 
-/// So many significant digits, and no exponent: "12.3", "1234" for 3.
+/// So many significant digits, and no exponent of large values: "12.3", "1234" for 3.
 inline std::string significant(double value, int digits) {
   // From 99.5 on two digits would round to 1e+02.
   const bool large = std::abs(value) >= std::pow(10, digits) - 0.5;
