@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What the odometry does with flights of a few seconds. How well it flies, also with one camera and
+// fisheye lenses, is in odometry_flights_statistics_test.cpp.
 #include "calibrator/odometry/odometry.h"
 
 #include <cmath>
@@ -27,57 +29,15 @@ RoomFlightOptions shortFlight(double pixel_sigma) {
 /// Shorter, of few tracks: for what does not depend on how well it flies.
 RoomFlight sparseFlight(const SimulatedRig& rig, double pixel_sigma) {
   RoomFlightOptions options = shortFlight(pixel_sigma);
-  options.duration_s = 8;
+  options.duration_s = 5;
   options.tracks = 50;
   return {rig, options};
 }
 
-OdometryResult run(const RoomFlight& flight, const Calibration& calibration, int cameras = 2) {
-  Odometry odometry(RigModel::of(calibration, cameras), flight.samples);
-  for (FrameTracks frame : flight.frames) {
-    std::erase_if(frame.points, [&](const TrackPoint& p) { return p.camera >= cameras; });
-    odometry.step(frame);
-  }
+OdometryResult run(const RoomFlight& flight, const Calibration& calibration) {
+  Odometry odometry(RigModel::of(calibration), flight.samples);
+  for (const FrameTracks& frame : flight.frames) odometry.step(frame);
   return odometry.result();
-}
-
-double ate(const OdometryResult& result, const RoomFlight& flight) {
-  std::vector<Eigen::Vector3d> estimate, truth;
-  std::size_t j = 0;
-  for (const OdometryPose& pose : result.poses) {
-    while (flight.frames[j].t < pose.t) ++j;
-    estimate.push_back(pose.state.T_FS.t);
-    truth.push_back(flight.truth[j].t);
-  }
-  return alignedRmse(estimate, truth);
-}
-
-TEST(Odometry, ExactMeasurementsGiveTheFlight) {
-  const SimulatedRig rig = simulatedRig("euroc");
-  const RoomFlight flight(rig, shortFlight(0));
-  const OdometryResult result = run(flight, rig.calibration);
-  EXPECT_TRUE(result.losses.empty());
-  EXPECT_GT(result.poses.size(), flight.frames.size() - 20);
-  EXPECT_LT(ate(result, flight), 1e-4);
-}
-
-TEST(Odometry, OneCameraFindsTheScaleFromTheImu) {
-  const SimulatedRig rig = simulatedRig("euroc");
-  RoomFlightOptions options = shortFlight(0.3);
-  options.rest_s = 3;
-  const RoomFlight flight(rig, options);
-  const OdometryResult result = run(flight, rig.calibration, 1);
-  EXPECT_TRUE(result.losses.empty());
-  ASSERT_GT(result.poses.size(), 100U);
-  EXPECT_LT(ate(result, flight), 0.05);
-}
-
-TEST(Odometry, FisheyeRigToo) {
-  const SimulatedRig rig = simulatedRig("tumvi");
-  const RoomFlight flight(rig, shortFlight(0.3));
-  const OdometryResult result = run(flight, rig.calibration);
-  ASSERT_GT(result.poses.size(), 100U);
-  EXPECT_LT(ate(result, flight), 0.02);
 }
 
 TEST(Odometry, SameValuesTwice) {
@@ -93,7 +53,7 @@ TEST(Odometry, SameValuesTwice) {
 TEST(Odometry, AGapOfTheImuIsALossThatIsTold) {
   const SimulatedRig rig = simulatedRig("euroc");
   RoomFlight flight = sparseFlight(rig, 0.3);
-  const TimeNs from = flight.frames[100].t, to = flight.frames[112].t;
+  const TimeNs from = flight.frames[50].t, to = flight.frames[62].t;
   std::erase_if(flight.samples, [&](const ImuSample& s) { return s.t > from && s.t < to; });
   const OdometryResult result = run(flight, rig.calibration);
   ASSERT_EQ(result.losses.size(), 1U);
@@ -106,13 +66,13 @@ TEST(Odometry, AGapOfTheImuIsALossThatIsTold) {
 TEST(Odometry, FramesAfterTheLastSampleAreNoLoss) {
   const SimulatedRig rig = simulatedRig("euroc");
   RoomFlight flight = sparseFlight(rig, 0.3);
-  const TimeNs end = flight.frames[100].t + toNanoseconds(rig.calibration.imu->timeOffset());
+  const TimeNs end = flight.frames[60].t + toNanoseconds(rig.calibration.imu->timeOffset());
   std::erase_if(flight.samples, [&](const ImuSample& s) { return s.t > end + 1'000'000; });
   const OdometryResult result = run(flight, rig.calibration);
   EXPECT_TRUE(result.losses.empty());
   EXPECT_EQ(result.frames, static_cast<int>(flight.frames.size()));
   ASSERT_FALSE(result.poses.empty());
-  EXPECT_GE(result.poses.back().t, flight.frames[99].t);
+  EXPECT_GE(result.poses.back().t, flight.frames[59].t);
 }
 
 // Ten frames become poses at once, as their landmarks are counted once.
@@ -193,9 +153,9 @@ TEST(OdometryStart, SightingsThatDoNotFitAreRefused) {
 TEST(Odometry, BlindFramesAreBridgedAndThenALoss) {
   const SimulatedRig rig = simulatedRig("euroc");
   RoomFlight flight = sparseFlight(rig, 0.3);
-  for (int k = 90; k < 96; ++k) flight.frames[static_cast<std::size_t>(k)].points.clear();
+  for (int k = 50; k < 56; ++k) flight.frames[static_cast<std::size_t>(k)].points.clear();
   EXPECT_TRUE(run(flight, rig.calibration).losses.empty());
-  for (int k = 96; k < 130; ++k) flight.frames[static_cast<std::size_t>(k)].points.clear();
+  for (int k = 56; k < 90; ++k) flight.frames[static_cast<std::size_t>(k)].points.clear();
   const OdometryResult result = run(flight, rig.calibration);
   ASSERT_EQ(result.losses.size(), 1U);
   EXPECT_EQ(result.losses[0].cause, OdometryLoss::kBlind);
@@ -302,7 +262,7 @@ TEST(Odometry, TheWindowsCostIsASumOfSquares) {
   const RigModel model = RigModel::of(rig.calibration);
   Odometry odometry(model, flight.samples);
   double last = 0;
-  for (std::size_t n = 0; n < 100; ++n) {
+  for (std::size_t n = 0; n < 40; ++n) {
     odometry.step(flight.frames[n]);
     if (!odometry.isRunning()) continue;
     Window window = odometry.window();
@@ -310,40 +270,6 @@ TEST(Odometry, TheWindowsCostIsASumOfSquares) {
     EXPECT_GT(last, 0) << n;
   }
   EXPECT_GT(last, 1000);  // with what left: thousands of sightings
-}
-
-// What nothing observes stays so: moving and turning all frames about gravity costs the prior no
-// more than the gauge that the first frame was given, whatever has been marginalised since.
-TEST(Odometry, ThePriorKnowsNoPositionAndNoYaw) {
-  const SimulatedRig rig = simulatedRig("euroc");
-  const RoomFlight flight(rig, shortFlight(0.5));
-  Odometry odometry(RigModel::of(rig.calibration), flight.samples);
-  std::size_t n = 0;
-  for (const FrameTracks& frame : flight.frames) {
-    odometry.step(frame);
-    if (++n == 150) break;
-  }
-  const WindowPrior& prior = odometry.window().prior;
-  const auto size = static_cast<Eigen::Index>(15 * prior.frames.size());
-  Eigen::VectorXd yaw = Eigen::VectorXd::Zero(size), rise = yaw, tilt = yaw;
-  for (std::size_t i = 0; i < prior.frames.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(15 * i);
-    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ(), side = Eigen::Vector3d::UnitX();
-    const ImuState& state = prior.points[i];
-    yaw.segment<3>(row) = up.cross(state.T_FS.t);
-    yaw.segment<3>(row + 3) = up;
-    yaw.segment<3>(row + 6) = up.cross(state.v_F);
-    tilt.segment<3>(row) = side.cross(state.T_FS.t);
-    tilt.segment<3>(row + 3) = side;
-    tilt.segment<3>(row + 6) = side.cross(state.v_F);
-    rise.segment<3>(row) = up;
-  }
-  // The gauge is 1e-4 m and rad, so 1e8 of information; what the IMU knows of the tilt is more than
-  // rounding of that, and comes on top.
-  const double of_yaw = yaw.dot(prior.cost.H * yaw), of_rise = rise.dot(prior.cost.H * rise);
-  EXPECT_LT(of_yaw, 1.05e8);
-  EXPECT_LT(of_rise, 1.05e8);
-  EXPECT_GT(tilt.dot(prior.cost.H * tilt), 1e4);
 }
 
 }  // namespace
