@@ -57,6 +57,20 @@ TEST(CameraTarget, RecoversABentBoardWithoutNoise) {
   }
 }
 
+/// The bent board in noise: shared, and so is what its recording gives where the board is estimated
+/// as asked.
+const SimulatedSession& noisyBent() {
+  static const SimulatedSession s =
+      simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
+  return s;
+}
+
+const Result<CameraStageResult>& noisyBentByItself() {
+  static const auto result =
+      calibrateCameras(noisyBent().session, estimating(TargetMode::kAuto, 0.2));
+  return result;
+}
+
 // The tags of EuRoC's imu_april look 0.3 px smaller on either side, near and far.
 TEST(CameraTarget, RecoversTagsThatLookSmallerByPixels) {
   TargetTerms terms = bentTerms();
@@ -108,12 +122,11 @@ TEST(CameraTarget, AnotherBoardsShapeIsSaidToBeAnothers) {
 }
 
 TEST(CameraTarget, FindsABentBoardBentAndAFlatOneFlat) {
-  const auto bent = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
-  const auto found = calibrateCameras(bent.session, estimating(TargetMode::kAuto, 0.2));
+  const auto& found = noisyBentByItself();
   ASSERT_TRUE(found.ok() && found->target_fit);
   EXPECT_EQ(found->target_fit->finding, TargetFinding::kBent);
   EXPECT_LT(found->target_fit->held_out_px, 0.9 * found->target_fit->flat_held_out_px);
-  EXPECT_LT(largestError(*found, bent.truth), 4);
+  EXPECT_LT(largestError(*found, noisyBent().truth), 4);
 
   const auto flat = simulateSession(simulatedRig("euroc"), recordingOf(TargetTerms::Zero(), 0.2));
   const auto kept = calibrateCameras(flat.session, estimating(TargetMode::kAuto, 0.2));
@@ -164,18 +177,17 @@ TEST(CameraTarget, AKnownShapeGivesTheCamerasBack) {
 }
 
 TEST(CameraTarget, AFlatBoardInItsPlaceBiasesTheCameras) {
-  const auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
+  const SimulatedSession& s = noisyBent();
   const auto result = calibrateCameras(s.session, estimating(TargetMode::kGiven, 0.2));
   ASSERT_TRUE(result.ok());
   EXPECT_GT(largestError(*result, s.truth), 8);
 }
 
 TEST(CameraTarget, DoesNotDependOnTheNumberOfThreads) {
-  const auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
   CameraStageOptions options = estimating(TargetMode::kAuto, 0.2);
-  const auto one = calibrateCameras(s.session, options);
+  const auto& one = noisyBentByItself();
   options.threads = 3;
-  const auto three = calibrateCameras(s.session, options);
+  const auto three = calibrateCameras(noisyBent().session, options);
   ASSERT_TRUE(one.ok() && three.ok());
   EXPECT_EQ(one->target.terms, three->target.terms);
   EXPECT_EQ(one->target_fit->gain_px2, three->target_fit->gain_px2);
@@ -183,7 +195,7 @@ TEST(CameraTarget, DoesNotDependOnTheNumberOfThreads) {
 }
 
 TEST(CameraTarget, DrawsOfABootstrapEstimateTheBoardAgain) {
-  const auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
+  const SimulatedSession& s = noisyBent();
   const CameraStageOptions options = estimating(TargetMode::kEstimate, 0.2);
   const auto result = calibrateCameras(s.session, options);
   ASSERT_TRUE(result.ok());
@@ -211,6 +223,18 @@ SimulatedSession recordedHigher(double sigma_px) {
   return simulateSession(simulatedRig("euroc"), recording);
 }
 
+/// Shared likewise.
+const SimulatedSession& noisyHigher() {
+  static const SimulatedSession s = recordedHigher(0.2);
+  return s;
+}
+
+const Result<CameraStageResult>& noisyHigherByItself() {
+  static const auto result =
+      calibrateCameras(noisyHigher().session, estimating(TargetMode::kAuto, 0.2));
+  return result;
+}
+
 TEST(CameraTarget, RecoversTermsOfHigherDegreesWithoutNoise) {
   const auto s = recordedHigher(0);
   const auto result = calibrateCameras(s.session, estimating(TargetMode::kAuto));
@@ -222,8 +246,8 @@ TEST(CameraTarget, RecoversTermsOfHigherDegreesWithoutNoise) {
 }
 
 TEST(CameraTarget, FindsTermsOfHigherDegreesWithinTheirNoise) {
-  const auto s = recordedHigher(0.2);
-  const auto result = calibrateCameras(s.session, estimating(TargetMode::kAuto, 0.2));
+  const SimulatedSession& s = noisyHigher();
+  const auto& result = noisyHigherByItself();
   ASSERT_TRUE(result.ok() && result->target_fit && result->target.higher);
   const TargetFit& fit = *result->target_fit;
   EXPECT_GT(*fit.higher_gain_px2, 2 * *fit.higher_gain_std_px2);
@@ -245,9 +269,9 @@ TEST(CameraTarget, FindsTermsOfHigherDegreesWithinTheirNoise) {
 }
 
 TEST(CameraTarget, AnotherHalfHasHigherTermsOfItsOwn) {
-  const auto s = recordedHigher(0.2);
+  const SimulatedSession& s = noisyHigher();
   const CameraStageOptions options = estimating(TargetMode::kAuto, 0.2);
-  const auto result = calibrateCameras(s.session, options);
+  const auto& result = noisyHigherByItself();
   ASSERT_TRUE(result.ok() && result->target.higher);
   const auto half = static_cast<int>(result->frames.size() / 2);
   const auto again = recalibrateCameras(s.session, *result, {{0, half, 1}}, options);
@@ -257,8 +281,7 @@ TEST(CameraTarget, AnotherHalfHasHigherTermsOfItsOwn) {
 }
 
 TEST(CameraTarget, AKnownBoardsHigherTermsHaveTheirDeviations) {
-  const auto first = recordedHigher(0.2);
-  const auto known = calibrateCameras(first.session, estimating(TargetMode::kAuto, 0.2));
+  const auto& known = noisyHigherByItself();
   ASSERT_TRUE(known.ok() && known->target.higher_std);
   const HigherTerms error = *known->target.higher - *higherShape().higher;
   EXPECT_LT(error.cwiseQuotient(*known->target.higher_std).cwiseAbs().maxCoeff(), 4.5);
@@ -284,11 +307,10 @@ TEST(CameraTarget, AKnownBoardsHigherTermsHaveTheirDeviations) {
 }
 
 TEST(CameraTarget, ABoardOfDegreeTwoHasNoHigherTerms) {
-  const auto s = simulateSession(simulatedRig("euroc"), recordingOf(bentTerms(), 0.2));
   CameraStageOptions options = estimating(TargetMode::kAuto, 0.2);
-  const auto four = calibrateCameras(s.session, options);
+  const auto& four = noisyBentByItself();
   options.target_degree = 2;
-  const auto two = calibrateCameras(s.session, options);
+  const auto two = calibrateCameras(noisyBent().session, options);
   ASSERT_TRUE(four.ok() && two.ok());
   EXPECT_FALSE(four->target.higher);
   EXPECT_EQ(four->target.terms, two->target.terms);
@@ -371,9 +393,9 @@ TEST(CameraTarget, FindsSingleCornersWithinTheirNoise) {
 }
 
 TEST(CameraTarget, ASmoothBoardHasNoRemaindersOfCorners) {
-  const auto s = recordedHigher(0.2);
+  const SimulatedSession& s = noisyHigher();
   CameraStageOptions options = estimating(TargetMode::kAuto, 0.2);
-  const auto result = calibrateCameras(s.session, options);
+  const auto& result = noisyHigherByItself();
   ASSERT_TRUE(result.ok() && result->target.higher);
   EXPECT_TRUE(result->target_fit->corners_held_out_px);
   EXPECT_FALSE(result->target.corners);
