@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The camera-IMU batch on simulated recordings: accuracy without noise, its order in the IMU's
-// rate, and what must not change the result. Statistics of noisy runs are in
+// The camera-IMU batch on simulated recordings: what must not change the result. High rates of the
+// IMU are in camera_imu_rates_statistics_test, statistics of noisy runs in
 // camera_imu_statistics_test.
 #include <gtest/gtest.h>
 
@@ -22,44 +22,6 @@ CameraImuStageResult solved(const SimulatedSession& s, const CameraImuOptions& o
   const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
   if (!result) throw std::runtime_error(toString(result.failure()));
   return *result;
-}
-
-struct Errors {
-  double translation, rotation, offset, gravity, velocity;
-};
-
-Errors errorsAt(double imu_rate_hz) {
-  const SimulatedSession s = simulate(exactRecording(imu_rate_hz));
-  CameraImuOptions options = matchedOptions(s, 1);
-  options.tolerance = 1e-8;
-  const CameraImuStageResult r = solved(s, options);
-  EXPECT_TRUE(r.summary.converged);
-  const auto e = calibrationError(s, r);
-  const std::size_t middle = r.frames.size() / 2;
-  const ImuState truth = s.stateAt(r.frames[middle].t);
-  return {e.head<3>().norm(), e.segment<3>(3).norm(), std::abs(e(6)),
-          (r.gravity_F - s.gravity_F).norm() / s.gravity_F.norm(),
-          (r.states[middle].v_F - truth.v_F).norm()};
-}
-
-TEST(CameraImuWithoutNoise, IsExactAtAHighRate) {
-  const Errors e = errorsAt(6400);
-  EXPECT_LT(e.translation, 1e-6 * 0.07);  // |t_SC0| of the rig
-  EXPECT_LT(e.rotation, 1e-6);            // rad
-  EXPECT_LT(e.offset, 1e-6 * 2.1e-3);     // the rig's offset
-  EXPECT_LT(e.gravity, 1e-6);
-  EXPECT_LT(e.velocity, 1e-6 * 1.0);  // m/s
-}
-
-TEST(CameraImuWithoutNoise, ErrorFallsWithTheSquareOfTheRate) {
-  Errors last = errorsAt(200);
-  for (const double rate : {400.0, 800.0}) {
-    const Errors e = errorsAt(rate);
-    EXPECT_NEAR(last.translation / e.translation, 4, 0.6) << rate;
-    EXPECT_NEAR(last.rotation / e.rotation, 4, 0.6) << rate;
-    EXPECT_NEAR(last.gravity / e.gravity, 4, 0.6) << rate;
-    last = e;
-  }
 }
 
 TEST(CameraImuWithoutNoise, FreeCamerasReturnToTheTruth) {
@@ -234,27 +196,12 @@ TEST(CameraImu, ACameraThatIsExposedLaterIsTakenAtItsOwnStamps) {
   }
 }
 
-// The derivative by the offset holds the noise of single samples, and more of it the higher the
-// rate: plain Gauss-Newton would fall short by up to 7/8 of every step here (0.87 a step left
-// over), and costs under renewed weights do not compare.
-TEST(CameraImu, ConvergesAtAHighRateOfANoisyImu) {
-  for (const std::uint64_t seed : {11, 43, 46}) {
-    SimulationOptions simulation = noisyRecording(seed, 6);
-    simulation.trajectory.seed = seed;
-    simulation.imu_rate_hz = 1600;
-    const SimulatedSession s = simulate(simulation, "d435i");
-    const CameraImuStageResult r = solved(s, matchedOptions(s, 0.2));
-    EXPECT_TRUE(r.summary.converged) << seed;
-    EXPECT_LE(r.summary.iterations, 20) << seed;
-  }
-}
-
 TEST(CameraImu, ShiftedImuStampsShiftTheOffsetAndNothingElse) {
   const SimulatedSession s = simulate(noisyRecording(3, 8));
   CameraImuOptions options = matchedOptions(s, 0.2);
   options.tolerance = 1e-6;
   const CameraImuStageResult base = solved(s, options);
-  for (const double shift_ms : {100.0, -3.21, 37.3, 1000.0, -1000.0}) {
+  for (const double shift_ms : {-3.21, 1000.0, -1000.0}) {
     options.imu_shift_ns = toNanoseconds(shift_ms * 1e-3);
     options.offset_search.max_offset_s = 1.1;
     const CameraImuStageResult moved = solved(s, options);
