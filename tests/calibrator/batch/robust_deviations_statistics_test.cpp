@@ -6,6 +6,7 @@
 // know nothing of an estimated board. Not proven here: coverage on shorter recordings, and under
 // longer correlations.
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <random>
 #include <vector>
@@ -21,10 +22,18 @@
 namespace plumbline {
 namespace {
 
-constexpr int kCoverageRuns = 100;      // coverage is known to two percent
+// Coverage is known to 3 %, so that 0.9 +- 0.07 lets it vary by 2.3 of that. Deviations wrong
+// by 1.5 cover 0.73 or 0.99. PLUMBLINE_COVERAGE_RUNS in the environment for a longer run.
+constexpr int kCoverageRuns = 50;
+constexpr double kLeastCovered = 0.83, kMostCovered = 0.97;
 constexpr double kCoverageSigma = 0.2;  // [px]
 constexpr int kJointRuns = 20;          // 15 parameters each
 constexpr double k90 = 1.645;           // quantile 0.95 of the normal distribution
+
+int coverageRuns() {
+  const char* asked = std::getenv("PLUMBLINE_COVERAGE_RUNS");
+  return asked != nullptr ? std::atoi(asked) : kCoverageRuns;
+}
 
 /// The noise of every corner of the board a first-order Markov process over the frames in which it
 /// is seen, of the same standard deviation.
@@ -118,7 +127,7 @@ void addRun(const SimulatedSession& s, Stages& stages) {
 
 Stages stagesOf(double duration_s, double correlation) {
   Stages stages;
-  for (int seed = 1; seed <= kCoverageRuns; ++seed) {
+  for (int seed = 1; seed <= coverageRuns(); ++seed) {
     addRun(recorded(seed, duration_s, correlation), stages);
   }
   const auto row = [](const Deviates& d) {
@@ -142,8 +151,8 @@ TEST_P(OfLength, WhiteNoiseIsWhatFormalDeviationsSay) {
     EXPECT_LT(median(stage->ratio), 1.1);
     EXPECT_LT(rms(stage->robust), 1.35);
     EXPECT_GT(rms(stage->robust), 0.85);
-    EXPECT_GT(covered(stage->interval, 1), 0.85);
-    EXPECT_LT(covered(stage->interval, 1), 0.95);
+    EXPECT_GT(covered(stage->interval, 1), kLeastCovered);
+    EXPECT_LT(covered(stage->interval, 1), kMostCovered);
   }
 }
 
@@ -154,8 +163,8 @@ class Correlated : public ::testing::TestWithParam<double> {};
 TEST_P(Correlated, RobustIntervalsCoverTheTruthAndFormalOnesDoNot) {
   const Stages stages = stagesOf(GetParam(), 0.8);
   for (const Deviates* stage : {&stages.camera, &stages.camera_imu}) {
-    EXPECT_GT(covered(stage->interval, 1), 0.85);
-    EXPECT_LT(covered(stage->interval, 1), 0.95);
+    EXPECT_GT(covered(stage->interval, 1), kLeastCovered);
+    EXPECT_LT(covered(stage->interval, 1), kMostCovered);
     EXPECT_LT(covered(stage->formal, k90), 0.8);
   }
 }
