@@ -18,7 +18,8 @@
 namespace plumbline {
 namespace {
 
-constexpr int kTargetSeeds = 100;
+constexpr int kFlatSeeds = 100;  // of which 95 stay flat
+constexpr int kBentSeeds = 50;
 constexpr double kTargetSigma = 0.2;  // [px]
 
 SimulatedSession recorded(int seed, const TargetTerms& terms, double rate_hz = 5) {
@@ -47,7 +48,7 @@ double targetNees(const Eigen::VectorXd& error, const Eigen::MatrixXd& covarianc
 TEST(CameraTargetStatistics, AFlatBoardStaysFlatInNinetyFiveOfAHundredRecordings) {
   int flat = 0;
   std::vector<double> ratios;  // of "cluster-robust or formal" to formal
-  for (int seed = 1; seed <= kTargetSeeds; ++seed) {
+  for (int seed = 1; seed <= kFlatSeeds; ++seed) {
     const SimulatedSession s = recorded(seed, TargetTerms::Zero(), 2.5);
     const auto result = calibrateCameras(s.session, optionsOf(TargetMode::kAuto));
     ASSERT_TRUE(result.ok() && result->target_fit);
@@ -67,7 +68,7 @@ TEST(CameraTargetStatistics, NormalisedErrorsWithABentBoardAreChiSquare) {
   terms << 4e-4, -1.5e-4, 0, 0.2e-4, -1e-4, 0, 2e-4, 0, -3e-4, 0.5e-4, -1e-4, -2e-4;
   double cameras = 0, board = 0;
   int smooth = 0;
-  for (int seed = 1; seed <= kTargetSeeds; ++seed) {
+  for (int seed = 1; seed <= kBentSeeds; ++seed) {
     const SimulatedSession s = recorded(seed, terms);
     const auto result = calibrateCameras(s.session, optionsOf(TargetMode::kEstimate));
     ASSERT_TRUE(result.ok() && result->target.covariance);
@@ -75,19 +76,20 @@ TEST(CameraTargetStatistics, NormalisedErrorsWithABentBoardAreChiSquare) {
     cameras +=
         targetNees(error, result->summary.covariance.matrix) / static_cast<double>(error.size());
     board += targetNees(result->target.terms - terms, *result->target.covariance) / kTargetTerms;
-    if (seed <= 50) {
+    if (seed <= 25) {
       const auto automatic = calibrateCameras(s.session, optionsOf(TargetMode::kAuto));
       ASSERT_TRUE(automatic.ok());
       smooth += automatic->target.higher ? 0 : 1;
     }
   }
-  EXPECT_GE(smooth, 47);  // of 50 boards of degree 2
-  RecordProperty("degree_2_of_50", smooth);
-  // 22 and 12 parameters, 100 seeds: a mean of chi-square over its dof with std 0.030 and 0.041.
-  EXPECT_NEAR(cameras / kTargetSeeds, 1, 0.1);
-  EXPECT_NEAR(board / kTargetSeeds, 1, 0.135);
-  RecordProperty("cameras_nees_per_dof", fmt::format("{:.3f}", cameras / kTargetSeeds));
-  RecordProperty("board_nees_per_dof", fmt::format("{:.3f}", board / kTargetSeeds));
+  EXPECT_GE(smooth, 23);  // of 25 boards of degree 2
+  RecordProperty("degree_2_of_25", smooth);
+  // 22 and 12 parameters, 50 seeds: a mean of chi-square over its dof with std 0.043 and 0.058, and
+  // 3.3 of these. Deviations wrong by 1.5 make it 2.25 or 0.44.
+  EXPECT_NEAR(cameras / kBentSeeds, 1, 0.14);
+  EXPECT_NEAR(board / kBentSeeds, 1, 0.19);
+  RecordProperty("cameras_nees_per_dof", fmt::format("{:.3f}", cameras / kBentSeeds));
+  RecordProperty("board_nees_per_dof", fmt::format("{:.3f}", board / kBentSeeds));
 }
 
 // As well after a solution with the twelve terms alone, whose deviations would be too small.
