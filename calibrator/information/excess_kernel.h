@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "calibrator/camera/lanes.h"
-#include "calibrator/information/predicted_error.h"
 
 namespace plumbline::excess {
 
@@ -96,10 +95,12 @@ template <int W>
   return true;
 }
 
-/// |L^T H^-1 C - bias|^2 of what eliminate() left.
+/// |(L^T H^-1 C - bias) S|^2 of what eliminate() left; `spread` is S^T.
 template <int W>
-[[gnu::always_inline]] inline double squaredBias(Rows& rows, const Eigen::MatrixXd& bias) {
+[[gnu::always_inline]] inline double squaredBias(Rows& rows, const Eigen::MatrixXd& bias,
+                                                 const Eigen::MatrixXd& spread) {
   std::vector<double> row(rows.fields);
+  std::vector<double> image(rows.fields);
   double sum = 0;
   for (int i = 0; i < rows.n; ++i) {
     row.assign(row.size(), 0.0);
@@ -107,7 +108,11 @@ template <int W>
     addRows<W>(
         i, rows.n, [&](int k) { return rows.L_of(k)[i] * rows.inverse_pivot[k]; },
         [&](int k) { return rows.C_of(k); }, 1, rows.fields, row.data());
-    sum += dot<W>(row.data(), row.data(), rows.fields);
+    image.assign(image.size(), 0.0);
+    addRows<W>(
+        0, static_cast<int>(spread.cols()), [&](int k) { return row[k]; },
+        [&](int k) { return spread.col(k).data(); }, 1, rows.fields, image.data());
+    sum += dot<W>(image.data(), image.data(), rows.fields);
   }
   return sum;
 }
@@ -143,25 +148,25 @@ template <int W>
 /// What E is made of; see PredictedError.
 struct Input {
   const Eigen::MatrixXd &H, &C, &Q, &L, &bias;  ///< of Q the lower triangle is read
-  ErrorComponents components;
+  const Eigen::MatrixXd& spread;  ///< S^T, its rows padded with zeros to whole lanes; or empty
+  double sigma2, tau2;
 };
 
 /// With Z = H^-1 L and P = Z Z^T = H^-1 H_T H^-1:
-///   E = sigma^2 tr(L^T H^-1 L) + tau^2 <Q, P> + b^2 |L^T H^-1 C - L^T A_T|^2.
+///   E = sigma^2 tr(L^T H^-1 L) + tau^2 <Q, P> + |(L^T H^-1 C - L^T A_T) S|^2.
 template <int W>
 [[gnu::always_inline]] inline double value(const Input& in) {
-  const ErrorComponents& c = in.components;
   Rows rows(in.H, in.L, in.C);
   if (!eliminate<W>(rows)) return std::numeric_limits<double>::infinity();
   double variance = 0;
   for (int k = 0; k < rows.n; ++k) {
     variance += dot<W>(rows.L_of(k), rows.L_of(k), k + 1) * rows.inverse_pivot[k];
   }
-  double E = c.sigma2 * variance;
-  if (c.b2 > 0) E += c.b2 * squaredBias<W>(rows, in.bias);
-  if (c.tau2 > 0) {
+  double E = in.sigma2 * variance;
+  if (in.spread.size() > 0) E += squaredBias<W>(rows, in.bias, in.spread);
+  if (in.tau2 > 0) {
     substituteBack<W>(rows);
-    E += c.tau2 * traceOfProduct<W>(rows, in.Q);
+    E += in.tau2 * traceOfProduct<W>(rows, in.Q);
   }
   return E;
 }

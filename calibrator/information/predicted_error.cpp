@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "calibrator/information/excess_kernel.h"
 #include "calibrator/linear/dense.h"
@@ -21,8 +22,9 @@ using Eigen::VectorXd;
 constexpr double kKnownBefore = 1e-6;
 // Of the mean square of the field's columns in a view.
 constexpr double kFieldRidge = 1e-3;
-constexpr double kFreeRidge = 1e-9;    // of a mean corner's information
-constexpr double kLeastRidge = 2e-13;  // of all of it: above the pivots of scaledCholesky()
+constexpr double kSharedRidge = 1e-12;  // of the mean variance of sum s_v
+constexpr double kFreeRidge = 1e-9;     // of a mean corner's information
+constexpr double kLeastRidge = 2e-13;   // of all of it: above the pivots of scaledCholesky()
 constexpr double kLeastNoiseShare = 0.2;
 // |M|^2 over sum |D_v|^2 below which few views cannot part their own misfit from a common one: V
 // views that see alike have V.
@@ -45,17 +47,18 @@ std::optional<MatrixXd> lowerFactor(const MatrixXd& A) {
 
 /// Sums over views of what the components are made of.
 struct Moments {
-  MatrixXd H, C, D;
+  MatrixXd H, C, D, DD;
   VectorXd s;
-  double s_squared = 0, D_squared = 0, D_trace = 0;  // over the views, of each by itself
-  double fitted = 0;  // what a field of each view's own takes of its squared error
-  double fields = 0;  // how many functions did
+  double s_squared = 0;  // over the views, of each by itself, as DD is
+  double fitted = 0;     // what a field of each view's own takes of its squared error
+  double fields = 0;     // how many functions did
   double squared_px = 0, corners = 0, views = 0;
 
   explicit Moments(const ViewTerms& like)
       : H(MatrixXd::Zero(like.I.rows(), like.I.cols())),
         C(MatrixXd::Zero(like.C.rows(), like.C.cols())),
         D(MatrixXd::Zero(like.D.rows(), like.D.cols())),
+        DD(D),
         s(VectorXd::Zero(like.s.size())) {}
 
   void add(const ViewTerms& view) {
@@ -65,8 +68,7 @@ struct Moments {
     D += view.D;
     s += view.s;
     s_squared += view.s.squaredNorm();
-    D_squared += view.D.squaredNorm();
-    D_trace += view.D.trace();
+    DD.noalias() += view.D * view.D;
     MatrixXd ridged = view.D;
     ridged.diagonal().array() += kFieldRidge * view.D.trace() / std::max(K, 1.0) + 1e-9;
     // s^T D^-1 s is what a field of the view's own takes of its squared error; the ridge bounds
@@ -112,13 +114,18 @@ LaterUse laterUse(std::span<const ViewTerms> views) {
   return use;
 }
 
-std::optional<MatrixXd> strongestFields(const LaterUse& use, int count) {
+std::optional<MatrixXd> strongestFields(const LaterUse& use, const MatrixXd& some,
+                                        const MatrixXd& always, int count) {
   if (use.corners == 0) return std::nullopt;
   const auto L = lowerFactor(use.H);
   if (!L) return std::nullopt;
-  const MatrixXd W = L->triangularView<Eigen::Lower>().solve(use.C);
-  const SymmetricEigen eigen = symmetricEigen(symmetric(use.D - W.transpose() * W));
-  return MatrixXd(eigen.vectors.rightCols(std::min<Eigen::Index>(count, use.D.cols())));
+  const MatrixXd W = L->triangularView<Eigen::Lower>().solve(use.C * some);
+  const MatrixXd D = some.transpose() * use.D * some;
+  const SymmetricEigen eigen = symmetricEigen(symmetric(D - W.transpose() * W));
+  const Eigen::Index strongest = std::min<Eigen::Index>(count - always.cols(), some.cols());
+  MatrixXd out(some.rows(), strongest + always.cols());
+  out << some * eigen.vectors.rightCols(strongest), always;
+  return out;
 }
 
 ErrorComponents errorComponents(std::span<const ViewTerms> views) {
@@ -131,7 +138,8 @@ ErrorComponents errorComponents(std::span<const ViewTerms> views) {
   if (sum.corners == 0) return out;
   out.mean_squared_px = sum.squared_px / sum.corners;
   out.sigma2 = sum.sigma2();
-  if (!(sum.D_squared > 0)) return out;
+  const double D_squared = sum.DD.trace();
+  if (!(D_squared > 0)) return out;
   sum.H +=
       std::max(kFreeRidge / sum.corners, kLeastRidge) * MatrixXd(sum.H.diagonal().asDiagonal());
   const auto L = lowerFactor(sum.H);
@@ -144,19 +152,20 @@ ErrorComponents errorComponents(std::span<const ViewTerms> views) {
   }
   // s_v = F^T e of a field c and noise: E |s_v|^2 = sigma^2 tr D_v + (tau^2 + b^2) |D_v|^2, c being
   // random with equal variances of its functions.
-  const double t = std::max(0.0, (sum.s_squared - out.sigma2 * sum.D_trace) / sum.D_squared);
+  const double t = std::max(0.0, (sum.s_squared - out.sigma2 * sum.D.trace()) / D_squared);
   const double M_squared = M.squaredNorm();
-  if (M_squared <= kTellsApart * sum.D_squared) {
+  if (M_squared <= kTellsApart * D_squared) {
     out.b2 = 0.5 * t;
   } else {
     out.told_apart = true;
     // At the optimum the parameters have taken their part of a common c, and sum s_v = M c: E |sum
     // s_v|^2 = sigma^2 tr M + b^2 |M|^2 + tau^2 sum |D_v|^2, tau^2 = t - b^2.
     const double common = sum.s.squaredNorm() - out.sigma2 * std::max(0.0, M.trace());
-    const double b2 = (common - t * sum.D_squared) / (M_squared - sum.D_squared);
+    const double b2 = (common - t * D_squared) / (M_squared - D_squared);
     out.b2 = std::clamp(b2, 0.0, t);
   }
   out.tau2 = t - out.b2;
+  out.shared = {symmetric(M), std::move(sum.DD), std::move(sum.s)};
   return out;
 }
 
@@ -167,13 +176,30 @@ ErrorComponents guarded(ErrorComponents components) {
   return components;
 }
 
+MatrixXd sharedMoment(const ErrorComponents& components, Eigen::Index functions) {
+  const auto& [M, Q, s] = components.shared;
+  const double b2 = components.b2;
+  const MatrixXd prior = b2 * MatrixXd::Identity(functions, functions);
+  if (!(b2 > 0) || s.size() == 0) return prior;
+  const MatrixXd noise = components.sigma2 * M + components.tau2 * Q;
+  MatrixXd all = b2 * M * M + noise;
+  // Of a function that the parameters have taken entirely there is neither misfit nor noise.
+  all.diagonal().array() += kSharedRidge * all.trace() / static_cast<double>(functions);
+  const MatrixXd A = b2 * all.llt().solve(M).transpose();
+  // b^2 (I - A M) in the form that rounding leaves positive (Joseph).
+  const MatrixXd left = MatrixXd::Identity(functions, functions) - A * M;
+  const VectorXd beta = A * s;
+  return symmetric(b2 * left * left.transpose() + A * noise * A.transpose() +
+                   beta * beta.transpose());
+}
+
 double relativeExcess(double E, const ErrorComponents& components) {
   if (!(components.mean_squared_px > 0)) return std::numeric_limits<double>::infinity();
   return std::sqrt(1 + E / components.mean_squared_px) - 1;
 }
 
 PredictedError::PredictedError(const LaterUse& use, const ErrorComponents& components)
-    : components_(components) {
+    : sigma2_(components.sigma2), tau2_(components.tau2) {
   const Eigen::Index n = use.H.rows();
   MatrixXd H_T = use.H;
   // A direction of the parameters that later use does not touch costs nothing there.
@@ -185,7 +211,13 @@ PredictedError::PredictedError(const LaterUse& use, const ErrorComponents& compo
   bias_ = L_.triangularView<Eigen::Lower>().solve(use.C);
   H_ = kKnownBefore * H_T;
   Q_ = MatrixXd::Zero(n, n);
-  C_ = MatrixXd::Zero(n, use.C.cols());
+  const Eigen::Index K = use.C.cols();
+  C_ = MatrixXd::Zero(n, K);
+  if (!(components.b2 > 0)) return;
+  const SymmetricEigen moment = symmetricEigen(sharedMoment(components, K));
+  const VectorXd roots = moment.values.cwiseMax(0.0).cwiseSqrt();
+  spread_ = MatrixXd::Zero(excess::wholeLanes(K), K);
+  spread_.topRows(K) = roots.asDiagonal() * moment.vectors.transpose();
 }
 
 void PredictedError::add(const ViewTerms& view) {
@@ -205,21 +237,20 @@ double PredictedError::evaluate(const MatrixXd& H, const MatrixXd* C_v) const {
   const MatrixXd* C = &C_;
   const MatrixXd* Q = &Q_;
   MatrixXd C_all, Q_all;
-  if (C_v != nullptr && components_.b2 > 0) {
+  if (C_v != nullptr && spread_.size() > 0) {
     C_all = C_ + *C_v;
     C = &C_all;
   }
-  if (C_v != nullptr && components_.tau2 > 0) {
+  if (C_v != nullptr && tau2_ > 0) {
     Q_all = Q_;
     Q_all.selfadjointView<Eigen::Lower>().rankUpdate(*C_v);
     Q = &Q_all;
   }
+  const excess::Input in{H, *C, *Q, L_, bias_, spread_, sigma2_, tau2_};
 #if defined(__x86_64__)
-  if (bestInstructionSet() == InstructionSet::kAvx2) {
-    return valueAvx2({H, *C, *Q, L_, bias_, components_});
-  }
+  if (bestInstructionSet() == InstructionSet::kAvx2) return valueAvx2(in);
 #endif
-  return excess::value<2>({H, *C, *Q, L_, bias_, components_});
+  return excess::value<2>(in);
 }
 
 }  // namespace plumbline

@@ -13,15 +13,17 @@ namespace plumbline {
 // By how much will a calibration from some views miss where the camera is used later? Expected
 // excess of the squared error there over what a calibration without error leaves, per corner:
 //
-//   E = tr(H_T H^-1 G H^-1) + b^2 |H_T^1/2 (H^-1 C - A_T)|_F^2   [px^2],   A_T = H_T^-1 C_T
+//   E = tr(H_T H^-1 G H^-1) + |H_T^1/2 (H^-1 C - A_T) S|_F^2   [px^2],   A_T = H_T^-1 C_T
 //
 // variance plus squared bias (Box and Draper, "A basis for the selection of a response surface
 // design", JASA 1959). Over the views used: H sums what they tell of the parameters under 1 px of
 // noise, and C how the parameters answer to a smooth field of misfit; G = sigma^2 H + tau^2 sum
 // C_v C_v^T is the covariance of the normal equations' right side, sigma [px] the noise of a
 // corner, tau a misfit that every view draws anew, b one that they share: each so many px per
-// function of the field. H_T, C_T, D_T are the same sums, per corner and without loss, over the
-// frames that stand for later use. Without misfit E is sigma^2 tr(H_T H^-1): I-optimality.
+// function of the field. S S^T is the second moment of the shared one's coefficients: b^2 I before
+// the residuals are asked which of them it has. H_T, C_T, D_T are the same sums, per corner and
+// without loss, over the frames that stand for later use. Without misfit E is sigma^2 tr(H_T H^-1):
+// I-optimality.
 
 /// One view at an estimate, for unit noise, its pose eliminated: with J the columns of n
 /// parameters, F those of the field, e the residuals, weighted by the loss,
@@ -45,10 +47,12 @@ struct LaterUse {
 };
 LaterUse laterUse(std::span<const ViewTerms> views);
 
-/// The `count` (or all) orthonormal directions among the field's columns that leave most where the
-/// camera is used once the parameters have taken what they can: eigenvectors of
-/// D_T - C_T^T H_T^-1 C_T, as columns. Empty where H_T is singular.
-std::optional<Eigen::MatrixXd> strongestFields(const LaterUse& use, int count = 16);
+/// `count` columns (or fewer, if there are no more): those of `always`, and before them the
+/// orthonormal directions among the combinations `some` of the field's columns that leave most where
+/// the camera is used once the parameters have taken what they can: eigenvectors of
+/// B^T (D_T - C_T^T H_T^-1 C_T) B, B = some, times B. Empty where H_T is singular.
+std::optional<Eigen::MatrixXd> strongestFields(const LaterUse& use, const Eigen::MatrixXd& some,
+                                               const Eigen::MatrixXd& always, int count = 16);
 
 /// By what views are chosen.
 enum class ViewCriterion {
@@ -59,6 +63,14 @@ constexpr std::array<const char*, 2> enumWords(ViewCriterion /*of*/) {
   return {"mi", "predicted-error"};
 }
 
+/// What the residuals tell of the coefficients c of the misfit that all views share:
+/// s = M c + noise of covariance sigma^2 M + tau^2 Q, where s = sum s_v, M = D - C^T H^-1 C (the
+/// rest the parameters have taken) and Q = sum D_v^2.
+struct SharedMisfit {
+  Eigen::MatrixXd M, Q;
+  Eigen::VectorXd s;
+};
+
 /// Which parts the residuals have, each squared.
 struct ErrorComponents {
   double sigma2 = 0;           ///< noise per axis [px^2]
@@ -66,6 +78,7 @@ struct ErrorComponents {
   double b2 = 0;               ///< misfit that all views share [px^2 per function]
   double mean_squared_px = 0;  ///< mean |e|^2 of a corner [px^2]
   bool told_apart = false;     ///< the views tell b from tau; otherwise they share t evenly
+  SharedMisfit shared{};       ///< empty: nothing but b^2 is known
 };
 
 /// From the residuals of V views used, by moments of s_v: with N corners, n parameters, K functions
@@ -80,6 +93,12 @@ ErrorComponents errorComponents(std::span<const ViewTerms> views);
 /// The moments see the misfit where the views are and underestimate it at the image's border; the
 /// bounds keep a misfit that was estimated from few views from ruling the choice.
 ErrorComponents guarded(ErrorComponents components);
+
+/// E[c c^T] = beta beta^T + P of the shared misfit, its prior N(0, b^2 I): with the gain
+/// A = b^2 M (b^2 M^2 + sigma^2 M + tau^2 Q)^-1, beta = A s and P = b^2 (I - A M). With few views
+/// it is near b^2 I; as they come it turns to the misfit that is there. b^2 I where `shared` is
+/// empty.
+Eigen::MatrixXd sharedMoment(const ErrorComponents& components, Eigen::Index functions);
 
 /// sqrt(1 + E / mean |e|^2) - 1: the share by which E raises the error of a corner in later use.
 double relativeExcess(double E, const ErrorComponents& components);
@@ -97,7 +116,8 @@ class PredictedError {
   double valueWith(const ViewTerms& view) const;  ///< and of one more, which stays out [px^2]
 
  private:
-  ErrorComponents components_;
+  double sigma2_, tau2_;
+  Eigen::MatrixXd spread_;     // S^T, its rows padded to whole lanes; empty without b
   Eigen::MatrixXd H_, Q_, C_;  // sums over views; Q of C_v C_v^T
   Eigen::MatrixXd L_;          // H_T = L L^T
   Eigen::MatrixXd bias_;       // L^T A_T

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/residuals/field_gram.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <variant>
 
 #include "calibrator/camera/camera_dispatch.h"
@@ -102,7 +104,56 @@ FieldGram plainFieldGram(const Intrinsics& camera, const Transform& T_CF, const 
   return out;
 }
 
+/// Mean products of a row's functions over the box, by midpoints: they only orthonormalise.
+Eigen::MatrixXd meanProducts(const FieldBox& box) {
+  constexpr int kSide = 30;
+  Eigen::MatrixXd values(kFieldFunctions, kSide * kSide);
+  for (int k = 0; k < kSide * kSide; ++k) {
+    const Eigen::Array2d cell(k / kSide, k % kSide);
+    const Eigen::Array2d place = (2 * cell + 1) / kSide - 1;
+    values.col(k) = fieldFunctions(box, box.centre + (box.half.array() * place).matrix());
+  }
+  return values * values.transpose() / (kSide * kSide);
+}
+
+/// A camera's columns of FieldBase: its polynomials, then its displacements along the radius.
+Eigen::MatrixXd baseOf(const FieldBox& box) {
+  constexpr int kPolynomials = 2 * kFieldPolynomials;
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(kFieldColumns, kFieldColumns);
+  Eigen::MatrixXd base = Eigen::MatrixXd::Zero(kFieldColumns, kPolynomials + kFieldRadials);
+  for (int row = 0; row < 2; ++row) {
+    const int first = row * kFieldFunctions;
+    mean.block(first, first, kFieldFunctions, kFieldFunctions) = meanProducts(box);
+    base.block(first, row * kFieldPolynomials, kFieldPolynomials, kFieldPolynomials).setIdentity();
+  }
+  for (int k = 0; k < kFieldRadials; ++k) {
+    Eigen::VectorXd along = Eigen::VectorXd::Zero(kFieldColumns);
+    along[kFieldPolynomials + 2 * k] = 1;
+    along[kFieldFunctions + kFieldPolynomials + 2 * k + 1] = 1;
+    const Eigen::MatrixXd before = base.leftCols(kPolynomials + k);
+    const Eigen::MatrixXd weighted = before.transpose() * mean;
+    along -= before * (weighted * before).ldlt().solve(weighted * along);
+    base.col(kPolynomials + k) = along / std::sqrt(along.dot(mean * along));
+  }
+  return base;
+}
+
 }  // namespace
+
+FieldBase fieldBase(std::span<const FieldBox> boxes) {
+  constexpr int kPolynomials = 2 * kFieldPolynomials;
+  const auto cameras = static_cast<Eigen::Index>(boxes.size());
+  FieldBase out{Eigen::MatrixXd::Zero(cameras * kFieldColumns, cameras * kPolynomials),
+                Eigen::MatrixXd::Zero(cameras * kFieldColumns, cameras * kFieldRadials)};
+  for (Eigen::Index c = 0; c < cameras; ++c) {
+    const Eigen::MatrixXd base = baseOf(boxes[c]);
+    out.polynomials.block(c * kFieldColumns, c * kPolynomials, kFieldColumns, kPolynomials) =
+        base.leftCols(kPolynomials);
+    out.radials.block(c * kFieldColumns, c * kFieldRadials, kFieldColumns, kFieldRadials) =
+        base.rightCols(kFieldRadials);
+  }
+  return out;
+}
 
 Eigen::Matrix<double, kFieldFunctions, 1> fieldFunctions(const FieldBox& box,
                                                          const Eigen::Vector2d& uv) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
@@ -12,9 +13,14 @@ namespace plumbline {
 
 /// A smooth displacement of a camera's image, which stands for what its model cannot describe: for
 /// u and for v the functions sqrt((2i+1)(2j+1)) P_i(x) P_j(y), i + j <= 5, P_i Legendre's
-/// polynomials, x and y in [-1, 1] over a box of the image. Mean square over the box: 1 px^2 each.
+/// polynomials, x and y in [-1, 1] over a box of the image, of mean square 1 px^2 there; and the
+/// components dx r^6, dy r^6, dx r^8, dy r^8 of displacements along the radius from the principal
+/// point, d that place over the box's half diagonal and r its length. Lens models take themselves
+/// nearly all radial displacements of lower powers: these are what they miss of a wide lens.
 inline constexpr int kFieldDegree = 5;
-inline constexpr int kFieldFunctions = (kFieldDegree + 1) * (kFieldDegree + 2) / 2;  ///< of a row
+inline constexpr int kFieldPolynomials = (kFieldDegree + 1) * (kFieldDegree + 2) / 2;
+inline constexpr int kFieldRadials = 2;                                        ///< r^7 and r^9
+inline constexpr int kFieldFunctions = kFieldPolynomials + 2 * kFieldRadials;  ///< of a row
 inline constexpr int kFieldColumns = 2 * kFieldFunctions;  ///< those of u, then those of v
 
 /// Where the functions are spread; beyond it they keep their values at its edge, for polynomials
@@ -22,11 +28,20 @@ inline constexpr int kFieldColumns = 2 * kFieldFunctions;  ///< those of u, then
 struct FieldBox {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< [px]
   Eigen::Vector2d half = Eigen::Vector2d::Ones();    ///< half its width and height, > 0 [px]
+  Eigen::Vector2d axis = Eigen::Vector2d::Zero();    ///< the principal point [px]
 };
 
-/// The functions' values at a pixel: i ascending, for each i j ascending.
+/// The functions' values at a pixel: i ascending, for each i j ascending; then the components.
 Eigen::Matrix<double, kFieldFunctions, 1> fieldFunctions(const FieldBox& box,
                                                          const Eigen::Vector2d& uv);
+
+/// In which combinations of kFieldColumns columns a camera, camera after camera, the misfit is
+/// looked for: each polynomial by itself, and per camera and power a displacement along the radius,
+/// less the polynomials and powers before. Orthonormal over the boxes.
+struct FieldBase {
+  Eigen::MatrixXd polynomials, radials;
+};
+FieldBase fieldBase(std::span<const FieldBox> boxes);
 
 /// ViewGram, with further columns F: for each corner [f^T 0; 0 f^T] of the functions f at the
 /// measured pixel, or that times R, whose columns combine them:

@@ -36,10 +36,12 @@ template <int W>
   return low > one ? one : low;
 }
 
+inline constexpr double kRootOf3 = 1.7320508075688772;
+
 /// sqrt(2i+1) P_i(x) by the recurrence (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}.
 template <int W>
 [[gnu::always_inline]] inline void legendre(const Lanes<W>& x, Lanes<W> (&P)[kFieldDegree + 1]) {
-  constexpr double kNorm[] = {1,   1.7320508075688772, 2.2360679774997897, 2.6457513110645906,
+  constexpr double kNorm[] = {1,   kRootOf3,          2.2360679774997897, 2.6457513110645906,
                               3.0, 3.3166247903553998};
   static_assert(std::size(kNorm) == kFieldDegree + 1);
   P[0] = Lanes<W>{} + 1.0;
@@ -65,6 +67,17 @@ template <int W, class Put>
   for (int i = 0; i <= kFieldDegree; ++i) {
 #pragma GCC unroll 8
     for (int j = 0; i + j <= kFieldDegree; ++j) put(place++, X[i] * Y[j]);
+  }
+  const double unit = 1 / box.half.norm();
+  const Lanes<W> du = (X[1] * (box.half[0] / kRootOf3) + (box.centre[0] - box.axis[0])) * unit;
+  const Lanes<W> dv = (Y[1] * (box.half[1] / kRootOf3) + (box.centre[1] - box.axis[1])) * unit;
+  const Lanes<W> r2 = du * du + dv * dv;
+  Lanes<W> power = r2 * r2;
+#pragma GCC unroll 8
+  for (int k = 0; k < kFieldRadials; ++k) {
+    power *= r2;
+    put(place++, du * power);
+    put(place++, dv * power);
   }
 }
 

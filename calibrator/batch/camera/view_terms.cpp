@@ -14,7 +14,7 @@ namespace plumbline {
 namespace {
 
 // Of cellWeights(): the bounds keep a cell with a corner or two from outweighing the image.
-constexpr double kSeenRaised = 0.1;  // kappa
+constexpr double kSeenRaised = 0.06;  // kappa
 constexpr double kSeenMost = 50;
 constexpr double kImageMost = 20;
 constexpr double kLeastHalf = 1;  // of a box [px]
@@ -252,7 +252,10 @@ std::vector<FieldBox> seenBoxes(const std::vector<RigView>& frames, const Camera
       low = {-0.5, -0.5};
       high = {image.width - 0.5, image.height - 0.5};
     }
-    boxes.push_back({0.5 * (low + high), (0.5 * (high - low)).max(kLeastHalf)});
+    // Held to the box: far from it of r^7 rounding alone would be left.
+    const Eigen::Array2d axis = cameras.intrinsics[c].projection.tail<2>().array();
+    boxes.push_back(
+        {0.5 * (low + high), (0.5 * (high - low)).max(kLeastHalf), axis.max(low).min(high)});
   }
   return boxes;
 }
@@ -277,7 +280,8 @@ std::optional<ErrorModel> errorModel(const std::vector<RigView>& frames,
   LaterUse use;
   // In the order of the chunks, whatever the threads.
   for (const LaterUse& part : parts) use += part;
-  const auto fields = strongestFields(use);
+  const FieldBase base = fieldBase(all.field().boxes);
+  const auto fields = strongestFields(use, base.polynomials, base.radials);
   if (!fields) return std::nullopt;
   return ErrorModel{{use.H, use.C * *fields, fields->transpose() * use.D * *fields, use.corners},
                     ViewTermsMaker(cameras, {all.field().boxes, *fields}, cauchy_px)};

@@ -26,6 +26,8 @@ constexpr int kErrorParameters = 6, kFunctions = 4, kErrorRows = 120;
 struct LinearViews {
   std::vector<MatrixXd> J, F;
   std::vector<ViewTerms> terms;
+  VectorXd common;                                ///< field of all views
+  VectorXd g = VectorXd::Zero(kErrorParameters);  ///< sum of J^T e
 
   LinearViews(int views, double sigma, double tau, double b, std::uint64_t seed) {
     std::mt19937_64 random(seed);
@@ -33,7 +35,7 @@ struct LinearViews {
     const auto draw = [&](Eigen::Index rows, Eigen::Index columns) {
       return MatrixXd(MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); }));
     };
-    const VectorXd common = b * draw(kFunctions, 1);
+    common = b * draw(kFunctions, 1);
     for (int v = 0; v < views; ++v) {
       const MatrixXd pose = draw(kErrorRows, 6);
       const MatrixXd rest = MatrixXd::Identity(kErrorRows, kErrorRows) -
@@ -44,6 +46,7 @@ struct LinearViews {
       F.push_back(rest * draw(kErrorRows, kFunctions) + columns.col(0) * draw(1, kFunctions));
       const VectorXd field = common + tau * draw(kFunctions, 1);
       const VectorXd e = rest * (sigma * draw(kErrorRows, 1)) + F.back() * field;
+      g += J.back().transpose() * e;
       terms.push_back({J.back().transpose() * J.back(), J.back().transpose() * F.back(),
                        F.back().transpose() * F.back(), F.back().transpose() * e, e.squaredNorm(),
                        kErrorRows / 2});
@@ -105,10 +108,12 @@ TEST(PredictedError, EveryWidthOfTheKernelIsTheEquation) {
   const MatrixXd L = use.H.llt().matrixL();
   const MatrixXd bias = L.triangularView<Eigen::Lower>().solve(use.C);
   const double expected = byInverses(views, use, c);
-  EXPECT_NEAR(excess::value<2>({H, C, Q, L, bias, c}), expected, 1e-9 * expected);
-  EXPECT_NEAR(excess::value<4>({H, C, Q, L, bias, c}), expected, 1e-9 * expected);
+  const MatrixXd spread = std::sqrt(c.b2) * MatrixXd::Identity(kFunctions, kFunctions);
+  const excess::Input in{H, C, Q, L, bias, spread, c.sigma2, c.tau2};
+  EXPECT_NEAR(excess::value<2>(in), expected, 1e-9 * expected);
+  EXPECT_NEAR(excess::value<4>(in), expected, 1e-9 * expected);
   H(3, 3) = -1;
-  EXPECT_TRUE(std::isinf(excess::value<2>({H, C, Q, L, bias, c})));
+  EXPECT_TRUE(std::isinf(excess::value<2>(in)));
 }
 
 TEST(PredictedError, WithoutMisfitItIsTheVarianceInLaterUse) {
@@ -152,6 +157,62 @@ TEST(PredictedError, IsTheMeanExcessOfLeastSquaresOverDraws) {
   for (const ViewTerms& v : used.terms) error.add(v);
   // A mean of 4000 draws of a quadratic form: its deviation is about 2 %.
   EXPECT_NEAR(error.value() / excess, 1, 0.08);
+}
+
+/// Bayes' rule: over draws of the shared misfit from its prior, least squares leave s, and beta has
+/// errors of covariance P.
+TEST(SharedMoment, IsTheSecondMomentGivenTheResiduals) {
+  constexpr double kSigma = 0.3, kTau = 0.05, kB = 0.15;
+  MatrixXd mean = MatrixXd::Zero(kFunctions, kFunctions), truth = mean;
+  double squared = 0, expected = 0;
+  constexpr int kDraws = 120;
+  for (int d = 0; d < kDraws; ++d) {
+    LinearViews views(6, kSigma, kTau, kB, 1000 + d);
+    MatrixXd H = MatrixXd::Zero(kErrorParameters, kErrorParameters);
+    for (const ViewTerms& v : views.terms) H += v.I;
+    const VectorXd fitted = H.ldlt().solve(views.g);
+    for (ViewTerms& v : views.terms) v.s -= v.C.transpose() * fitted;
+    ErrorComponents c = errorComponents(views.terms);
+    c.sigma2 = kSigma * kSigma;
+    c.tau2 = kTau * kTau;
+    c.b2 = kB * kB;
+    mean += sharedMoment(c, kFunctions) / kDraws;
+    truth += views.common * views.common.transpose() / kDraws;
+    // beta beta^T + P without s is P: the difference is beta up to its sign.
+    ErrorComponents blind = c;
+    blind.shared.s.setZero();
+    const MatrixXd P = sharedMoment(blind, kFunctions);
+    const Eigen::JacobiSVD<MatrixXd> svd(sharedMoment(c, kFunctions) - P, Eigen::ComputeThinU);
+    VectorXd beta = svd.matrixU().col(0) * std::sqrt(svd.singularValues()[0]);
+    if (beta.dot(views.common) < 0) beta = -beta;
+    squared += (beta - views.common).squaredNorm() / kDraws;
+    expected += P.trace() / kDraws;
+  }
+  EXPECT_LT((mean - truth).norm(), 0.2 * truth.norm());
+  EXPECT_NEAR(squared / expected, 1, 0.25);         // of 480 squares: 6 %
+  EXPECT_LT(expected, 0.2 * kFunctions * kB * kB);  // six views tell nearly all of it
+}
+
+TEST(SharedMoment, WithoutResidualsItIsThePrior) {
+  const ErrorComponents c{0.09, 0.04, 0.01, 1, true, {}};
+  EXPECT_EQ(sharedMoment(c, 3), MatrixXd(0.01 * MatrixXd::Identity(3, 3)));
+}
+
+/// The misfit that is there counts, and not only how large it is: of two views as informative, the
+/// better one answers to it as later use does.
+TEST(PredictedError, TurnsToTheMisfitThatTheResidualsShow) {
+  const auto one = [](double x) { return MatrixXd(MatrixXd::Constant(1, 1, x)); };
+  const LaterUse use{one(1), MatrixXd::Zero(1, 2), MatrixXd::Identity(2, 2), 1};
+  ErrorComponents c{1e-4, 0, 0.0025, 1, true, {}};
+  c.shared = {100 * MatrixXd::Identity(2, 2), MatrixXd::Zero(2, 2), Eigen::Vector2d(0, 10)};
+  const auto view = [&](double first, double second) {
+    return ViewTerms{one(1), Eigen::RowVector2d(first, second), {}, {}, 0, 1};
+  };
+  const PredictedError error(use, c);
+  EXPECT_LT(error.valueWith(view(1, 0)), 0.2 * error.valueWith(view(0, 1)));
+  c.shared = {};
+  const PredictedError blind(use, c);
+  EXPECT_NEAR(blind.valueWith(view(1, 0)), blind.valueWith(view(0, 1)), 1e-12);
 }
 
 TEST(ErrorComponents, AreFoundFromTheResiduals) {
@@ -224,11 +285,23 @@ TEST(StrongestFields, AreThoseThatParametersCannotTake) {
     views.terms[v].C = views.J[v].transpose() * views.F[v];
     views.terms[v].D = views.F[v].transpose() * views.F[v];
   }
-  const auto fields = strongestFields(laterUse(views.terms), kFunctions - 1);
+  const auto fields =
+      strongestFields(laterUse(views.terms), MatrixXd::Identity(kFunctions, kFunctions),
+                      MatrixXd(kFunctions, 0), kFunctions - 1);
   ASSERT_TRUE(fields);
   ASSERT_EQ(fields->cols(), kFunctions - 1);
   const VectorXd absorbed = VectorXd::Unit(kFunctions, 0);
   EXPECT_LT((fields->transpose() * absorbed).norm(), 1e-6);
+  EXPECT_LT((fields->transpose() * *fields - MatrixXd::Identity(3, 3)).norm(), 1e-12);
+}
+
+TEST(StrongestFields, ThoseAskedForAreAlwaysThere) {
+  const LinearViews views(5, 0, 0, 0, 12);
+  const MatrixXd all = MatrixXd::Identity(kFunctions, kFunctions);
+  const auto fields = strongestFields(laterUse(views.terms), all.rightCols(3), all.leftCols(1), 3);
+  ASSERT_TRUE(fields);
+  ASSERT_EQ(fields->cols(), 3);
+  EXPECT_EQ(VectorXd(fields->col(2)), VectorXd(all.col(0)));
   EXPECT_LT((fields->transpose() * *fields - MatrixXd::Identity(3, 3)).norm(), 1e-12);
 }
 
@@ -238,8 +311,9 @@ TEST(StrongestFields, NothingWhereLaterUseLeavesParametersFree) {
     v.I.row(2).setZero();
     v.I.col(2).setZero();
   }
-  EXPECT_FALSE(strongestFields(laterUse(views.terms)));
-  EXPECT_FALSE(strongestFields(LaterUse{}));
+  const MatrixXd all = MatrixXd::Identity(kFunctions, kFunctions), none(kFunctions, 0);
+  EXPECT_FALSE(strongestFields(laterUse(views.terms), all, none));
+  EXPECT_FALSE(strongestFields(LaterUse{}, all, none));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 // The columns of a misfit field in a view's Gram matrix, against sums over corners with dense rows.
 #include "calibrator/residuals/field_gram.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -15,9 +17,9 @@
 namespace plumbline {
 namespace {
 
-const FieldBox kBox{{376, 240}, {376, 240}};
+const FieldBox kBox{{376, 240}, {376, 240}, {367, 248}};
 
-/// Rows (twist 6, intrinsics 8, fields 42, error) of every corner, squared up.
+/// Rows (twist 6, intrinsics 8, fields 50, error) of every corner, squared up.
 Eigen::MatrixXd denseSums(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
                           double cauchy_px) {
   constexpr int kColumns = 14 + kFieldColumns + 1;
@@ -141,7 +143,8 @@ TEST_P(FieldGramOf, IsTheSumOverCorners) {
     EXPECT_LT((g.b_f - dense.block<kFieldColumns, 1>(14, 14 + kFieldColumns)).norm(), 1e-8);
     EXPECT_LT((g.b - dense.block<6, 1>(0, 14 + kFieldColumns)).norm(), scale);
     const auto H_u = dense.block<kFieldFunctions, kFieldFunctions>(14, 14);
-    const auto H_v = dense.block<kFieldFunctions, kFieldFunctions>(35, 35);
+    const auto H_v =
+        dense.block<kFieldFunctions, kFieldFunctions>(14 + kFieldFunctions, 14 + kFieldFunctions);
     EXPECT_LT((g.H_f - H_u).norm(), 1e-9);
     EXPECT_LT((g.H_f - H_v).norm(), 1e-9);
   }
@@ -189,19 +192,78 @@ TEST(FieldGram, CombinationsAreProductsOfTheColumns) {
   }
 }
 
-TEST(FieldFunctions, AreOrthonormalOverTheBox) {
+// All but the components along the radius, which only FieldBase makes so.
+TEST(FieldFunctions, PolynomialsAreOrthonormalOverTheBox) {
   constexpr int kSide = 120;
-  Eigen::Matrix<double, kFieldFunctions, kFieldFunctions> mean;
+  Eigen::Matrix<double, kFieldPolynomials, kFieldPolynomials> mean;
   mean.setZero();
   for (int i = 0; i < kSide; ++i) {
     for (int j = 0; j < kSide; ++j) {
       const Eigen::Vector2d uv(752 * (i + 0.5) / kSide, 480 * (j + 0.5) / kSide);
-      const auto f = fieldFunctions(kBox, uv);
+      const auto f = fieldFunctions(kBox, uv).head<kFieldPolynomials>().eval();
       mean += f * f.transpose() / (kSide * kSide);
     }
   }
   // The midpoint rule is off by the square of its step.
   EXPECT_LT((mean - mean.Identity()).cwiseAbs().maxCoeff(), 2e-2);
+}
+
+TEST(FieldFunctions, DisplaceAlongTheRadius) {
+  // (40, -30) of the axis, in units of the half diagonal 50: d = (0.8, -0.6), r = 1.
+  const FieldBox box{{300, 200}, {40, 30}, {290, 220}};
+  const auto edge = fieldFunctions(box, {330, 190});
+  const Eigen::Vector4d expected(0.8, -0.6, 0.8, -0.6);
+  EXPECT_LT((edge.tail<4>() - expected).norm(), 1e-12);
+  // Half way out: 2^-7 and 2^-9 of it.
+  const auto inside = fieldFunctions(box, {310, 205});
+  EXPECT_NEAR(inside[kFieldPolynomials], 0.8 / 128, 1e-14);
+  EXPECT_NEAR(inside[kFieldPolynomials + 3], -0.6 / 512, 1e-14);
+}
+
+/// Displacements of the base at a pixel of camera 1 of two.
+Eigen::MatrixXd displacements(const Eigen::MatrixXd& columns, const FieldBox& box,
+                              const Eigen::Vector2d& uv) {
+  const auto f = fieldFunctions(box, uv);
+  Eigen::MatrixXd rows(2, columns.cols());
+  rows.row(0) = f.transpose() * columns.middleRows<kFieldFunctions>(kFieldColumns);
+  rows.row(1) =
+      f.transpose() * columns.middleRows<kFieldFunctions>(kFieldColumns + kFieldFunctions);
+  return rows;
+}
+
+TEST(FieldBase, IsOrthonormalAndHoldsRadialDisplacements) {
+  const std::array<FieldBox, 2> boxes{FieldBox{{300, 200}, {300, 200}, {310, 190}}, kBox};
+  const FieldBase base = fieldBase(boxes);
+  ASSERT_EQ(base.polynomials.cols(), 4 * kFieldPolynomials);
+  ASSERT_EQ(base.radials.cols(), 2 * kFieldRadials);
+  // Columns of the other camera say nothing of this one.
+  EXPECT_EQ(base.radials.bottomLeftCorner(kFieldColumns, kFieldRadials).norm(), 0);
+  Eigen::MatrixXd all(2 * kFieldColumns, 2 * kFieldPolynomials + kFieldRadials);
+  all << base.polynomials.rightCols(2 * kFieldPolynomials), base.radials.rightCols(kFieldRadials);
+  constexpr int kSide = 30;  // as the base takes its means
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(all.cols(), all.cols());
+  Eigen::VectorXd with_r9 = Eigen::VectorXd::Zero(all.cols());
+  const auto r9 = [](const Eigen::Vector2d& uv) {
+    const Eigen::Vector2d d = (uv - kBox.axis) / kBox.half.norm();
+    return Eigen::Vector2d(d * std::pow(d.norm(), 8));
+  };
+  std::vector<Eigen::Vector2d> pixels;
+  for (int k = 0; k < kSide * kSide; ++k) {
+    pixels.emplace_back(752 * (k / kSide + 0.5) / kSide, 480 * (k % kSide + 0.5) / kSide);
+    const Eigen::MatrixXd at = displacements(all, kBox, pixels.back());
+    mean += at.transpose() * at / (kSide * kSide);
+    with_r9 += at.transpose() * r9(pixels.back()) / (kSide * kSide);
+  }
+  const Eigen::MatrixXd all_radial = mean.rightCols(kFieldRadials);
+  const auto I = Eigen::MatrixXd::Identity(all.cols(), all.cols());
+  EXPECT_LT((all_radial - I.rightCols(kFieldRadials)).cwiseAbs().maxCoeff(), 1e-9);
+  const Eigen::VectorXd c = mean.ldlt().solve(with_r9);
+  double left = 0;
+  for (const Eigen::Vector2d& uv : pixels) {
+    left = std::max(left, (displacements(all, kBox, uv) * c - r9(uv)).norm());
+  }
+  EXPECT_LT(left, 1e-8);
+  EXPECT_GT(c.tail<kFieldRadials>().norm(), 1e-2);  // not of the polynomials alone
 }
 
 TEST(FieldFunctions, KeepTheirEdgeValuesBeyondTheBox) {
