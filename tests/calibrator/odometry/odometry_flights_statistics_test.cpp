@@ -12,23 +12,6 @@
 namespace plumbline {
 namespace {
 
-RoomFlightOptions denseFlight(double pixel_sigma) {
-  RoomFlightOptions options;
-  options.duration_s = 10;
-  options.pixel_sigma = pixel_sigma;
-  options.imu_noise = pixel_sigma > 0;
-  return options;
-}
-
-OdometryResult flownBy(int cameras, const RoomFlight& flight, const Calibration& calibration) {
-  Odometry odometry(RigModel::of(calibration, cameras), flight.samples);
-  for (FrameTracks frame : flight.frames) {
-    std::erase_if(frame.points, [&](const TrackPoint& p) { return p.camera >= cameras; });
-    odometry.step(frame);
-  }
-  return odometry.result();
-}
-
 double ate(const OdometryResult& result, const RoomFlight& flight) {
   std::vector<Eigen::Vector3d> estimate, truth;
   std::size_t j = 0;
@@ -42,8 +25,8 @@ double ate(const OdometryResult& result, const RoomFlight& flight) {
 
 TEST(OdometryFlights, ExactMeasurementsGiveTheFlight) {
   const SimulatedRig rig = simulatedRig("euroc");
-  const RoomFlight flight(rig, denseFlight(0));
-  const OdometryResult result = flownBy(2, flight, rig.calibration);
+  const RoomFlight flight(rig, flightOfTenSeconds(0));
+  const OdometryResult result = flownBy(flight, rig.calibration);
   EXPECT_TRUE(result.losses.empty());
   EXPECT_GT(result.poses.size(), flight.frames.size() - 20);
   EXPECT_LT(ate(result, flight), 1e-4);
@@ -51,10 +34,10 @@ TEST(OdometryFlights, ExactMeasurementsGiveTheFlight) {
 
 TEST(OdometryFlights, OneCameraFindsTheScaleFromTheImu) {
   const SimulatedRig rig = simulatedRig("euroc");
-  RoomFlightOptions options = denseFlight(0.3);
+  RoomFlightOptions options = flightOfTenSeconds(0.3);
   options.rest_s = 3;
   const RoomFlight flight(rig, options);
-  const OdometryResult result = flownBy(1, flight, rig.calibration);
+  const OdometryResult result = flownBy(flight, rig.calibration, {}, 1);
   EXPECT_TRUE(result.losses.empty());
   ASSERT_GT(result.poses.size(), 100U);
   EXPECT_LT(ate(result, flight), 0.05);
@@ -62,8 +45,8 @@ TEST(OdometryFlights, OneCameraFindsTheScaleFromTheImu) {
 
 TEST(OdometryFlights, FisheyeRigToo) {
   const SimulatedRig rig = simulatedRig("tumvi");
-  const RoomFlight flight(rig, denseFlight(0.3));
-  const OdometryResult result = flownBy(2, flight, rig.calibration);
+  const RoomFlight flight(rig, flightOfTenSeconds(0.3));
+  const OdometryResult result = flownBy(flight, rig.calibration);
   ASSERT_GT(result.poses.size(), 100U);
   EXPECT_LT(ate(result, flight), 0.02);
 }
@@ -72,7 +55,7 @@ TEST(OdometryFlights, FisheyeRigToo) {
 // more than the gauge that the first frame was given, whatever has been marginalised since.
 TEST(OdometryFlights, ThePriorKnowsNoPositionAndNoYaw) {
   const SimulatedRig rig = simulatedRig("euroc");
-  const RoomFlight flight(rig, denseFlight(0.5));
+  const RoomFlight flight(rig, flightOfTenSeconds(0.5));
   Odometry odometry(RigModel::of(rig.calibration), flight.samples);
   std::size_t n = 0;
   for (const FrameTracks& frame : flight.frames) {

@@ -26,13 +26,6 @@ RoomFlight flightOf(std::uint64_t seed, double duration_s, int turns = 4) {
   return {simulatedRig("euroc"), options};
 }
 
-OdometryResult run(const RoomFlight& flight, const Calibration& calibration,
-                   const OdometryOptions& options = {}) {
-  Odometry odometry(RigModel::of(calibration), flight.samples, options);
-  for (const FrameTracks& frame : flight.frames) odometry.step(frame);
-  return odometry.result();
-}
-
 struct Errors {
   double ate_m = 0;
   double nees = 0;  ///< median over the poses
@@ -73,7 +66,7 @@ TEST(OdometryStatistics, ErrorsAreSmallAndAsStated) {
   options.pixel_sigma = 0.5;  // as simulated
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const RoomFlight flight = flightOf(seed, 10);
-    const OdometryResult result = run(flight, simulatedRig("euroc").calibration, options);
+    const OdometryResult result = flownBy(flight, simulatedRig("euroc").calibration, options);
     EXPECT_TRUE(result.losses.empty()) << seed;
     EXPECT_GT(result.poses.size(), flight.frames.size() - 30) << seed;
     const Errors errors = errorsOf(result, flight);
@@ -96,7 +89,7 @@ std::vector<double> errorsWith(const std::vector<RoomFlight>& flights,
   spoil(calibration);
   std::vector<double> errors;
   for (const RoomFlight& flight : flights) {
-    errors.push_back(errorsOf(run(flight, calibration), flight).ate_m);
+    errors.push_back(errorsOf(flownBy(flight, calibration), flight).ate_m);
   }
   return errors;
 }

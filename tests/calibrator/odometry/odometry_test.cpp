@@ -18,32 +18,18 @@
 namespace plumbline {
 namespace {
 
-RoomFlightOptions shortFlight(double pixel_sigma) {
-  RoomFlightOptions options;
-  options.duration_s = 10;
-  options.pixel_sigma = pixel_sigma;
-  options.imu_noise = pixel_sigma > 0;
-  return options;
-}
-
-/// Shorter, of few tracks: for what does not depend on how well it flies.
+/// Of 5 s and few tracks: for what does not depend on how well it flies.
 RoomFlight sparseFlight(const SimulatedRig& rig, double pixel_sigma) {
-  RoomFlightOptions options = shortFlight(pixel_sigma);
+  RoomFlightOptions options = flightOfTenSeconds(pixel_sigma);
   options.duration_s = 5;
   options.tracks = 50;
   return {rig, options};
 }
 
-OdometryResult run(const RoomFlight& flight, const Calibration& calibration) {
-  Odometry odometry(RigModel::of(calibration), flight.samples);
-  for (const FrameTracks& frame : flight.frames) odometry.step(frame);
-  return odometry.result();
-}
-
 TEST(Odometry, SameValuesTwice) {
   const SimulatedRig rig = simulatedRig("euroc");
   const RoomFlight flight = sparseFlight(rig, 0.5);
-  const OdometryResult a = run(flight, rig.calibration), b = run(flight, rig.calibration);
+  const OdometryResult a = flownBy(flight, rig.calibration), b = flownBy(flight, rig.calibration);
   ASSERT_EQ(a.poses.size(), b.poses.size());
   for (std::size_t i = 0; i < a.poses.size(); ++i) {
     EXPECT_EQ(a.poses[i].state.T_FS.t, b.poses[i].state.T_FS.t);
@@ -55,7 +41,7 @@ TEST(Odometry, AGapOfTheImuIsALossThatIsTold) {
   RoomFlight flight = sparseFlight(rig, 0.3);
   const TimeNs from = flight.frames[50].t, to = flight.frames[62].t;
   std::erase_if(flight.samples, [&](const ImuSample& s) { return s.t > from && s.t < to; });
-  const OdometryResult result = run(flight, rig.calibration);
+  const OdometryResult result = flownBy(flight, rig.calibration);
   ASSERT_EQ(result.losses.size(), 1U);
   EXPECT_EQ(result.losses[0].cause, OdometryLoss::kImuGap);
   EXPECT_GE(result.losses[0].t, from);
@@ -68,7 +54,7 @@ TEST(Odometry, FramesAfterTheLastSampleAreNoLoss) {
   RoomFlight flight = sparseFlight(rig, 0.3);
   const TimeNs end = flight.frames[60].t + toNanoseconds(rig.calibration.imu->timeOffset());
   std::erase_if(flight.samples, [&](const ImuSample& s) { return s.t > end + 1'000'000; });
-  const OdometryResult result = run(flight, rig.calibration);
+  const OdometryResult result = flownBy(flight, rig.calibration);
   EXPECT_TRUE(result.losses.empty());
   EXPECT_EQ(result.frames, static_cast<int>(flight.frames.size()));
   ASSERT_FALSE(result.poses.empty());
@@ -78,7 +64,7 @@ TEST(Odometry, FramesAfterTheLastSampleAreNoLoss) {
 // Ten frames become poses at once, as their landmarks are counted once.
 TEST(Odometry, MeanLandmarksAreThoseOfTheWindow) {
   const SimulatedRig rig = simulatedRig("euroc");
-  const RoomFlight flight(rig, shortFlight(0.3));
+  const RoomFlight flight(rig, flightOfTenSeconds(0.3));
   Odometry odometry(RigModel::of(rig.calibration), flight.samples);
   for (const FrameTracks& frame : flight.frames) {
     odometry.step(frame);
@@ -93,7 +79,7 @@ TEST(Odometry, MeanLandmarksAreThoseOfTheWindow) {
 // It comes to a stand while frames wait for the start: the first of them is in motion.
 TEST(Odometry, AStandAtTheEndOfTheStartIsNoStandAtItsBeginning) {
   const SimulatedRig rig = simulatedRig("euroc");
-  const RoomFlight flight(rig, shortFlight(0));
+  const RoomFlight flight(rig, flightOfTenSeconds(0));
   const auto stands = [&](std::size_t k) {
     return (flight.truth[k + 1].t - flight.truth[k].t).norm() < 1e-9;
   };
@@ -135,7 +121,7 @@ std::vector<StartFrame> startFrames(const RoomFlight& flight, const RigModel& ri
 
 TEST(OdometryStart, SightingsThatDoNotFitAreRefused) {
   const SimulatedRig rig = simulatedRig("euroc");
-  const RoomFlight flight(rig, shortFlight(0.5));
+  const RoomFlight flight(rig, flightOfTenSeconds(0.5));
   RigModel model = RigModel::of(rig.calibration);
   const std::vector<StartFrame> frames = startFrames(flight, model);
   const auto start = startEstimate(frames, flight.samples, model, {});
@@ -154,9 +140,9 @@ TEST(Odometry, BlindFramesAreBridgedAndThenALoss) {
   const SimulatedRig rig = simulatedRig("euroc");
   RoomFlight flight = sparseFlight(rig, 0.3);
   for (int k = 50; k < 56; ++k) flight.frames[static_cast<std::size_t>(k)].points.clear();
-  EXPECT_TRUE(run(flight, rig.calibration).losses.empty());
+  EXPECT_TRUE(flownBy(flight, rig.calibration).losses.empty());
   for (int k = 56; k < 90; ++k) flight.frames[static_cast<std::size_t>(k)].points.clear();
-  const OdometryResult result = run(flight, rig.calibration);
+  const OdometryResult result = flownBy(flight, rig.calibration);
   ASSERT_EQ(result.losses.size(), 1U);
   EXPECT_EQ(result.losses[0].cause, OdometryLoss::kBlind);
 }
@@ -258,7 +244,7 @@ TEST(Marginalise, SaysThatThePriorIsLost) {
 
 TEST(Odometry, TheWindowsCostIsASumOfSquares) {
   const SimulatedRig rig = simulatedRig("euroc");
-  const RoomFlight flight(rig, shortFlight(0.5));
+  const RoomFlight flight(rig, flightOfTenSeconds(0.5));
   const RigModel model = RigModel::of(rig.calibration);
   Odometry odometry(model, flight.samples);
   double last = 0;

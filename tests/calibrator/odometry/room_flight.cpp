@@ -7,7 +7,7 @@
 namespace plumbline {
 namespace {
 
-SimulatedFlight flown(const SimulatedRig& rig, const RoomFlightOptions& o) {
+SimulatedFlight simulated(const SimulatedRig& rig, const RoomFlightOptions& o) {
   SimulationOptions simulation;
   simulation.seed = o.seed;
   simulation.duration_s = o.duration_s;
@@ -27,7 +27,7 @@ SimulatedFlight flown(const SimulatedRig& rig, const RoomFlightOptions& o) {
 }  // namespace
 
 RoomFlight::RoomFlight(const SimulatedRig& rig, const RoomFlightOptions& options) {
-  const SimulatedFlight flight = flown(rig, options);
+  const SimulatedFlight flight = simulated(rig, options);
   const SimulatedSession& recording = flight.recording;
   samples = recording.session.imu->samples;
   length_m = flight.length_m;
@@ -41,6 +41,24 @@ RoomFlight::RoomFlight(const SimulatedRig& rig, const RoomFlightOptions& options
     frames.push_back(std::move(frame));
     truth.push_back(recording.states[k].T_FS);
   }
+}
+
+RoomFlightOptions flightOfTenSeconds(double pixel_sigma) {
+  RoomFlightOptions options;
+  options.duration_s = 10;
+  options.pixel_sigma = pixel_sigma;
+  options.imu_noise = pixel_sigma > 0;
+  return options;
+}
+
+OdometryResult flownBy(const RoomFlight& flight, const Calibration& calibration,
+                       const OdometryOptions& options, int cameras) {
+  Odometry odometry(RigModel::of(calibration, cameras), flight.samples, options);
+  for (FrameTracks frame : flight.frames) {
+    std::erase_if(frame.points, [&](const TrackPoint& p) { return p.camera >= cameras; });
+    odometry.step(frame);
+  }
+  return odometry.result();
 }
 
 double alignedRmse(const std::vector<Eigen::Vector3d>& estimate,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibrator/base/session.h"
+#include "calibrator/odometry/odometry.h"
 #include "calibrator/odometry/rig_model.h"
 #include "calibrator/simulate/simulate_flight.h"
 
@@ -30,6 +31,13 @@ struct RoomFlight {
   std::vector<Transform> truth;  ///< T_FS, one per frame
   double length_m = 0;
 };
+
+/// Of 10 s; without noise of the IMU where tracks have none.
+RoomFlightOptions flightOfTenSeconds(double pixel_sigma);
+
+/// The odometry flown to the end by the first `cameras` of the calibration.
+OdometryResult flownBy(const RoomFlight& flight, const Calibration& calibration,
+                       const OdometryOptions& options = {}, int cameras = 2);
 
 /// RMSE of positions after the best rigid motion (SE3) of the estimate onto the truth.
 double alignedRmse(const std::vector<Eigen::Vector3d>& estimate,
