@@ -8,6 +8,7 @@
 #include "datasets/calibration/kalibr/run.h"
 #include "datasets/calibration/kalibr_writer.h"
 #include "tests/datasets/calibration/kalibr_texts.h"
+#include "tests/datasets/calibration/yac_text.h"
 #include "tests/fuzz/parser.h"
 
 namespace plumbline::fuzz {
@@ -74,36 +75,6 @@ void readCamchain(const std::string& path) {
       readCalibration);
 }
 
-constexpr const char* kYac = R"(imu0:
-  rate: 200.0
-  sigma_a_c: 2.0e-03
-  sigma_g_c: 1.7e-04
-  sigma_aw_c: 3.0e-03
-  sigma_gw_c: 2.0e-05
-  g: 9.81
-time_delay: 0.0015
-cam0:
-  resolution: [752, 480]
-  proj_model: "pinhole"
-  dist_model: "radtan4"
-  proj_params: [458.0, 457.0, 367.0, 248.0]
-  dist_params: [-0.28, 0.07, 0.0002, 1.0e-05]
-cam1:
-  resolution: [752, 480]
-  proj_model: "pinhole"
-  dist_model: "equi4"
-  proj_params: [458.0, 457.0, 367.0, 248.0]
-  dist_params: [-0.28, 0.07, 0.0002, 1.0e-05]
-T_cam0_cam1:
-  rows: 4
-  cols: 4
-  data: [1, 0, 0, 0.11,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1]
-T_imu0_cam0:
-  rows: 4
-  cols: 4
-  data: [0, -1, 0, -0.02,  1, 0, 0, -0.06,  0, 0, 1, 0.01,  0, 0, 0, 1]
-)";
-
 /// A camera that looks at the target's middle from several sides; x, y, z, w of the conjugate.
 std::string kalibrPoses() {
   std::string text =
@@ -157,7 +128,7 @@ Parser kalibr_poses() {
 
 Parser yac() {
   return {readAnyCalibration,
-          [] { return std::vector<std::string>{kYac}; },
+          [] { return std::vector<std::string>{test::kYacResult}; },
           {"fov", "none", "ds", "radtan8"}};
 }
 

@@ -6,6 +6,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "datasets/calibration/calibration_reader.h"
+#include "tests/datasets/calibration/yac_text.h"
 #include "tests/datasets/refusal.h"
 #include "tests/datasets/temporary_folder.h"
 
@@ -14,36 +15,7 @@ namespace {
 
 TEST(YacResults, AreCalibrations) {
   const TemporaryFolder folder;
-  const std::string text = R"(imu0:
-  rate: 200.0
-  sigma_a_c: 2.0e-03
-  sigma_g_c: 1.7e-04
-  sigma_aw_c: 3.0e-03
-  sigma_gw_c: 2.0e-05
-  g: 9.81
-  ba: [-0.002198, 0.024434, 0.076713]
-time_delay: 0.0015  # imu_timestamp = camera_timestamp + time_delay
-cam0:
-  resolution: [752, 480]
-  proj_model: "pinhole"
-  dist_model: "radtan4"
-  proj_params: [458.0, 457.0, 367.0, 248.0]
-  dist_params: [-0.28, 0.07, 0.0002, 1.0e-05]
-cam1:
-  resolution: [752, 480]
-  proj_model: "pinhole"
-  dist_model: "equi4"
-  proj_params: [458.0, 457.0, 367.0, 248.0]
-  dist_params: [-0.28, 0.07, 0.0002, 1.0e-05]
-T_cam0_cam1:
-  rows: 4
-  cols: 4
-  data: [1, 0, 0, 0.11,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1]
-T_imu0_cam0:
-  rows: 4
-  cols: 4
-  data: [0, -1, 0, -0.02,  1, 0, 0, -0.06,  0, 0, 1, 0.01,  0, 0, 0, 1]
-)";
+  const std::string text = test::kYacResult;
   std::string gap = text;
   gap.replace(gap.find("cam1:"), 5, "cam2:");
   EXPECT_EQ(faultOf([&] { (void)readCalibration(folder.write("gap.yaml", gap)); }),
