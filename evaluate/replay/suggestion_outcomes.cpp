@@ -95,7 +95,8 @@ std::size_t cameraOf(const Suggestion& suggestion,
   if (suggestion.stage == GuideStage::kCameraImu) return 0;
   const auto stated = static_cast<std::size_t>(suggestion.camera);
   if (suggestion.camera >= 0 && stated < overlay.size()) return stated;
-  const auto most = std::ranges::max_element(overlay, {}, &std::vector<Corner>::size);
+  const auto most = std::ranges::max_element(
+      overlay, {}, [](const std::vector<Corner>& corners) { return corners.size(); });
   return static_cast<std::size_t>(most - overlay.begin());
 }
 
