@@ -122,7 +122,8 @@ std::optional<MatrixXd> strongestFields(const LaterUse& use, const MatrixXd& som
   const MatrixXd W = L->triangularView<Eigen::Lower>().solve(use.C * some);
   const MatrixXd D = some.transpose() * use.D * some;
   const SymmetricEigen eigen = symmetricEigen(symmetric(D - W.transpose() * W));
-  const Eigen::Index strongest = std::min<Eigen::Index>(count - always.cols(), some.cols());
+  const Eigen::Index room = std::max<Eigen::Index>(0, count - always.cols());
+  const Eigen::Index strongest = std::min(room, some.cols());
   MatrixXd out(some.rows(), strongest + always.cols());
   out << some * eigen.vectors.rightCols(strongest), always;
   return out;

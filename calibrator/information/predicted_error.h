@@ -47,10 +47,11 @@ struct LaterUse {
 };
 LaterUse laterUse(std::span<const ViewTerms> views);
 
-/// `count` columns (or fewer, if there are no more): those of `always`, and before them the
-/// orthonormal directions among the combinations `some` of the field's columns that leave most
-/// where the camera is used once the parameters have taken what they can: eigenvectors of B^T (D_T
-/// - C_T^T H_T^-1 C_T) B, B = some, times B. Empty where H_T is singular.
+/// `count` columns (fewer if there are no more, more where `always` has more): those of `always`,
+/// and before them the orthonormal directions among the combinations `some` of the field's columns
+/// that leave most where the camera is used once the parameters have taken what they can:
+/// eigenvectors of B^T (D_T - C_T^T H_T^-1 C_T) B, B = some, times B.
+/// Empty where H_T is singular.
 std::optional<Eigen::MatrixXd> strongestFields(const LaterUse& use, const Eigen::MatrixXd& some,
                                                const Eigen::MatrixXd& always, int count = 16);
 

@@ -85,7 +85,7 @@ constexpr std::array<const char*, 2> enumWords(LaterUseKind /*of*/) { return {"s
 /// What a corner of each cell (cells of camera after camera) counts: kSeen: 1 + 0.06 min(50, q),
 /// kImage: min(20, q), q the mean number of corners of all cells over the cell's own. They are not
 /// normalised, while LaterUse divides by the corners as they are: with kSeen it is larger, by up to
-/// a twentieth, and E with it (on which docs/counterfactuals.md stands); with kImage it is smaller
+/// 6 %, and E with it (on which docs/counterfactuals.md stands); with kImage it is smaller
 /// by the share of cells without corners and by what the bound takes.
 std::vector<double> cellWeights(const std::vector<RigView>& frames, const CameraEstimate& cameras,
                                 LaterUseKind kind);

@@ -305,6 +305,15 @@ TEST(StrongestFields, ThoseAskedForAreAlwaysThere) {
   EXPECT_LT((fields->transpose() * *fields - MatrixXd::Identity(3, 3)).norm(), 1e-12);
 }
 
+// As of a rig of so many cameras that their radial fields alone are more than were asked for.
+TEST(StrongestFields, MoreThanAskedForAreAllThere) {
+  const LinearViews views(5, 0, 0, 0, 12);
+  const MatrixXd all = MatrixXd::Identity(kFunctions, kFunctions);
+  const auto fields = strongestFields(laterUse(views.terms), all.rightCols(1), all.leftCols(3), 2);
+  ASSERT_TRUE(fields);
+  EXPECT_EQ(*fields, MatrixXd(all.leftCols(3)));
+}
+
 TEST(StrongestFields, NothingWhereLaterUseLeavesParametersFree) {
   LinearViews views(3, 0, 0, 0, 9);
   for (ViewTerms& v : views.terms) {
