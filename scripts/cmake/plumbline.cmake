@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The functions with which every folder declares its library, and what is precompiled.
 
-# The sources of a room (calibrator/batch and all below it, a folder of report) are compiled as one where
-# CMAKE_UNITY_BUILD is ON, as the scripts do that build everything: headers and templates are read once per room.
-# Names in anonymous namespaces are therefore unique within a room. Whoever edits configures without it.
+# The sources of a room (calibrator/batch and all below it; of report each folder, for pages have parts of the same
+# name) are compiled as one where CMAKE_UNITY_BUILD is ON, as the scripts do that build everything: headers and
+# templates are read once per room. Names in anonymous namespaces are therefore unique within a room. Whoever edits
+# configures without it.
 function(plumbline_unity target)
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
