@@ -116,7 +116,7 @@ class Online {
     const Candidates candidates(pool_, solution->estimate, frames_);
     if (!candidates.determined()) return addNext();
     const ErrorComponents components = note(candidates);
-    if (options_.criterion == ViewCriterion::kPredictedError) {
+    if (options_.criterion == ViewCriterion::kPredictedError && views >= kLeastViewsForError) {
       addBest(candidates, PredictedError(candidates.use(), components), count, used_);
     } else {
       // So weak that it only keeps the determinants of the first views finite.

@@ -33,7 +33,8 @@ struct OnlineOrder {
 /// its time: the batch over the views so far, made anew with every view up to 8, then with every
 /// 2nd, 4th, 6th, 10th (from 12, 20, 32 on). `first`, of `candidates`, are its beginning. A view
 /// whose RMSE at that estimate exceeds three times the candidates' median is not taken: one
-/// photograph of several px error would inflate all components. While the views so far do not
+/// photograph of several px error would inflate all components. Up to kLeastViewsForError views
+/// both criteria choose by information. While the views so far do not
 /// determine the cameras the next ones come as `candidates` lists them.
 OnlineOrder onlineOrder(const ViewPool& pool, const std::vector<int>& candidates,
                         const std::vector<int>& first, const OnlineOrderOptions& options = {});

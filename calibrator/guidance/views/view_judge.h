@@ -52,7 +52,8 @@ class ViewJudge {
 
  private:
   bool byError() const {
-    return options_.criterion == ViewCriterion::kPredictedError && errors_.isKnown();
+    return options_.criterion == ViewCriterion::kPredictedError && errors_.isKnown() &&
+           errors_.keptCount() >= kLeastViewsForError;
   }
 
   AprilGrid target_;

@@ -65,6 +65,32 @@ TEST(OnlineOrder, BeginsWithTheStartAndTakesEveryFrameOnce) {
   }
 }
 
+/// An estimate from three views of which nothing is known is too far off for a criterion of first
+/// order about it.
+TEST(OnlineOrder, UpToFourViewsEitherCriterionGoesByInformation) {
+  int apart = 0;
+  for (int p = 0; p < 3; ++p) {
+    const auto recording = simulated(p);
+    const ViewPool pool = prepared(recording);
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const auto ordered = [&](ViewCriterion criterion) {
+        OnlineOrderOptions options;
+        options.criterion = criterion;
+        options.most_views = 8;
+        return onlineOrder(pool, pool.pool(), startOf(pool, seed), options).order;
+      };
+      const std::vector<int> error = ordered(ViewCriterion::kPredictedError);
+      const std::vector<int> information = ordered(ViewCriterion::kMutualInformation);
+      ASSERT_GE(error.size(), std::size_t{kLeastViewsForError});
+      EXPECT_TRUE(std::equal(error.begin(), error.begin() + kLeastViewsForError,
+                             information.begin()))
+          << "rig " << p << ", start " << seed;
+      apart += error == information ? 0 : 1;
+    }
+  }
+  EXPECT_GT(apart, 0) << "from there on they are two criteria";
+}
+
 /// The model is right: no misfit is found, the prediction is the variance, and what is measured on
 /// held-out frames of the same motion is what was predicted, on average over rigs and starts.
 TEST(OnlineOrder, PredictedAndMeasuredExcessAgreeWhereTheModelFits) {
