@@ -82,8 +82,8 @@ TEST(OnlineOrder, UpToFourViewsEitherCriterionGoesByInformation) {
       const std::vector<int> error = ordered(ViewCriterion::kPredictedError);
       const std::vector<int> information = ordered(ViewCriterion::kMutualInformation);
       ASSERT_GE(error.size(), std::size_t{kLeastViewsForError});
-      EXPECT_TRUE(std::equal(error.begin(), error.begin() + kLeastViewsForError,
-                             information.begin()))
+      EXPECT_TRUE(
+          std::equal(error.begin(), error.begin() + kLeastViewsForError, information.begin()))
           << "rig " << p << ", start " << seed;
       apart += error == information ? 0 : 1;
     }
