@@ -28,6 +28,8 @@ constexpr std::size_t kMostTriples = 300;  // spread evenly over the recording
 constexpr double kTranslationPrior = 1;
 constexpr double kAccelBiasPrior = 0.3;
 
+constexpr double kHardlyMore = 1.3;  // residuals, than those of another fit or of noise
+
 struct Triple {
   std::size_t a = 0, b = 0, c = 0;
 };
@@ -161,8 +163,15 @@ struct Fit {
   Unknowns x = Unknowns::Zero();
 };
 
-/// Least squares; with `scale` held at 1 where asked (a weight far above what any data give).
-Fit fitted(const std::vector<Equation>& equations, double weight_of_unit_scale) {
+/// What a fit holds, by a weight far above what any data give.
+struct Held {
+  bool unit_scale = false;
+  bool no_lever = false;  ///< t_SC0 at zero
+};
+
+/// Least squares.
+Fit fitted(const std::vector<Equation>& equations, const Held& held = {}) {
+  constexpr double kHeld = 1e9;
   Normal H = Normal::Zero();
   Unknowns b = Unknowns::Zero();
   for (const Equation& e : equations) {
@@ -173,8 +182,11 @@ Fit fitted(const std::vector<Equation>& equations, double weight_of_unit_scale) 
   const double weight = 0.1 * 0.1;
   H.diagonal().segment<3>(1).array() += weight / std::pow(kTranslationPrior, 2);
   H.diagonal().tail<3>().array() += weight / std::pow(kAccelBiasPrior, 2);
-  H(0, 0) += weight_of_unit_scale;
-  b(0) += weight_of_unit_scale;
+  if (held.unit_scale) {
+    H(0, 0) += kHeld;
+    b(0) += kHeld;
+  }
+  if (held.no_lever) H.diagonal().segment<3>(1).array() += kHeld;
   Fit fit;
   fit.ldlt.compute(H);
   fit.x = fit.ldlt.solve(b);
@@ -187,13 +199,23 @@ double rmsOf(const std::vector<Equation>& equations, const Unknowns& x) {
   return std::sqrt(squared / (3 * static_cast<double>(equations.size())));
 }
 
+/// What noise of poses and samples makes of rmsOf(); 0: not known.
+double noiseOf(const std::vector<Equation>& equations, const Unknowns& x) {
+  double variance = 0;
+  for (const Equation& e : equations) {
+    if (!(e.positions > 0)) return 0;
+    variance += e.variance(x);
+  }
+  return std::sqrt(variance / static_cast<double>(equations.size()));
+}
+
 /// Without the equations that contradict the fit of the rest. Every round judges all of them, so
 /// that one that an early, bad fit left out may come back.
 std::vector<Equation> agreeing(const std::vector<Equation>& all) {
   constexpr double kChiMedian = 1.538;  // median of |x| for three unit Gaussians
   std::vector<Equation> used = all;
   for (int round = 0; round < kTripleRounds; ++round) {
-    const Unknowns x = fitted(used, 0).x;
+    const Unknowns x = fitted(used).x;
     std::vector<double> sizes;
     for (const Equation& e : all) sizes.push_back((e.A * x - e.rhs).norm());
     const double limit = kTripleSigmas * median(sizes) / kChiMedian;
@@ -208,14 +230,19 @@ std::vector<Equation> agreeing(const std::vector<Equation>& all) {
   return used;
 }
 
+/// Of slow turns, noise of the attitudes puts the lever arm where the poses' positions are known
+/// best, on the board: a metre off. No lever arm at all leaves hardly more than noise then.
+bool isLeverNoise(const std::vector<Equation>& equations) {
+  const Unknowns x = fitted(equations, {.unit_scale = true, .no_lever = true}).x;
+  return rmsOf(equations, x) <= kHardlyMore * noiseOf(equations, x);
+}
+
 InertialAlignment solve(const std::vector<Equation>& all) {
-  constexpr double kHeld = 1e9;
   constexpr double kToldFromZero = 4;  // deviations
   constexpr double kFar = 2;           // a scale, from 1
-  constexpr double kHardlyMore = 1.3;
   const std::vector<Equation> equations = agreeing(all);
-  Fit fit = fitted(equations, 0);
-  const Fit held = fitted(equations, kHeld);
+  Fit fit = fitted(equations);
+  const Fit held = fitted(equations, {.unit_scale = true});
   const Unknowns& x = fit.x;
   InertialAlignment out;
   out.equations = static_cast<int>(equations.size());
@@ -227,22 +254,19 @@ InertialAlignment solve(const std::vector<Equation>& all) {
   // A camera that turns in place has no acceleration, and nothing times k explains that as well as
   // the truth: size and sign of k are then noise, and all else that k divides. Noise that attitudes
   // share with positions even makes a k of its own, beyond its deviations. But k = 1 leaves hardly
-  // more then.
+  // more then, or no more than noise.
   const bool is_free = !(std::abs(x(0)) > kToldFromZero * inverse_std);
   const bool is_near = x(0) > 1 / kFar && x(0) < kFar;
-  if ((is_free || !is_near) && out.fixed_rms <= kHardlyMore * out.residual_rms) {
+  bool has_lever = true;
+  const double enough = std::max(kHardlyMore * out.residual_rms, noiseOf(equations, held.x));
+  if ((is_free || !is_near) && out.fixed_rms <= enough) {
     // The scale is not known better than what the motion would have it differ by.
     out.scale_std = std::hypot(out.scale_std, 1 / x(0) - 1);
     fit = held;
     out.residual_rms = out.fixed_rms;
+    has_lever = !isLeverNoise(equations);
   }
-  double variance = 0;
-  bool known = true;
-  for (const Equation& e : equations) {
-    variance += e.variance(x) / static_cast<double>(equations.size());
-    known = known && e.positions > 0;
-  }
-  out.noise_rms = known ? std::sqrt(variance) : 0;
+  out.noise_rms = noiseOf(equations, x);
   out.scale = 1 / x(0);
   Unknowns down = Unknowns::Zero();
   down.segment<3>(4) = x.segment<3>(4).normalized();
@@ -250,7 +274,7 @@ InertialAlignment solve(const std::vector<Equation>& all) {
   // is at that scale, the scale taken as known.
   out.residual_rms *= std::abs(out.scale);
   out.gravity_std = out.residual_rms * std::sqrt(down.dot(fit.ldlt.solve(down)));
-  out.t_SC0 = out.scale * x.segment<3>(1);
+  if (has_lever) out.t_SC0 = out.scale * x.segment<3>(1);
   out.gravity_F = out.scale * x.segment<3>(4);
   out.accel_bias = out.scale * x.tail<3>();
   return out;

@@ -32,10 +32,11 @@ struct InertialAlignment {
 /// second difference of the IMU's position, p_S = s p_C0 - R_FS t_SC0, equals gravity plus the
 /// pre-integrated force (velocities eliminated). Needs the rotation, gyro bias and time offset of
 /// the rates' alignment. Triples that leave more than 6 robust standard deviations are left out (a
-/// pose that is wrong spoils a few). `noise` is that of noise_rms. Where 1 / s does not
-/// differ from zero by four deviations, is negative or off by a factor of two, and 1 leaves hardly
-/// more (the camera turns in place), s is held at 1; its deviation holds what the free one differs
-/// by. Empty for fewer than 10 usable triples.
+/// pose that is wrong spoils a few). `noise` is that of noise_rms. Where 1 / s does not differ from
+/// zero by four deviations, is negative or off by a factor of two, and 1 leaves hardly more, or no
+/// more than noise (the camera turns in place, or moves slowly), s is held at 1; its deviation
+/// holds what the free one differs by. Where then hardly more than noise is left without a lever
+/// arm, t_SC0 is zero. Empty for fewer than 10 usable triples.
 std::optional<InertialAlignment> alignInertially(std::span<const CameraPose> poses,
                                                  std::span<const ImuSample> samples,
                                                  const Eigen::Matrix3d& R_SC0,

@@ -76,9 +76,10 @@ class CameraImuSteps {
     ++accepted_;
   }
 
+  /// A lengthened step that is refused says nothing of the damping: the step itself comes next.
   bool refuse() {
     last_ratio_ = last_length_ = 0;
-    return false;
+    return std::exchange(lengthened_, false);
   }
 
   CameraImuSolution solution(const MinimiserSummary& summary) && {
@@ -103,6 +104,7 @@ class CameraImuSteps {
                         std::abs(ratio - last_ratio_) < kSteady;
     last_length_ = length;
     last_ratio_ = ratio;
+    lengthened_ = steady;
     if (!steady) return;
     const double factor = 1 / (1 - ratio);
     for (auto& x : step_->step) x *= factor;
@@ -119,6 +121,7 @@ class CameraImuSteps {
   std::optional<ImuWeights> fresh_;
   double last_length_ = 0;  // of the last step, in standard deviations; 0: says nothing
   double last_ratio_ = 0;
+  bool lengthened_ = false;  // the present step
   double weights_offset_s_ = 0;
   int accepted_ = 0;
 };

@@ -2,6 +2,8 @@
 // The camera-IMU batch on simulated recordings: what must not change the result. High rates of the
 // IMU are in camera_imu_rates_statistics_test, statistics of noisy runs in
 // camera_imu_statistics_test.
+#include <cstdint>
+
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
@@ -64,6 +66,26 @@ TEST(CameraImu, ReportsWhatItUsed) {
   EXPECT_EQ(*r.imu.time_offset_std_s, std::sqrt(summary.covariance.matrix(6, 6)));
   EXPECT_GT(r.imu_summary.chi2, 0);
   EXPECT_EQ(r.imu_summary.dof, static_cast<int>(15 * r.imu_residuals.size()));
+}
+
+// The noise of the poses tells a lever arm of metres, along which the cost is nearly flat.
+TEST(CameraImu, ASlowTurnInPlaceConverges) {
+  SimulatedRig rig = simulatedRig("euroc");
+  rig.calibration.cameras.resize(1);
+  for (const std::uint64_t seed : {3, 4, 5}) {
+    SimulationOptions simulation = noisyRecording(seed, 30);
+    simulation.trajectory = {.seed = seed, .pace = 0.15, .reach = 0};
+    const SimulatedSession s = simulateSession(rig, simulation);
+    CameraImuOptions options = matchedOptions(s, 0.2);
+    options.max_translation_std_m = 0.1;
+    options.diagnose_faults = options.noise_check = false;
+    const CameraImuStageResult r = solved(s, options);
+    EXPECT_TRUE(r.summary.converged) << seed;
+    EXPECT_LT(r.summary.iterations, 40) << seed;
+    const Eigen::VectorXd error = calibrationError(s, r);
+    const Eigen::VectorXd deviations = r.summary.covariance.standardDeviations();
+    EXPECT_LT(error.cwiseQuotient(deviations).cwiseAbs().maxCoeff(), 4) << seed;
+  }
 }
 
 // The cost has them (view_gram.h).
