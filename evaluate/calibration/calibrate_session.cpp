@@ -187,7 +187,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   }
   addViewImages(loaded, record);
   record.verdict = judge(record, request.thresholds, &loaded.session, request.camera.frames);
-  record.verdict.headline = calibrationHeadline(record);
+  record.verdict.headline = calibrationHeadline(record, request.thresholds);
   return record;
 }
 

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "evaluate/metrics/verdict.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {
@@ -19,11 +20,13 @@ std::string worstFinding(const Verdict& verdict);
 
 /// What a good calibration is: "Cameras to 0.27 px RMSE; T_SC0 to 0.45 mm and 0.013 deg (1 sigma
 /// per axis), time offset to 0.04 ms; all 60 rules are met." Deviations are the largest of those
-/// shown.
-std::string calibrationHeadline(const CalibrationRecord& record);
+/// shown. Rules that could not be judged do not count as met; where the recording does not test the
+/// target's size, the sentence says that scale rests on it.
+std::string calibrationHeadline(const CalibrationRecord& record,
+                                const VerdictThresholds& thresholds = {});
 
 /// The end of a summary: "Verdict: CAUTION" (or the word for a good one), the headline, and every
-/// finding that is not good.
+/// finding that is not good or was not judged.
 std::string verdictText(const Verdict& verdict, const std::string& good_word = "good");
 
 }  // namespace plumbline

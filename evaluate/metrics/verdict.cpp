@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
@@ -83,6 +84,22 @@ std::string imuWords(const CalibrationRecord& record) {
       1e3 * largestOffsetStd(estimates, record.camera_imu->cameras).value);
 }
 
+/// "; all 60 rules are met"; those that could not be judged are named.
+std::string rulesMet(const Findings& findings) {
+  std::vector<std::string> open;
+  for (const Finding& f : findings) {
+    if (isNotJudged(f)) open.push_back(f.rule);
+  }
+  if (open.empty()) return fmt::format("; all {} rules are met", findings.size());
+  return fmt::format("; {} of {} rules are met, not judged: {}", findings.size() - open.size(),
+                     findings.size(), joined(open));
+}
+
+/// Of a mono camera alone nothing that is calibrated has a length.
+bool hasLengths(const CalibrationRecord& record) {
+  return record.camera_imu || (record.camera && record.camera->cameras.size() > 1);
+}
+
 }  // namespace
 
 void append(std::vector<Finding>& to, std::vector<Finding> more,
@@ -130,7 +147,7 @@ std::string headlineOf(const Verdict& verdict, const std::string& good) {
   return text;
 }
 
-std::string calibrationHeadline(const CalibrationRecord& record) {
+std::string calibrationHeadline(const CalibrationRecord& record, const VerdictThresholds& t) {
   // Cameras that were given are those that the camera-IMU stage held.
   const StageSummary* cameras = record.camera       ? &record.camera->summary
                                 : record.camera_imu ? &record.camera_imu->summary
@@ -139,7 +156,10 @@ std::string calibrationHeadline(const CalibrationRecord& record) {
                          ? "nothing was calibrated"
                          : fmt::format("cameras to {:.2f} px RMSE", cameras->reprojection.rmse_px);
   good += imuWords(record);
-  good += fmt::format("; all {} rules are met", record.verdict.findings.size());
+  good += rulesMet(record.verdict.findings);
+  if (hasLengths(record) && !testsTargetSize(record, t)) {
+    good += "; scale rests on the stated size of the target, which this recording does not test";
+  }
   return headlineOf(record.verdict, good);
 }
 
@@ -150,13 +170,13 @@ std::string verdictText(const Verdict& verdict, const std::string& good_word) {
   if (!verdict.headline.empty()) text += "\n";
   // Findings that one advice mends stand together, with the advice once.
   for (const std::vector<Finding>& same : findingsByCure(verdict.findings)) {
-    if (same.front().level == VerdictLevel::kGood) continue;
+    const Finding& first = same.front();
+    if (isNotJudged(first)) text += fmt::format("  {}: {}\n", first.rule, first.evidence);
+    if (first.level == VerdictLevel::kGood) continue;
     for (const Finding& f : same) {
       text += fmt::format("  {} - {}: {}\n", toString(f.level), f.rule, f.evidence);
     }
-    if (!same.front().advice.empty()) {
-      text += fmt::format("      {}\n", sentence(same.front().advice));
-    }
+    if (!first.advice.empty()) text += fmt::format("      {}\n", sentence(first.advice));
   }
   return text;
 }

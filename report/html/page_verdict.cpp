@@ -36,14 +36,15 @@ data findingRow(const Finding& f) {
   // A rule without a unit compares nothing with a threshold (convergence).
   const ShownUnit unit = shownUnit(f);
   const auto shown = [&](double value) -> std::string {
-    if (f.unit.empty()) return "\u2013";
+    if (f.unit.empty() || (isNotJudged(f) && std::isnan(value))) return "\u2013";
     const double number = unit.factor * value;
     // Three digits, but no count of views as "1.42e+03".
     const bool whole = std::abs(number) >= 999.5 && std::abs(number) < 1e7;
     return typeset(fmt::format(fmt::runtime(whole ? "{:.0f}{}" : "{:.3g}{}"), number, unit.name));
   };
   return object({{"rule", f.rule},
-                 {"level", toString(f.level)},
+                 {"level", isNotJudged(f) ? "not judged" : toString(f.level)},
+                 {"dot", isNotJudged(f) ? "neutral" : toString(f.level)},
                  {"evidence", typeset(f.evidence)},
                  {"advice", typeset(f.advice)},
                  {"value", shown(f.value)},
@@ -75,10 +76,11 @@ data subjectChips(const std::vector<Finding>& findings) {
   // What is about the result as a whole is the badge's.
   for (const FindingSubject subject : {FindingSubject::kCameras, FindingSubject::kExtrinsics,
                                        FindingSubject::kImuNoise, FindingSubject::kRecording}) {
-    // A subject without a finding was not judged, which is not good.
+    // A subject of which no rule could be judged is not good.
     std::optional<VerdictLevel> worst;
     for (const Finding& f : findings) {
-      if (f.subject == subject) worst = std::max(worst.value_or(f.level), f.level);
+      if (f.subject == subject && !isNotJudged(f))
+        worst = std::max(worst.value_or(f.level), f.level);
     }
     chips.push_back(object({{"level", worst ? toString(*worst) : "not judged"},
                             {"dot", worst ? toString(*worst) : "neutral"},
@@ -92,6 +94,11 @@ std::string sentenceOf(const Verdict& verdict) {
   if (!verdict.headline.empty()) return verdict.headline;
   const auto beyond = std::ssize(verdict.findings) -
                       std::ranges::count(verdict.findings, VerdictLevel::kGood, &Finding::level);
+  const auto open = std::ranges::count_if(verdict.findings, isNotJudged);
+  if (beyond == 0 && open > 0) {
+    return fmt::format("{} of {} rules are met; {} could not be judged.",
+                       std::ssize(verdict.findings) - open, verdict.findings.size(), open);
+  }
   if (beyond == 0) return fmt::format("All {} rules are met.", verdict.findings.size());
   return fmt::format(
       "{} of {} rules {}; the evidence is below.", beyond, verdict.findings.size(),
@@ -131,7 +138,8 @@ void setVerdict(data& page, const Verdict& verdict, const std::string& good_word
   page.set("verdict_sentence", typeset(sentenceOf(verdict)));
   std::vector<Finding> concerns, holds;
   for (const Finding& finding : verdict.findings) {
-    (finding.level == VerdictLevel::kGood ? holds : concerns).push_back(finding);
+    const bool met = finding.level == VerdictLevel::kGood && !isNotJudged(finding);
+    (met ? holds : concerns).push_back(finding);
   }
   setList(page, "concerns", findingRows(concerns));
   page.set("subjects", subjectChips(verdict.findings));

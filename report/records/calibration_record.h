@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -47,7 +48,7 @@ void fields(auto& v, Finding& f) {
   v("level", f.level, "`good`, `caution` or `bad`");
   v("evidence", f.evidence, "a sentence with the numbers that decided it");
   v("advice", f.advice, "what to do; empty where nothing needs doing");
-  v("value", f.value, "what was compared");
+  v("value", f.value, "what was compared; null of a good finding: its rule could not be judged");
   v("threshold", f.threshold, "the bound that it was compared with (`--threshold` moves bounds)");
   v("unit", f.unit,
     "of `value` and `threshold`; `share`: a fraction, shown in percent, `x`: a factor, `1`: a "
@@ -55,6 +56,13 @@ void fields(auto& v, Finding& f) {
   v("subject", f.subject,
     "what it is about: `cameras`, `extrinsics and time`, `IMU noise`, `recording`, or the "
     "`result`");
+}
+
+/// Its rule could not be judged: neither met nor violated. Such a finding is good, as nothing
+/// speaks against the result, and has no value. (NaN in what was compared is bad, so that no rule
+/// that was judged is mistaken for one.)
+inline bool isNotJudged(const Finding& f) {
+  return f.level == VerdictLevel::kGood && std::isnan(f.value);
 }
 
 struct Verdict {

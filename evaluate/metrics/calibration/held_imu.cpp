@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -257,6 +258,7 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
     const bool unobservable =
         !estimated && estimated.failure().reason() == FailureReason::kNotObservable;
     f.level = unobservable ? VerdictLevel::kGood : VerdictLevel::kCaution;
+    f.value = std::numeric_limits<double>::quiet_NaN();
     f.evidence = "not tested: on this recording they cannot be estimated with these cameras (" +
                  (estimated ? std::string("the batch did not converge")
                             : textOf(estimated.failure()).message) +

@@ -302,11 +302,11 @@ Findings judgeFaults(const CalibrationRecord& record, const VerdictThresholds& t
   const CameraImuStageResult& stage = *record.camera_imu;
   const Rule rule{"Faults that the calibration does not model", "sigma", t.fault_sigma, ""};
   if (!stage.faults) {
-    std::string evidence =
-        "not judged: the tests need at least 8 s in which the target is seen, a system that has "
+    std::string why =
+        "the tests need at least 8 s in which the target is seen, a system that has "
         "an inverse, and its optimum";
-    if (!record.camera) evidence += "; the given cameras were not tested on this recording either";
-    return {finding(rule, VerdictLevel::kGood, 0.0, std::move(evidence))};
+    if (!record.camera) why += "; the given cameras were not tested on this recording either";
+    return {notJudged(rule, why)};
   }
   const FaultDiagnosis& diagnosis = *stage.faults;
   if (diagnosis.causes.empty()) {

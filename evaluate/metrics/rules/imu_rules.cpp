@@ -92,13 +92,21 @@ Findings judgeLinearFit(const CameraImuStageResult& stage, double assumed_m_s2,
                            check.gravity_m_s2, assumed_m_s2)));
   // Where the fit leaves more than noise, its scale says nothing of the target.
   if (check.residual_ratio > t.inertial_fit.caution) return findings;
-  findings.push_back(untested(
-      {"Scale by the linear fit", "share", t.target_scale, ""},
+  const Rule rule{"Scale by the linear fit", "share", t.target_scale, ""};
+  Finding scale = untested(
+      rule,
       // What two deviations do not explain of the difference; NaN stays NaN.
       std::max(std::abs(check.target_scale - 1) - 2 * check.target_scale_std, 0.0),
       fmt::format(
           "{:.4f} (+- {:.4f}) metres per stated metre of the target; the cause was not tested",
-          check.target_scale, check.target_scale_std)));
+          check.target_scale, check.target_scale_std));
+  // A size that would be bad stays unseen here.
+  if (scale.level == VerdictLevel::kGood && !(2 * check.target_scale_std <= t.target_scale.bad)) {
+    scale = notJudged(rule, fmt::format("{:.4f} (+- {:.4f}) metres per stated metre of the target; "
+                                        "scale rests on the stated size",
+                                        check.target_scale, check.target_scale_std));
+  }
+  findings.push_back(std::move(scale));
   return findings;
 }
 
@@ -114,30 +122,35 @@ double movedInDeviations(const FaultTest& test, const FaultDiagnosis& diagnosis)
   return most;
 }
 
+constexpr double kSizeSigmas = 3;
+
+// Deviations within which a size by its score test is known. More where few blocks estimate them,
+// as of a cause: of 1500 simulated clean recordings of eight seconds nine exceeded a significance
+// of three, and two should.
+double sureSigmas(const CameraImuStageResult& stage) {
+  return significanceBound(kSizeSigmas, 1, diagnosedBlocks(stage.frames));
+}
+
 // The size by its score test, where no cause is named. Only the size is asked for here, which takes
 // less evidence than the largest of all tests does: where a rig moves gently, a size that is off by
 // 2 or 3 % stays below the bound of a cause, and moves T_SC0 by several deviations. Caution is a
-// size that is surely off by more than the bound, or that moves the calibration so far. "Surely" is
-// three deviations, and more where few blocks estimate them, as of a cause: of 1500 simulated clean
-// recordings of eight seconds nine exceeded a significance of three, and two should.
+// size that is surely off by more than the bound, or that moves the calibration so far.
 std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
                                        const VerdictThresholds& t) {
-  constexpr double kSigmas = 3;
   if (!stage.faults || !stage.faults->causes.empty()) return std::nullopt;
   const std::vector<FaultTest>& tests = stage.faults->tests;
   const FaultTest* size = findBy(tests, &FaultTest::fault, UnmodelledFault::kTargetSize);
   if (!size) return std::nullopt;
   const double off = size->estimate(0);
   const double std = size->std(0);
-  const double sure = significanceBound(kSigmas, 1, diagnosedBlocks(stage.frames));
+  const double sure = sureSigmas(stage);
   Rule rule{"Size of the target by the batch", "share", t.target_scale,
             "Measure a tag's black square against tagSize in target.yaml. If it agrees, record "
             "again with brisker motion: this recording is not conclusive."};
   if (std::abs(off) > kLinearShare) {
-    return finding(
-        rule, VerdictLevel::kGood, 0.0,
-        "not tested: the motion hardly depends on the target's size (a rig that turns in "
-        "place, or gentle motion)");
+    return notJudged(rule,
+                     "the motion does not tell the target's size; scale rests on the stated "
+                     "one");
   }
   // What these deviations leave of the estimate at least, so that an uncertain one is good; NaN
   // stays NaN.
@@ -146,11 +159,17 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
   const double moved = movedInDeviations(*size, *stage.faults);
   VerdictLevel level = std::min(VerdictLevel::kCaution, levelAbove(least, rule.bound));
   double value = least;
-  if (level == VerdictLevel::kGood && differs && !(moved <= kSigmas)) {
+  if (level == VerdictLevel::kGood && differs && !(moved <= kSizeSigmas)) {
     rule.unit = "sigma";
-    rule.bound.caution = kSigmas;
+    rule.bound.caution = kSizeSigmas;
     level = VerdictLevel::kCaution;
     value = moved;
+  }
+  // A size that would be bad stays unseen here.
+  if (level == VerdictLevel::kGood && !(sure * std <= t.target_scale.bad)) {
+    return notJudged(rule, fmt::format("the motion tells the target's size to +- {:.1f} % only (1 "
+                                       "sigma); scale rests on the stated one",
+                                       100 * std));
   }
   return finding(
       rule, level, value,
@@ -160,6 +179,20 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
 }
 
 }  // namespace
+
+bool testsTargetSize(const CalibrationRecord& record, const VerdictThresholds& t) {
+  if (!record.camera_imu) return false;
+  const CameraImuStageResult& stage = *record.camera_imu;
+  if (!stage.faults) {
+    const InertialCheck& check = stage.inertial_check;
+    return check.gravity_m_s2 > 0 && check.residual_ratio <= t.inertial_fit.caution &&
+           2 * check.target_scale_std <= t.target_scale.bad;
+  }
+  const FaultTest* size =
+      findBy(stage.faults->tests, &FaultTest::fault, UnmodelledFault::kTargetSize);
+  return size && std::abs(size->estimate(0)) <= kLinearShare &&
+         sureSigmas(stage) * size->std(0) <= t.target_scale.bad;
+}
 
 Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
                       const CalibrationRecord& record, const VerdictThresholds& t) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/core.h>
@@ -43,6 +44,11 @@ Finding above(const Rule& rule, double value, std::string evidence) {
 
 Finding below(const Rule& rule, double value, std::string evidence) {
   return finding(rule, levelBelow(value, rule.bound), value, std::move(evidence));
+}
+
+Finding notJudged(const Rule& rule, const std::string& why) {
+  return finding(rule, VerdictLevel::kGood, std::numeric_limits<double>::quiet_NaN(),
+                 "not judged: " + why);
 }
 
 LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,

@@ -31,6 +31,8 @@ Finding finding(const Rule& rule, VerdictLevel level, double value, std::string 
 /// The same for a value that is worse the larger, or the smaller, it is; NaN is bad.
 Finding above(const Rule& rule, double value, std::string evidence);
 Finding below(const Rule& rule, double value, std::string evidence);
+/// The finding of a rule that could not be judged (isNotJudged()), and why.
+Finding notJudged(const Rule& rule, const std::string& why);
 
 /// The largest of a parameter's standard deviations: formal, cluster-robust, bootstrap.
 struct LargestStd {
@@ -65,6 +67,10 @@ std::string adviceOnViews(const CalibrationRecord& record, const char* advice,
 /// kCameraImuNotConverged of a stage that did not; with the fault that explains its residuals best,
 /// where one is significant.
 Failure notConverged(const CameraImuStageResult& stage);
+
+/// Whether the recording tests the target's size, by the batch or by the linear fit, at least to
+/// within the bound that is bad. Where not, every length rests on the size that is stated.
+bool testsTargetSize(const CalibrationRecord& record, const VerdictThresholds& t);
 
 /// The rules of the verdict, each as a function from results to findings. `stage` is "cameras" or
 /// "camera-IMU" and only appears in the rules' names.

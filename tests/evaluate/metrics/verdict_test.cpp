@@ -136,10 +136,63 @@ TEST(Verdict, SaysWhereFaultsAndGivenCamerasWereNotTested) {
   const char* const rule = "Faults that the calibration does not model";
   const Finding calibrated = findingOf(judge(record), rule);
   EXPECT_EQ(calibrated.evidence.find("not judged"), 0U) << calibrated.evidence;
+  EXPECT_TRUE(isNotJudged(calibrated)) << "too short a recording";
   EXPECT_EQ(calibrated.evidence.find("given cameras"), std::string::npos) << calibrated.evidence;
   record.camera.reset();
   const Finding given = findingOf(judge(record), rule);
   EXPECT_NE(given.evidence.find("given cameras"), std::string::npos) << given.evidence;
+}
+
+// What was not judged is good, as nothing speaks against it, and no rule that is met.
+TEST(Verdict, CountsNoRuleAsMetThatCouldNotBeJudged) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  record.verdict = judge(record);
+  EXPECT_THAT(calibrationHeadline(record),
+              ::testing::AllOf(::testing::HasSubstr("; all "), ::testing::EndsWith(" are met.")));
+  CameraImuStageResult& stage = record.camera_imu.emplace();
+  stage.frames.push_back({0, {0}});
+  stage.summary = record.camera->summary;
+  record.verdict = judge(record);
+  ASSERT_EQ(record.verdict.level, VerdictLevel::kGood) << worstFinding(record.verdict);
+  const std::string text = verdictText(record.verdict);
+  EXPECT_THAT(text, ::testing::HasSubstr("Faults that the calibration does not model: not judged"));
+  EXPECT_THAT(calibrationHeadline(record),
+              ::testing::AllOf(
+                  ::testing::HasSubstr("not judged: Faults that the calibration does not model;"),
+                  ::testing::HasSubstr("scale rests on the stated size of the target"),
+                  ::testing::Not(::testing::HasSubstr("all "))));
+  // Cameras alone never test it; of one camera nothing has a length.
+  record.camera_imu.reset();
+  record.camera->cameras.push_back(record.camera->cameras.front());
+  EXPECT_THAT(calibrationHeadline(record), ::testing::HasSubstr("scale rests on"));
+}
+
+TEST(Verdict, ASizeThatTheMotionHardlyTellsIsNotJudged) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  record.camera_imu.emplace().frames.push_back({0, {0}});
+  FaultDiagnosis& faults = record.camera_imu->faults.emplace();
+  faults.formal_std.setConstant(1e-3);
+  FaultTest test;
+  test.fault = UnmodelledFault::kTargetSize;
+  const auto sizeOf = [&](double off, double std) {
+    test.estimate = Eigen::VectorXd::Constant(1, off);
+    test.std = Eigen::VectorXd::Constant(1, std);
+    faults.tests = {test};
+    record.verdict = judge(record);
+    return findingOf(record.verdict, "Size of the target by the batch");
+  };
+  EXPECT_FALSE(isNotJudged(sizeOf(0.001, 0.002)));
+  EXPECT_THAT(calibrationHeadline(record), ::testing::Not(::testing::HasSubstr("scale rests on")));
+  EXPECT_TRUE(isNotJudged(sizeOf(0.02, 0.02))) << "three per cent would stay unseen";
+  EXPECT_TRUE(isNotJudged(sizeOf(-0.54, 0.07))) << "beyond the linear range";
+  // By the linear fit, where no fault was tested.
+  record.camera_imu->faults.reset();
+  const auto fit = [&](double std) {
+    record.camera_imu->inertial_check = {1.001, std, 9.80665, 1.0};
+    return findingOf(judge(record), "Scale by the linear fit");
+  };
+  EXPECT_FALSE(isNotJudged(fit(0.004)));
+  EXPECT_TRUE(isNotJudged(fit(0.1)));
 }
 
 TEST(Verdict, LinearFitIsJudgedOnlyWhereFaultsWereNotTestedAndNamesNoCause) {
@@ -185,7 +238,7 @@ TEST(Verdict, AWrongSizeBelowTheBoundOfACauseIsACaution) {
   // Far outside the linear range, as of a camera that turns in place: no test.
   EXPECT_EQ(level(-0.54, 0.07, 6.6), VerdictLevel::kGood);
   EXPECT_THAT(findingOf(judge(record), "Size of the target by the batch").evidence,
-              ::testing::StartsWith("not tested"));
+              ::testing::StartsWith("not judged"));
   EXPECT_EQ(level(0.2, std::nan(""), 4.9), VerdictLevel::kCaution);
   EXPECT_EQ(level(0.2, 0.02, std::nan("")), VerdictLevel::kCaution);
   // Below the bound as well, where it moves T_SC0 by three of its larger deviations.

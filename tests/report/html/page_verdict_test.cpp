@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How a page shows a verdict, by findings made up by hand.
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,14 @@ TEST(VerdictOfAPage, CountsTheRulesThatAreMet) {
                     HasSubstr("2 of 3 rules are met"), HasSubstr("<td class=\"rule\">doubt</td>")));
   EXPECT_THAT(pageOf({good}), AllOf(HasSubstr("<span class=\"badge\">Good</span>"),
                                     HasSubstr("1 of 1 rules are met")));
+  Finding open{"open", VerdictLevel::kGood};
+  open.value = std::nan("");
+  open.unit = "share";
+  open.subject = FindingSubject::kCameras;
+  EXPECT_THAT(pageOf({good, open}),
+              AllOf(HasSubstr("1 of 2 rules are met; 1 could not be judged."),
+                    HasSubstr("1 of 2 rules are met: show"), HasSubstr("</span>not judged</td>"),
+                    HasSubstr("</span>cameras: not judged<"), Not(HasSubstr(">nan"))));
   // A word of its own praises nothing.
   EXPECT_THAT(pageOf({good}, "complete"),
               AllOf(HasSubstr("<span class=\"badge\">Complete</span>"), HasSubstr("neutral")));
