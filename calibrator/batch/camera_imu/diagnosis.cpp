@@ -253,15 +253,22 @@ void findCauses(const Scores& scores, const std::vector<FaultCandidate>& all, Te
   }
 }
 
-}  // namespace
-
-std::size_t diagnosedBlocks(const std::vector<Frame>& frames) {
-  if (frames.empty()) return kFewestBlocks;
+/// Blocks of time in which the target is seen.
+std::size_t seenBlocks(const std::vector<Frame>& frames) {
+  if (frames.empty()) return 0;
   const TimeBlocks blocks(frames, kBlock);
   std::set<std::size_t> seen;
   for (const Frame& frame : frames) seen.insert(blocks.of(frame.t));
-  return std::max(seen.size(), kFewestBlocks);
+  return seen.size();
 }
+
+}  // namespace
+
+std::size_t diagnosedBlocks(const std::vector<Frame>& frames) {
+  return std::max(seenBlocks(frames), kFewestBlocks);
+}
+
+bool areDiagnosed(const std::vector<Frame>& frames) { return seenBlocks(frames) >= kFewestBlocks; }
 
 std::optional<Diagnosis> diagnoseFaults(const CameraImuProblem& problem,
                                         const CameraImuSolution& solution, bool cameras_given) {

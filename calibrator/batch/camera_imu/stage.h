@@ -156,8 +156,11 @@ struct Diagnosis {
 };
 
 /// From how many blocks of time diagnoseFaults() estimates the dispersion for these frames, if it
-/// judges at all: below eight it does not.
+/// judges at all: see areDiagnosed().
 std::size_t diagnosedBlocks(const std::vector<Frame>& frames);
+
+/// Whether these frames span the eight blocks of time that diagnoseFaults() needs.
+bool areDiagnosed(const std::vector<Frame>& frames);
 
 /// Score (Lagrange multiplier) tests at the optimum of the camera-IMU batch: one more block of
 /// information for each fault, no new solution. With s the gradient and I the information about a

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/results.h"
+#include "calibrator/batch/camera_imu/stage.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 
@@ -286,6 +288,24 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
                         : ""));
 }
 
+/// A short recording is what it is. One that is long enough had its tests refused by the solution,
+/// whose deviations are those of an optimum: that is a doubt about the result.
+Finding untestedFaults(const CalibrationRecord& record, Rule rule) {
+  const std::string also =
+      record.camera ? "" : "; the given cameras were not tested on this recording either";
+  if (!areDiagnosed(record.camera_imu->frames)) {
+    return notJudged(rule, "the tests need at least 8 s in which the target is seen" + also);
+  }
+  rule.advice =
+      "Standard deviations hold at an optimum only, and faults that bias T_SC0 were not looked "
+      "for: "
+      "record again with brisk rotations and translations in all directions.";
+  return finding(rule, VerdictLevel::kCaution, std::numeric_limits<double>::quiet_NaN(),
+                 "not tested: the solver stopped off the optimum, or the system there has no "
+                 "inverse" +
+                     also);
+}
+
 }  // namespace
 
 Failure notConverged(const CameraImuStageResult& stage) {
@@ -301,13 +321,7 @@ Findings judgeFaults(const CalibrationRecord& record, const VerdictThresholds& t
   Findings findings;
   const CameraImuStageResult& stage = *record.camera_imu;
   const Rule rule{"Faults that the calibration does not model", "sigma", t.fault_sigma, ""};
-  if (!stage.faults) {
-    std::string why =
-        "the tests need at least 8 s in which the target is seen, a system that has "
-        "an inverse, and its optimum";
-    if (!record.camera) why += "; the given cameras were not tested on this recording either";
-    return {notJudged(rule, why)};
-  }
+  if (!stage.faults) return {untestedFaults(record, rule)};
   const FaultDiagnosis& diagnosis = *stage.faults;
   if (diagnosis.causes.empty()) {
     // The rule compares effects on the calibration, of which there are none: its value is 0, and

@@ -141,6 +141,12 @@ TEST(Verdict, SaysWhereFaultsAndGivenCamerasWereNotTested) {
   record.camera.reset();
   const Finding given = findingOf(judge(record), rule);
   EXPECT_NE(given.evidence.find("given cameras"), std::string::npos) << given.evidence;
+  // Long enough, so that it was the solution that could not be tested.
+  for (int s = 1; s <= 8; ++s) record.camera_imu->frames.push_back({toNanoseconds(s), {0}});
+  const Finding refused = findingOf(judge(record), rule);
+  EXPECT_EQ(refused.level, VerdictLevel::kCaution);
+  EXPECT_FALSE(refused.advice.empty());
+  EXPECT_EQ(refused.evidence.find("not tested: the solver stopped"), 0U) << refused.evidence;
 }
 
 // What was not judged is good, as nothing speaks against it, and no rule that is met.
