@@ -295,12 +295,13 @@ void fields(auto& v, FaultTest& t) {
   v("camera", t.camera, "its position; -1: no camera's own fault");
   v("since_ns", t.since, "time from which it applies, camera clock");
   v("estimate", t.estimate, "size to first order, SI units (calibrator/base/results.h)");
-  v("std", t.std, "its cluster-robust standard deviation");
+  v("std", t.std,
+    "its cluster-robust standard deviation; null: the motion does not determine that component");
   v("frequency_hz", t.frequency_hz, "of the swinging motion");
   v("chi2", t.chi2, "of the estimate against zero");
   v("explained", t.explained,
     "decrease of twice the batch's cost when the fault is modelled, over its overdispersion");
-  v("dof", t.dof, "number of its parameters");
+  v("dof", t.dof, "number of its parameters that were tested");
   v("significance", t.significance, "chi2 as a deviate of the normal distribution");
   v("shift", t.shift, "change of T_SC0 (3 m, 3 rad) and the offset [s] if it were modelled");
   v("shift_sigma", t.shift_sigma, "the largest of these in robust standard deviations");

@@ -52,7 +52,7 @@ struct FaultTest {
   int camera = -1;              ///< of faults that one camera has; -1: of the recording
   std::optional<TimeNs> since;  ///< of faults that begin at an instant, where they explain most
   Eigen::VectorXd estimate;     ///< to first order, see UnmodelledFault
-  Eigen::VectorXd std;          ///< cluster-robust
+  Eigen::VectorXd std;          ///< cluster-robust; NaN: the motion does not determine it
   std::optional<double> frequency_hz;  ///< of what swings
   double chi2 = 0;                     ///< of the estimate against zero, see diagnoseFaults()
   double explained = 0;  ///< by how much twice the batch's cost falls with the fault in the model,

@@ -118,29 +118,6 @@ Tested testedSince(const Scores& scores, const ScoreTests& tests, const FaultCan
   return out;
 }
 
-/// One whose columns act all along, or from an instant that is in them.
-Tested testedThroughout(const Scores& scores, const ScoreTests& tests,
-                        const FaultCandidate& candidate) {
-  Tested out;
-  out.terms = termsOf(candidate.columns);
-  if (candidate.nuisance.empty()) {
-    out.test = tests.test(out.terms);
-  } else {
-    const ScoreTests beside(scores, withColumns(tests.model(), candidate.nuisance));
-    out.test = beside.test(out.terms);
-  }
-  // `explained` is over the calibration's overdispersion; where what chance explains of this fault
-  // is known and larger, it is over that.
-  if (candidate.dispersion > tests.overdispersion()) {
-    out.test.explained *= tests.overdispersion() / candidate.dispersion;
-    out.test.chi2 = std::min(out.test.chi2, out.test.explained);
-    out.test.significance = significanceOf(out.test.chi2, out.test.dof);
-  }
-  out.test.since = candidate.at;
-  out.test.frequency_hz = candidate.frequency_hz;
-  return out;
-}
-
 /// Up to which size a fault's effect grows as it does at zero; stamps that wander are told however
 /// far.
 double linearRange(UnmodelledFault fault) {
@@ -161,6 +138,29 @@ double linearRange(UnmodelledFault fault) {
     default:
       return std::numeric_limits<double>::infinity();
   }
+}
+
+/// One whose columns act all along, or from an instant that is in them.
+Tested testedThroughout(const Scores& scores, const ScoreTests& tests,
+                        const FaultCandidate& candidate) {
+  Tested out;
+  out.terms = termsOf(candidate.columns);
+  if (candidate.nuisance.empty()) {
+    out.test = tests.test(out.terms, linearRange(candidate.fault));
+  } else {
+    const ScoreTests beside(scores, withColumns(tests.model(), candidate.nuisance));
+    out.test = beside.test(out.terms);
+  }
+  // `explained` is over the calibration's overdispersion; where what chance explains of this fault
+  // is known and larger, it is over that.
+  if (candidate.dispersion > tests.overdispersion()) {
+    out.test.explained *= tests.overdispersion() / candidate.dispersion;
+    out.test.chi2 = std::min(out.test.chi2, out.test.explained);
+    out.test.significance = significanceOf(out.test.chi2, out.test.dof);
+  }
+  out.test.since = candidate.at;
+  out.test.frequency_hz = candidate.frequency_hz;
+  return out;
 }
 
 Tested tested(const Scores& scores, const ScoreTests& tests, const FaultCandidate& candidate) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera_imu/score_tests.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <boost/math/distributions/fisher_f.hpp>
@@ -39,6 +41,33 @@ Eigen::Matrix<double, 7, 1> listed(const VectorXd& model) {
   Eigen::Matrix<double, 7, 1> out;
   out << model.head<6>(), model(BorderLayout::kOffset);
   return out;
+}
+
+/// Columns span the directions to test: all, or those that the motion determines (see test()).
+MatrixXd testedDirections(const MatrixXd& A, const VectorXd& s, double range,
+                          double overdispersion) {
+  // Second order makes estimates of ten deviations out there (linearRange() in diagnosis.cpp).
+  constexpr double kUndetermined = 0.1;
+  const Index n = A.cols();
+  if ((inverseOf(A) * s).cwiseAbs().maxCoeff() <= range) return MatrixXd::Identity(n, n);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(A);  // in ascending order
+  Index held = 0;
+  while (held < n &&
+         !(eigen.eigenvalues()(held) * std::pow(kUndetermined * range, 2) >= overdispersion)) {
+    ++held;
+  }
+  if (held == 0 || held == n) return MatrixXd::Identity(n, n);
+  return eigen.eigenvectors().rightCols(n - held);
+}
+
+/// Those of components that lie in the directions Q; NaN of the others.
+VectorXd deviationsAlong(const MatrixXd& Q, const MatrixXd& C) {
+  constexpr double kLiesIn = 0.99;  // cosine squared
+  VectorXd std = (Q * C * Q.transpose()).diagonal().cwiseSqrt();
+  for (Index k = 0; k < std.size(); ++k) {
+    if (Q.row(k).squaredNorm() < kLiesIn) std(k) = std::numeric_limits<double>::quiet_NaN();
+  }
+  return std;
 }
 
 }  // namespace
@@ -153,21 +182,25 @@ MatrixXd ScoreTests::response(const Terms& held) const {
   return -(S_ * scores_.information(model_, held));
 }
 
-FaultTest ScoreTests::test(const Terms& fault) const {
+FaultTest ScoreTests::test(const Terms& fault, double range) const {
   const MatrixXd I = scores_.information(fault, model_);
   const MatrixXd P = S_ * I.transpose();  // minus the model's response to the fault
-  // Model eliminated: A = I_ff - I_fm S I_mf, s = s_f - I_fm S s_m.
-  const MatrixXd A_inverse = inverseOf(scores_.information(fault, fault) - I * P);
-  const VectorXd s = scores_.gradient(fault) - P.transpose() * gradient_;
+  // Model eliminated: A = I_ff - I_fm S I_mf, s = s_f - I_fm S s_m; both in the directions tested.
+  const MatrixXd A = scores_.information(fault, fault) - I * P;
+  VectorXd s = scores_.gradient(fault) - P.transpose() * gradient_;
+  const MatrixXd Q = testedDirections(A, s, range, overdispersion());
+  const MatrixXd A_inverse = inverseOf(Q.transpose() * A * Q);
+  s = Q.transpose() * s;
   FaultTest out;
-  out.dof = static_cast<int>(fault.size());
-  out.estimate = -A_inverse * s;
+  out.dof = static_cast<int>(Q.cols());
+  const VectorXd along = -A_inverse * s;
+  out.estimate = Q * along;
   // Sandwich: A^-1 V A^-1, V the scatter of the blocks' scores where white noise has A.
-  const MatrixXd C = A_inverse * scatter(fault, P, out.estimate) * A_inverse;
-  out.std = C.diagonal().cwiseSqrt();
-  const double explained = s.dot(A_inverse * s);
-  out.explained = explained / overdispersion();
-  out.chi2 = std::min(out.estimate.dot(inverseOf(C) * out.estimate), out.explained);
+  const MatrixXd V = scatter(fault, P, out.estimate, out.dof);
+  const MatrixXd C = A_inverse * (Q.transpose() * V * Q) * A_inverse;
+  out.std = deviationsAlong(Q, C);
+  out.explained = s.dot(A_inverse * s) / overdispersion();
+  out.chi2 = std::min(along.dot(inverseOf(C) * along), out.explained);
   out.significance = significanceOf(out.chi2, out.dof);
   // What the calibration would change by with the fault in the model.
   out.shift = listed(-(P * out.estimate));
@@ -184,8 +217,8 @@ double ScoreTests::overdispersion() const {
 
 /// Without the fault at its estimate the scores of all blocks would have its mean in them, and the
 /// fault would hide behind its own size. A block's score moves by its information times the step.
-MatrixXd ScoreTests::scatter(const Terms& fault, const MatrixXd& P,
-                             const VectorXd& estimate) const {
+MatrixXd ScoreTests::scatter(const Terms& fault, const MatrixXd& P, const VectorXd& estimate,
+                             int dof) const {
   MatrixXd V = MatrixXd::Zero(P.cols(), P.cols());
   const VectorXd step = -S_ * gradient_ - P * estimate;  // of the model, with the fault
   for (std::size_t b = 0; b < scores_.count(); ++b) {
@@ -198,7 +231,7 @@ MatrixXd ScoreTests::scatter(const Terms& fault, const MatrixXd& P,
     V += s * s.transpose();
   }
   const auto n = static_cast<double>(scores_.seen());
-  return n / std::max(1.0, n - 1 - static_cast<double>(fault.size())) * V;
+  return n / std::max(1.0, n - 1 - dof) * V;
 }
 
 }  // namespace plumbline

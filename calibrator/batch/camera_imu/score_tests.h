@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -153,7 +154,13 @@ class ScoreTests {
   /// How the model follows parameters that are held, a column for each.
   Eigen::MatrixXd response(const Terms& held) const;
 
-  FaultTest test(const Terms& fault) const;
+  /// Beyond `range` in any component no estimate is believed. Where that is so, directions that the
+  /// motion does not determine (a deviation above a tenth of the range) are held at 0, and the
+  /// others are tested: `dof` counts these, and std is NaN of components that are not in them. The
+  /// directions are eigenvectors of the information, so that no estimate depends on those held.
+  /// Components have one unit where the range is finite. Where no direction is determined, or none
+  /// is not, all are tested.
+  FaultTest test(const Terms& fault, double range = std::numeric_limits<double>::infinity()) const;
 
   /// By how much the calibration's robust variances exceed the formal ones, in the mean of logs.
   double overdispersion() const;
@@ -161,9 +168,10 @@ class ScoreTests {
  private:
   /// One block's score with the model at its estimate.
   Eigen::VectorXd scoreAtEstimate(std::size_t block) const;
-  /// Sum of s s' over blocks of the fault's scores, with fault and model at their estimates.
+  /// Sum of s s' over blocks of the fault's scores, with fault and model at their estimates, of
+  /// which the fault's have `dof` degrees of freedom.
   Eigen::MatrixXd scatter(const Terms& fault, const Eigen::MatrixXd& P,
-                          const Eigen::VectorXd& estimate) const;
+                          const Eigen::VectorXd& estimate, int dof) const;
 
   const Scores& scores_;
   const Terms model_;

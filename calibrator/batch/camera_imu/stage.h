@@ -176,8 +176,9 @@ bool areDiagnosed(const std::vector<Frame>& frames);
 /// falls by over that factor, less dof log(blocks)), the next ones are those
 /// that remain significant with the first in the model. Estimates are right to first order: faults
 /// that move the calibration far are found, their size is then a guess. An estimate far outside the
-/// range where the fault acts linearly is no test: its chi2 is 0. Empty where the recording has too
-/// few blocks, the system has no inverse, or the solver stopped far from an optimum.
+/// range where the fault acts linearly is no test: its chi2 is 0, unless directions that the motion
+/// determines are left when the others are held (ScoreTests::test()). Empty where the recording has
+/// too few blocks, the system has no inverse, or the solver stopped far from an optimum.
 /// `cameras_given`: the cameras are tested too, see CameraImuOptions.
 std::optional<Diagnosis> diagnoseFaults(const CameraImuProblem& problem,
                                         const CameraImuSolution& solution, bool cameras_given);

@@ -154,14 +154,17 @@ std::vector<ShownComponent> shownOf(const FaultTest& test, const FaultWords& wor
 
 /// "x +2.00, z +0.13 % (+- 0.01, 0.02)", "tx +2 mm, rz -1.5 mrad (+- 0.1, 0.2)": the components
 /// that are known to differ from zero, or else the one that differs most in its deviations. The
-/// others would bury them. A unit stands behind the last of those that share it.
+/// others would bury them. A unit stands behind the last of those that share it. Components that
+/// the motion does not determine have no deviation, and are named.
 std::string figures(const std::vector<ShownComponent>& shown) {
   const auto ratio = [](const ShownComponent& c) { return std::abs(c.estimate) / c.std; };
   double least = 0;
   for (const ShownComponent& c : shown) least = std::max(least, ratio(c));
   least = std::min(kKnown, least);
   std::string values, deviations, unit;
+  std::vector<std::string> open;
   for (const ShownComponent& c : shown) {
+    if (std::isnan(c.std)) open.push_back(c.name);
     if (!(ratio(c) >= least)) continue;
     const char* comma = values.empty() ? "" : ", ";
     if (!values.empty() && unit != c.unit) values += " " + unit;
@@ -169,7 +172,33 @@ std::string figures(const std::vector<ShownComponent>& shown) {
     values += fmt::format("{}{}{}{:+.3g}", comma, c.name, c.name.empty() ? "" : " ", c.estimate);
     deviations += fmt::format("{}{:.1g}", comma, c.std);
   }
-  return fmt::format("{} {} (+- {})", values, unit, deviations);
+  std::string text = values.empty() ? "no component is known by itself"
+                                    : fmt::format("{} {} (+- {})", values, unit, deviations);
+  if (!open.empty()) text += ", not determined by this motion: " + joined(open);
+  return text;
+}
+
+/// An estimate beyond the range where the fault acts linearly is no test.
+bool isTested(const FaultTest& test) { return test.chi2 != 0; }
+
+/// "; no test, as the estimates lie far outside the linear range: target-size; in part, ...".
+std::string notTested(const std::vector<FaultTest>& tests) {
+  std::vector<std::string> none, part;
+  for (const FaultTest& test : tests) {
+    if (!isTested(test)) {
+      none.emplace_back(toString(test.fault));
+    } else if (test.std.hasNaN()) {
+      part.emplace_back(toString(test.fault));
+    }
+  }
+  std::string text;
+  if (!none.empty()) {
+    text += "; no test, as the estimate lies far outside the linear range: " + joined(none);
+  }
+  if (!part.empty()) {
+    text += "; in part, as the motion does not determine every component: " + joined(part);
+  }
+  return text;
 }
 
 /// What is at fault, where, since when or at which frequency, and by how much.
@@ -284,7 +313,7 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
       fmt::format("{}; {} ({:.1f} of its formal standard deviations){}{}", evidence, effect(cause),
                   sigma, of_other,
                   first ? fmt::format("; it explains the residuals best among {} faults tested",
-                                      diagnosis.tests.size())
+                                      std::ranges::count_if(diagnosis.tests, isTested))
                         : ""));
 }
 
@@ -298,8 +327,7 @@ Finding untestedFaults(const CalibrationRecord& record, Rule rule) {
   }
   rule.advice =
       "Standard deviations hold at an optimum only, and faults that bias T_SC0 were not looked "
-      "for: "
-      "record again with brisk rotations and translations in all directions.";
+      "for: record again with brisk rotations and translations in all directions.";
   return finding(rule, VerdictLevel::kCaution, std::numeric_limits<double>::quiet_NaN(),
                  "not tested: the solver stopped off the optimum, or the system there has no "
                  "inverse" +
@@ -330,8 +358,9 @@ Findings judgeFaults(const CalibrationRecord& record, const VerdictThresholds& t
     for (const FaultTest& test : diagnosis.tests) worst = std::max(worst, test.significance);
     findings.push_back(
         finding(rule, VerdictLevel::kGood, 0.0,
-                fmt::format("none of {} tested is significant (largest {:.1f} sigma)",
-                            diagnosis.tests.size(), std::max(0.0, worst))));
+                fmt::format("none of {} tested is significant (largest {:.1f} sigma){}",
+                            std::ranges::count_if(diagnosis.tests, isTested), std::max(0.0, worst),
+                            notTested(diagnosis.tests))));
     return findings;
   }
   for (const FaultTest& cause : diagnosis.causes) {

@@ -415,6 +415,36 @@ TEST(Verdict, AReadoutTimeIsToldOfItsCameraOrAsOneEstimateForAll) {
   EXPECT_THAT(evidence(2, 1), ::testing::HasSubstr("(rolling shutter) of last: +10 ms"));
 }
 
+TEST(Verdict, AFaultSaysWhichOfItsComponentsWereNotTested) {
+  CalibrationRecord record;
+  CameraImuStageResult& stage = record.camera_imu.emplace();
+  stage.frames.push_back({0, {0}});
+  FaultTest test;
+  test.fault = UnmodelledFault::kGyroScale;
+  test.chi2 = 100;
+  test.estimate = Eigen::Vector3d(0.02, 0, 0);
+  test.std = Eigen::Vector3d(1e-3, 1e-3, std::nan(""));
+  FaultDiagnosis& faults = stage.faults.emplace();
+  faults.formal_std.setConstant(1e-4);
+  FaultTest beyond = test;
+  beyond.fault = UnmodelledFault::kAccelScale;
+  beyond.chi2 = 0;
+  faults.tests = {test, beyond};
+  EXPECT_THAT(findingOf(judge(record), "Faults that the calibration does not model").evidence,
+              ::testing::AllOf(::testing::HasSubstr("none of 1 tested"),
+                               ::testing::HasSubstr("linear range: accel-scale; in part, "),
+                               ::testing::EndsWith("every component: gyro-scale")));
+  faults.causes = {test};
+  EXPECT_THAT(
+      findingOf(judge(record), "Unmodelled fault").evidence,
+      ::testing::AllOf(::testing::HasSubstr("x +2 % (+- 0.1), not determined by this motion: z; "),
+                       ::testing::EndsWith("best among 1 faults tested")));
+  faults.causes.front().std.setConstant(std::nan(""));
+  EXPECT_THAT(findingOf(judge(record), "Unmodelled fault").evidence,
+              ::testing::HasSubstr("no component is known by itself, not determined by this "
+                                   "motion: x, y, z"));
+}
+
 TEST(Verdict, APosesChangeIsToldInTheUnitOfEachComponent) {
   CalibrationRecord record = cameraRecord(0.3, 0.8);
   CameraImuStageResult& stage = record.camera_imu.emplace();
