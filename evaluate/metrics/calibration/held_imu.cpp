@@ -152,8 +152,12 @@ Findings judgeHeldBetween(const ImuCalibration& held, HeldOffset offset,
 /// What to do where `estimated` contradicts what was held.
 std::string contradictionAdvice(const ImuCalibration& held, const CameraImuStageResult& estimated) {
   if (std::string mistake = mistakeOf(held, estimated.imu); !mistake.empty()) return mistake;
-  if (estimated.faults &&
-      findBy(estimated.faults->causes, &FaultTest::fault, UnmodelledFault::kGivenCameras)) {
+  const auto& faults = estimated.faults;
+  if (faults && faults->alternative) {
+    return "The recording contradicts them, and has a fault of which it does not tell which of two "
+           "it is: see the verdict of plumbline calibrate on it first";
+  }
+  if (faults && findBy(faults->causes, &FaultTest::fault, UnmodelledFault::kGivenCameras)) {
     return "The cameras do not suit the recording's corners either, which alone moves T_SC0: "
            "calibrate the cameras on it first";
   }

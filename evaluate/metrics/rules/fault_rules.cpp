@@ -223,6 +223,25 @@ std::string sentence(const FaultTest& test, const CameraImuStageResult& stage) {
   return fmt::format("{}: {}", text, figures(shown));
 }
 
+/// The first cause, with the one that explains the residuals as well. (The further causes were
+/// tested with the first in the model.)
+std::string firstCause(const FaultDiagnosis& diagnosis, const CameraImuStageResult& stage) {
+  const std::string text = sentence(diagnosis.causes.front(), stage);
+  if (!diagnosis.alternative) return text;
+  return text + "; alternatively " + sentence(*diagnosis.alternative, stage) +
+         ": this recording does not distinguish the two";
+}
+
+/// What mends it: of two that are not told apart each one's, as the other's would do harm.
+std::string firstCure(const FaultDiagnosis& diagnosis) {
+  const std::string cure = wordsOf(diagnosis.causes.front().fault).cure;
+  if (!diagnosis.alternative) return cure;
+  const std::string other = wordsOf(diagnosis.alternative->fault).cure;
+  if (other == cure) return cure;
+  return fmt::format("find out which of the two it is. If the former: {}. If the latter: {}", cure,
+                     other);
+}
+
 /// `shift` is what modelling the fault changes: T_SC0's translation [m], its rotation in the left
 /// tangent [rad], and the time offset [s].
 std::string effect(const FaultTest& test) {
@@ -340,8 +359,8 @@ Failure notConverged(const CameraImuStageResult& stage) {
   Failure failure{FailureCode::kCameraImuNotConverged, {{"iterations", stage.summary.iterations}}};
   if (!stage.faults || stage.faults->causes.empty()) return failure;
   // Tested where the solver stopped, which is no optimum: a hint, and no finding with a level.
-  const FaultTest& cause = stage.faults->causes.front();
-  failure.values.insert({{"fault", sentence(cause, stage)}, {"cure", wordsOf(cause.fault).cure}});
+  const FaultDiagnosis& diagnosis = *stage.faults;
+  failure.values.insert({{"fault", firstCause(diagnosis, stage)}, {"cure", firstCure(diagnosis)}});
   return failure;
 }
 
@@ -365,16 +384,10 @@ Findings judgeFaults(const CalibrationRecord& record, const VerdictThresholds& t
   }
   for (const FaultTest& cause : diagnosis.causes) {
     const bool first = &cause == &diagnosis.causes.front();
-    std::string evidence = sentence(cause, stage);
-    // The alternative is one to the first cause: the further ones were tested with that in the
-    // model.
-    if (first && diagnosis.alternative) {
-      evidence += "; alternatively " + sentence(*diagnosis.alternative, stage) +
-                  ": this recording does not distinguish the two";
-    }
-    findings.push_back(findingOf(cause, diagnosis,
-                                 first ? "Unmodelled fault" : "Further unmodelled fault", evidence,
-                                 wordsOf(cause.fault).cure, t));
+    findings.push_back(first ? findingOf(cause, diagnosis, "Unmodelled fault",
+                                         firstCause(diagnosis, stage), firstCure(diagnosis), t)
+                             : findingOf(cause, diagnosis, "Further unmodelled fault",
+                                         sentence(cause, stage), wordsOf(cause.fault).cure, t));
   }
   return findings;
 }

@@ -21,6 +21,13 @@ constexpr double kPessimisticFactor = 1.0 / 5;  // densities further from what t
 /// Errors of cameras look like noise of the IMU: what is said of those that were given.
 std::string adviceOnDensity(const CalibrationRecord& record) {
   const auto& faults = record.camera_imu->faults;
+  const bool is_open = faults && faults->alternative &&
+                       (faults->alternative->fault == UnmodelledFault::kGivenCameras ||
+                        faults->causes.front().fault == UnmodelledFault::kGivenCameras);
+  if (is_open) {
+    return "Find out first whether it is the given cameras that do not suit this recording (see "
+           "the unmodelled fault): such errors can look like noise of the IMU.";
+  }
   if (faults && findBy(faults->causes, &FaultTest::fault, UnmodelledFault::kGivenCameras)) {
     return "Mend the given cameras first: they do not suit this recording, and such errors can "
            "look like noise of the IMU.";

@@ -9,7 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "evaluate/metrics/coverage.h"
+#include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/rules/rules.h"
 #include "tests/evaluate/metrics/verdict_records.h"
 
 namespace plumbline {
@@ -292,6 +294,11 @@ TEST(Verdict, OfTwoFaultsThatAreNotToldApartTheWorseCounts) {
   EXPECT_NEAR(findingOf(judge(record), "Unmodelled fault").value, 17, 1e-9);
   EXPECT_THAT(findingOf(judge(record), "Unmodelled fault").evidence,
               ::testing::HasSubstr("of the alternative: modelling it"));
+  EXPECT_THAT(findingOf(judge(record), "Unmodelled fault").advice,
+              ::testing::AllOf(::testing::HasSubstr("If the former: calibrate the accelerometer's"),
+                               ::testing::HasSubstr("If the latter: calibrate the gyroscope's")));
+  EXPECT_THAT(textOf(notConverged(stage)).cure,
+              ::testing::HasSubstr("If the latter: calibrate the gyroscope's"));
   faults.alternative->shift(3) = 17e-3;
   EXPECT_EQ(level(), VerdictLevel::kCaution) << "it may be the other";
   // Two sensors with time offsets of their own: the calibration states one.
@@ -324,6 +331,10 @@ TEST(Verdict, GivenCamerasThatDoNotSuitAreNamedAndTheGyroscopeIsNotBlamed) {
   EXPECT_THAT(density().advice, ::testing::HasSubstr("raise it by that factor"));
   faults.tests = faults.causes = {test};
   EXPECT_THAT(density().advice, ::testing::HasSubstr("Mend the given cameras first"));
+  faults.alternative = test;
+  faults.alternative->fault = UnmodelledFault::kTargetSize;
+  EXPECT_THAT(density().advice, ::testing::HasSubstr("whether it is the given cameras"));
+  faults.alternative.reset();
   const Finding fault = findingOf(judge(record), "Unmodelled fault");
   EXPECT_EQ(fault.level, VerdictLevel::kCaution);
   EXPECT_THAT(fault.evidence, ::testing::HasSubstr("cam0.fv -4.6 px (+- 0.1)"));
