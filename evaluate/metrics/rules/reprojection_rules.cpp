@@ -26,6 +26,24 @@ std::string evidenceOf(const HalvesBlock& b) {
       b.limit);
 }
 
+/// Of n normal draws a standard deviation has a relative deviation of 1 / sqrt(2 (n - 1)): a
+/// quarter at nine. Below that it may as well be half of the true one, and says little against the
+/// others.
+Findings roughSpread(const ResampleSpread& spread, const Rule& rule) {
+  constexpr int kFewDraws = 9;
+  const int draws = spread.resamples - spread.failed;
+  if (draws >= kFewDraws) return {};
+  return {notJudged(
+      rule, fmt::format("the bootstrap std is of {} draws{}, from which it is known "
+                        "to +- {:.0f} % only: a rough figure; {} or more tell it to "
+                        "a quarter",
+                        draws,
+                        spread.failed > 0
+                            ? fmt::format(" of {} (the others have no solution)", spread.resamples)
+                            : "",
+                        100 / std::sqrt(2.0 * (draws - 1)), kFewDraws))};
+}
+
 }  // namespace
 
 Findings judgeResiduals(const StageErrors& errors, const std::string& stage,
@@ -185,18 +203,18 @@ Findings judgeHalves(const StageSummary& summary, const std::string& stage,
 }
 
 Findings judgeResample(const std::optional<ResampleSpread>& spread, const std::string& stage) {
-  if (!spread || !spread->names.empty()) return {};
+  if (!spread) return {};
   const double most = spread->resamples - 2;
-  return {
-      above({fmt::format("Bootstrap ({})", stage),
-             "1",
-             {most, spread->resamples + 1.0},
-             "The calibration itself has a solution. Record longer for a bootstrap std, or omit "
-             "--resample."},
-            spread->failed,
-            fmt::format("no bootstrap std: {} of {} resampled problems have no solution, and a "
-                        "spread needs two that have one",
-                        spread->failed, spread->resamples))};
+  const Rule rule{fmt::format("Bootstrap ({})", stage),
+                  "1",
+                  {most, spread->resamples + 1.0},
+                  "The calibration itself has a solution. Record longer for a bootstrap std, or "
+                  "omit --resample."};
+  if (!spread->names.empty()) return roughSpread(*spread, rule);
+  return {above(rule, spread->failed,
+                fmt::format("no bootstrap std: {} of {} resampled problems have no solution, and a "
+                            "spread needs two that have one",
+                            spread->failed, spread->resamples))};
 }
 
 }  // namespace plumbline

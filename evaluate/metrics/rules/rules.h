@@ -92,7 +92,8 @@ Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t);
 /// The block of parameters in which the recording's halves differ most.
 Findings judgeHalves(const StageSummary& summary, const std::string& stage,
                      const VerdictThresholds& t);
-/// A bootstrap that was asked for and has no spread; no finding where it has one.
+/// A bootstrap that was asked for and has no spread, or one of so few draws that it is a rough
+/// figure (not judged); no finding of others.
 Findings judgeResample(const std::optional<ResampleSpread>& spread, const std::string& stage);
 /// Corners rejected as outliers, of those in the frames used.
 Findings judgeRejected(const std::vector<CornerResidual>& residuals, const std::string& stage,

@@ -106,10 +106,26 @@ TEST(Verdict, ABootstrapWithoutASpreadIsACautionOfItsStage) {
   EXPECT_THAT(findingOf(verdict, "Bootstrap (cameras)").evidence, ::testing::HasSubstr("9 of 10"));
   record.camera_resample->failed = 10;
   EXPECT_EQ(levelOf(judge(record), "Bootstrap"), VerdictLevel::kCaution);
-  record.camera_resample = ResampleSpread{10, 8, {"cam0.fu"}, Eigen::VectorXd::Constant(1, 0.1)};
+  record.camera_resample = ResampleSpread{10, 1, {"cam0.fu"}, Eigen::VectorXd::Constant(1, 0.1)};
   for (const Finding& finding : judge(record).findings) {
     EXPECT_EQ(finding.rule.find("Bootstrap"), std::string::npos);
   }
+}
+
+TEST(Verdict, ABootstrapOfFewDrawsIsARoughFigure) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  const auto finding = [&](int draws, int failed) {
+    record.camera_resample =
+        ResampleSpread{draws, failed, {"cam0.fu"}, Eigen::VectorXd::Constant(1, 0.1)};
+    return findingOf(judge(record), "Bootstrap (cameras)");
+  };
+  EXPECT_TRUE(isNotJudged(finding(10, 8)));
+  EXPECT_THAT(finding(10, 8).evidence,
+              ::testing::HasSubstr("of 2 draws of 10 (the others have no solution), from which it "
+                                   "is known to +- 71 % only"));
+  EXPECT_TRUE(isNotJudged(finding(8, 0)));
+  EXPECT_THAT(finding(3, 0).evidence, ::testing::HasSubstr("of 3 draws, from which it is known to "
+                                                           "+- 50 % only"));
 }
 
 TEST(Verdict, DensitiesAreJudgedWhereResidualsSayEnough) {
