@@ -54,6 +54,20 @@ TEST(HeldImu, AnExtrinsicOrOffsetThatTheRecordingContradictsIsBadAndTheMistakeNa
   EXPECT_EQ(judged(quarterTurn(), 8).level, VerdictLevel::kBad);
 }
 
+TEST(HeldImu, CamerasAreNotBlamedWhereAnotherFaultExplainsAsMuch) {
+  CameraImuStageResult seen = estimateOf(quarterTurn(), 8e-3);
+  ImuCalibration held;
+  held.T_SC0 = quarterTurn();
+  held.T_SC0.t.x() += 3e-2;
+  held.time_offsets = {{8e-3}};
+  const auto advice = [&] { return judgeHeldImu(held, HeldOffset::kStated, seen).front().advice; };
+  FaultDiagnosis& faults = seen.faults.emplace();
+  faults.causes.emplace_back().fault = UnmodelledFault::kGivenCameras;
+  EXPECT_THAT(advice(), HasSubstr("calibrate the cameras on it first"));
+  faults.alternative.emplace().fault = UnmodelledFault::kTargetSize;
+  EXPECT_THAT(advice(), HasSubstr("does not tell which of two"));
+}
+
 // Both sides are estimates: what the file itself states as its deviation is no contradiction.
 TEST(HeldImu, TheDeviationsThatTheFileStatesCountToo) {
   ImuCalibration held;
