@@ -10,14 +10,9 @@
 namespace plumbline {
 namespace {
 
-/// Kalibr writes the quaternion with a scalar that is not negative: where that passes zero, the
-/// other three change sign between two rows. In an honest file the last column changes with them.
-bool lastIsScalar(const std::vector<StampedPose>& poses) {
-  const auto jumps = [](const StampedPose& a, const StampedPose& b) { return a.q.dot(b.q) < 0; };
-  const auto negative = [](const StampedPose& pose) { return pose.q.z() < 0; };
-  return std::ranges::none_of(poses, negative) &&
-         std::ranges::adjacent_find(poses, jumps) != poses.end();
-}
+bool lastIsNegative(const StampedPose& pose) { return pose.q.z() < 0; }
+
+bool jumps(const StampedPose& a, const StampedPose& b) { return a.q.dot(b.q) < 0; }
 
 }  // namespace
 
@@ -35,8 +30,18 @@ void readAsKalibrs(std::vector<StampedPose>& poses) {
 void correctKalibrPoses(const TrajectorySource& source, TrajectoryFile& file) {
   TextLines lines(source.text);
   if (!lines.next() || !isKalibrPosesHeader(lines.text())) return;
-  if (!lastIsScalar(file.trajectory.poses)) return;
-  readAsKalibrs(file.trajectory.poses);
+  std::vector<StampedPose>& poses = file.trajectory.poses;
+  // Kalibr writes a scalar that is not negative: where that passes zero, the other three change
+  // sign between two rows. In an honest file the last column changes with them.
+  if (std::ranges::any_of(poses, lastIsNegative)) return;
+  if (std::ranges::adjacent_find(poses, jumps) == poses.end()) {
+    file.remarks.push_back(
+        "quaternions are read as the header says, w x y z, which nothing confirms: Kalibr writes x "
+        "y z w of the conjugate under the same header, and no change of sign tells which; if this "
+        "file is Kalibr's, the orientations are wrong");
+    return;
+  }
+  readAsKalibrs(poses);
   file.remarks.push_back(
       "quaternions are read as Kalibr writes them under this header: x y z w of the conjugate, "
       "since only the last column never changes sign");

@@ -53,7 +53,8 @@ TrajectoryFile readTrajectory(const std::filesystem::path& path,
 
 /// The first line of Kalibr's poses-*.csv: EuRoC's names without a unit of the stamps, 8 columns.
 /// It promises w, x, y, z and Kalibr writes x, y, z, w of the conjugate (JPL), with w >= 0. Where
-/// signs show that, and no format is asked for, readTrajectory() reads them so, with a remark.
+/// signs show that, and no format is asked for, readTrajectory() reads them so, with a remark;
+/// where they show neither, as the header says, with a remark that nothing confirms it.
 bool isKalibrPosesHeader(std::string_view line);
 
 /// Poses that were read as that header says, as Kalibr has written them.
