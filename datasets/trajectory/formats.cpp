@@ -203,7 +203,7 @@ void TrajectoryBuilder::checkOrder(const StampedPose& pose, int line) {
   if (equal_stamps_++ == 0) equal_line_ = line;
 }
 
-TrajectoryFile TrajectoryBuilder::finish() && {
+TrajectoryFile TrajectoryBuilder::finish(bool gaps_are_usual) && {
   if (poses().empty()) {
     throw source_.fault(
         0, {InputFault::kEmpty, source_.text.empty() ? "is empty" : "has no poses", "rows of poses",
@@ -213,6 +213,7 @@ TrajectoryFile TrajectoryBuilder::finish() && {
     remark(fmt::format("{} pose{} the stamp of the pose before (first in line {})", equal_stamps_,
                        equal_stamps_ == 1 ? " has" : "s have", equal_line_));
   }
+  if (gaps_are_usual) return std::move(file_);
   if (std::string gaps = gapRemark(poses()); !gaps.empty()) remark(std::move(gaps));
   return std::move(file_);
 }

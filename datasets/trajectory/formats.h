@@ -46,8 +46,9 @@ class TrajectoryBuilder {
   const std::vector<StampedPose>& poses() const { return file_.trajectory.poses; }
   int firstLine() const { return first_line_; }
 
-  /// The trajectory with remarks on equal stamps and gaps. Throws InputError where it is empty.
-  TrajectoryFile finish() &&;
+  /// The trajectory with remarks on equal stamps and, unless they are usual, gaps. Throws
+  /// InputError where it is empty.
+  TrajectoryFile finish(bool gaps_are_usual = false) &&;
 
  private:
   void checkOrder(const StampedPose& pose, int line);

@@ -370,7 +370,7 @@ TrajectoryFile readPoseTable(const TrajectorySource& source, const TrajectoryRea
   if (layout.has_orientation && !layout.order_is_stated && !options.order_is_stated) {
     checkQuaternionOrder(source, builder, layout, options.format.has_value());
   }
-  return std::move(builder).finish();
+  return std::move(builder).finish(options.gaps_are_usual);
 }
 
 }  // namespace plumbline

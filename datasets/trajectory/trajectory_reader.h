@@ -31,6 +31,7 @@ struct TrajectoryReadOptions {
   std::filesystem::path times;  ///< KITTI's times.txt [s]; without it frame i is at i seconds
   /// The caller knows in which order TUM's quaternions are: it is not judged by their values.
   bool order_is_stated = false;
+  bool gaps_are_usual = false;  ///< no remark on them: the poses are of chosen views
 };
 
 struct TrajectoryFile {

@@ -70,13 +70,15 @@ void requireLooking(const std::string& path, const Aim& aim, const Aim& other) {
 
 }  // namespace
 
-Trajectory readKalibrPoses(const std::string& path) {
+TrajectoryFile readKalibrPoses(const std::string& path) {
   // By the header, or as EuRoC has the columns where there is none.
-  Trajectory trajectory = readTrajectory(path, {.format = TrajectoryFormat::kEuroc}).trajectory;
-  const Aim as_stated = aimOf(trajectory.poses);
-  readAsKalibrs(trajectory.poses);
-  requireLooking(path, aimOf(trajectory.poses), as_stated);
-  return trajectory;
+  TrajectoryFile file =
+      readTrajectory(path, {.format = TrajectoryFormat::kEuroc, .gaps_are_usual = true});
+  std::vector<StampedPose>& poses = file.trajectory.poses;
+  const Aim as_stated = aimOf(poses);
+  readAsKalibrs(poses);
+  requireLooking(path, aimOf(poses), as_stated);
+  return file;
 }
 
 }  // namespace plumbline

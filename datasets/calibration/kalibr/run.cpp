@@ -211,6 +211,13 @@ void readChains(Files& files, const std::string& path, KalibrRun& run) {
   run.camera_imu = std::move(cameras_first ? other : chain);
 }
 
+void readPoses(const std::string& path, KalibrRun& run) {
+  auto file = readBeside(path, readKalibrPoses, run);
+  if (!file) return;
+  run.poses = std::move(file->trajectory);
+  for (const std::string& remark : file->remarks) run.remarks.push_back(path + ": " + remark);
+}
+
 void addStandardDeviations(Calibration& calibration, const KalibrResults& text) {
   for (std::size_t i = 0; i < calibration.cameras.size() && i < text.cameras.size(); ++i) {
     CameraCalibration& camera = calibration.cameras[i];
@@ -286,7 +293,7 @@ KalibrRun readKalibrRun(const std::string& path) {
     run.imu = imuOf(files[Kind::kImu], run);
   }
   const auto& poses = files[Kind::kPoses];
-  if (poses.size() == 1) run.poses = readBeside(poses.front(), readKalibrPoses, run);
+  if (poses.size() == 1) readPoses(poses.front(), run);
   if (poses.size() > 1) run.remarks.push_back("several files of poses (" + namesOf(poses) + ")");
   return run;
 }

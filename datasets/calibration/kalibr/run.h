@@ -11,6 +11,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/base/transform.h"
 #include "datasets/calibration/kalibr/camchain.h"
+#include "datasets/trajectory/trajectory_reader.h"
 
 namespace plumbline {
 
@@ -84,7 +85,8 @@ struct KalibrRun {
   std::optional<KalibrCamchain> camera_imu;      ///< camera-IMU tool
   std::optional<KalibrResults> results_imu;
   std::optional<KalibrImuFile> imu;
-  /// One sentence for each file of the folder that looks like Kalibr's and was left out.
+  /// One sentence for each file of the folder that looks like Kalibr's and was left out, and for
+  /// what is unusual in its poses.
   std::vector<std::string> remarks;
 
   /// The result: the camera-IMU tool's if there is one, with the IMU's noise and topic from
@@ -106,9 +108,10 @@ KalibrRun readKalibrRun(const std::string& path);
 /// Reads <bag>-poses-cam0.csv, the poses T_FC0 of Kalibr's camera tool (p_F = q p_C0 + p).
 ///
 /// Its header is wrong about the quaternions (isKalibrPosesHeader()). Numbers have six decimals:
-/// orientations are right to about 1e-6 rad. Throws InputError for what readTrajectory() refuses,
+/// orientations are right to about 1e-6 rad. Remarks as readTrajectory()'s, but on gaps: Kalibr
+/// keeps the views that tell it most. Throws InputError for what readTrajectory() refuses,
 /// and for poses whose optical axes miss the target's plane, or meet it in one place only where the
 /// columns are taken as the header names them (a file that somebody put right, or another tool's).
-Trajectory readKalibrPoses(const std::string& path);
+TrajectoryFile readKalibrPoses(const std::string& path);
 
 }  // namespace plumbline

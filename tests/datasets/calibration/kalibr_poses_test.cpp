@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibrator/base/transform.h"
@@ -42,7 +43,9 @@ std::string posesText(bool as_the_header_says, const Transform& turn = {}) {
 
 TEST(KalibrPoses, TheHeaderIsWrongAboutItsQuaternions) {
   const TemporaryFolder folder;
-  const Trajectory poses = readKalibrPoses(folder.write("poses.csv", posesText(false)));
+  const TrajectoryFile file = readKalibrPoses(folder.write("poses.csv", posesText(false)));
+  EXPECT_THAT(file.remarks, testing::IsEmpty());
+  const Trajectory& poses = file.trajectory;
   ASSERT_EQ(poses.poses.size(), 5U);
   EXPECT_EQ(poses.poses[1].t, 1404733405882800000);
   for (int i = 0; i < 5; ++i) {
@@ -55,6 +58,20 @@ TEST(KalibrPoses, AFileThatKeepsItsHeadersPromiseIsNotKalibrs) {
   const std::string path = folder.write("poses.csv", posesText(true));
   EXPECT_EQ(faultOf([&] { (void)readKalibrPoses(path); }), InputFault::kContradiction);
   EXPECT_EQ(kalibrFileKind(path), KalibrFileKind::kPoses);  // the header is Kalibr's
+}
+
+// A bag with images that are there twice; the gap is no remark.
+TEST(KalibrPoses, EqualStampsAreARemarkOfTheRun) {
+  const TemporaryFolder folder;
+  std::string text = posesText(false);
+  const std::string last = text.substr(text.rfind('\n', text.size() - 2) + 1);
+  text += last + "1404733490" + last.substr(10);
+  const std::string path = folder.write("poses.csv", text);
+  const std::string remark = "1 pose has the stamp of the pose before (first in line 7)";
+  EXPECT_THAT(readKalibrPoses(path).remarks, testing::ElementsAre(remark));
+  const KalibrRun run = readKalibrRun(folder.write("camchain.yaml", kCamchainImuYaml));
+  EXPECT_EQ(run.poses->poses.size(), 7U);
+  EXPECT_THAT(run.remarks, testing::Contains(path + ": " + remark));
 }
 
 // The same cameras turned about their own x: the target is behind them, so that they saw nothing.
