@@ -38,6 +38,17 @@ BadInput damaged(const std::string& path, const std::string& why) {
              "be read"});
 }
 
+/// One that is whole, but another program's: Plumbline's own records are SQLite too. Of a cut file
+/// the first page is there, which lists the tables.
+void checkTables(const std::string& path, const SQLite::Database& database) {
+  for (const char* table : {"topics", "messages"}) {
+    if (database.tableExists(table)) continue;
+    throw badInput(path, {InputFault::kUnknownFile,
+                          fmt::format("is an SQLite file without a table `{}`", table),
+                          "a .db3 of ROS 2, with rosbag2's tables `topics` and `messages`"});
+  }
+}
+
 /// What is in the log beside a database has not reached it; what is in the journal undoes a write
 /// that was not ended.
 void checkClosed(const std::string& path) {
@@ -59,6 +70,7 @@ class Ros2Bag : public Bag {
     guarded([&] {
       database_ = std::make_unique<SQLite::Database>(untouchedUri(path),
                                                      SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+      checkTables(path, *database_);
       readTopics();
     });
   }

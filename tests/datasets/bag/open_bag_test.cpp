@@ -88,6 +88,12 @@ TEST(OpenBag, WhatCannotBeReadIsToldWithACure) {
   refused("old.bag", InputFault::kUnsupported, "rosbag fix");
   folder.write("cut.db3", std::string("SQLite format 3\0 and no more", 28));
   refused("cut.db3", InputFault::kSyntax, "is no whole bag of ROS 2");
+  for (const std::string table : {"topics", "messages"}) {
+    writeImuBag(folder.path("no_" + table), 1, 3);
+    SQLite::Database(folder.path("no_" + table), SQLite::OPEN_READWRITE)
+        .exec("DROP TABLE " + table);
+    refused("no_" + table, InputFault::kUnknownFile, "an SQLite file without a table `" + table);
+  }
 
   std::filesystem::create_directory(folder.path("session"));
   refused("session", InputFault::kMissingFile, "holds no metadata.yaml");
@@ -99,6 +105,17 @@ TEST(OpenBag, WhatCannotBeReadIsToldWithACure) {
   refused("session", InputFault::kEmpty, "has no files");
   folder.write("session/metadata.yaml", metadata("  relative_file_paths: [{a: b}]\n"));
   refused("session", InputFault::kSyntax, "is no list of names");
+}
+
+// Its first page lists the tables, whose rows are lost.
+TEST(OpenBag, ACutFileKeepsTheCureOfABag) {
+  const TemporaryFolder folder;
+  writeImuBag(folder.path("a.db3"), 1, 300);
+  std::filesystem::resize_file(folder.path("a.db3"), 4096);
+  const auto refusal = refusalOf([&] { openBag(folder.path("a.db3"))->topics(); });
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->code(), InputFault::kSyntax);
+  EXPECT_THAT(refusal->what(), HasSubstr("sqlite3 FILE .dump"));
 }
 
 TEST(OpenBag, ARecordingThatWasNotClosedIsToldSo) {
