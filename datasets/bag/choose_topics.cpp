@@ -31,23 +31,29 @@ BadInput topicFault(const std::string& what, const std::vector<BagTopic>& topics
   return {InputFault::kNoTopic, what + "; topics of the recording: " + listOf(topics)};
 }
 
-const BagTopic* find(const std::vector<BagTopic>& topics, const std::string& name) {
-  const auto at = std::find_if(topics.begin(), topics.end(),
-                               [&](const BagTopic& topic) { return topic.name == name; });
-  return at == topics.end() ? nullptr : &*at;
+bool isImu(const BagTopic& topic) { return topic.type == kImuType; }
+
+/// The topic of that name; of one that is there under several types the one that `fits`, if any.
+const BagTopic* find(const std::vector<BagTopic>& topics, const std::string& name,
+                     bool (*fits)(const BagTopic&)) {
+  const BagTopic* found = nullptr;
+  for (const BagTopic& topic : topics) {
+    if (topic.name == name && (found == nullptr || !fits(*found))) found = &topic;
+  }
+  return found;
 }
 
 std::vector<BagTopic> namedCameras(const std::vector<BagTopic>& topics,
                                    const std::vector<std::string>& names) {
   std::vector<BagTopic> cameras;
   for (const std::string& name : names) {
-    const BagTopic* topic = find(topics, name);
+    const BagTopic* topic = find(topics, name, hasImages);
     if (topic == nullptr || !hasImages(*topic)) {
       throw topicFault(topic == nullptr ? "there is no topic " + name
                                         : name + " has no images (" + topic->type + ")",
                        topics);
     }
-    if (find(cameras, name) != nullptr) {
+    if (find(cameras, name, hasImages) != nullptr) {
       throw BadInput(InputFault::kDuplicate, "topic " + name + " is given twice");
     }
     cameras.push_back(*topic);
@@ -59,8 +65,10 @@ std::vector<BagTopic> namedCameras(const std::vector<BagTopic>& topics,
 /// nobody recorded them.
 bool isThereTwice(const BagTopic& topic, const std::vector<BagTopic>& topics) {
   const bool is_copy = topic.name.ends_with(kCompressed);
-  const BagTopic* other = find(topics, is_copy ? topic.name.substr(0, topic.name.rfind(kCompressed))
-                                               : topic.name + kCompressed);
+  const BagTopic* other =
+      find(topics,
+           is_copy ? topic.name.substr(0, topic.name.rfind(kCompressed)) : topic.name + kCompressed,
+           hasImages);
   if (other == nullptr || !hasImages(*other)) return false;
   const bool one_is_empty = (other->messages == 0) != (topic.messages == 0);
   return one_is_empty ? topic.messages == 0 : is_copy;
@@ -80,17 +88,16 @@ std::optional<BagTopic> imuOf(const std::vector<BagTopic>& topics, const BagImpo
                               const std::string& imu_yaml_topic) {
   if (!request.import_imu) return std::nullopt;
   if (request.imu_topic) {
-    const BagTopic* topic = find(topics, *request.imu_topic);
-    if (topic != nullptr && topic->type == kImuType) return *topic;
+    const BagTopic* topic = find(topics, *request.imu_topic, isImu);
+    if (topic != nullptr && isImu(*topic)) return *topic;
     throw topicFault(topic == nullptr ? "there is no topic " + *request.imu_topic
                                       : *request.imu_topic + " is no IMU (" + topic->type + ")",
                      topics);
   }
-  const BagTopic* stated = find(topics, imu_yaml_topic);
-  if (stated != nullptr && stated->type == kImuType) return *stated;
+  const BagTopic* stated = find(topics, imu_yaml_topic, isImu);
+  if (stated != nullptr && isImu(*stated)) return *stated;
   std::vector<BagTopic> imus;
-  std::copy_if(topics.begin(), topics.end(), std::back_inserter(imus),
-               [](const BagTopic& topic) { return topic.type == kImuType; });
+  std::copy_if(topics.begin(), topics.end(), std::back_inserter(imus), isImu);
   if (imus.size() > 1) {
     throw BadInput(InputFault::kSeveralImus,
                    "several topics are of an IMU, of which one must be named: " + listOf(imus));

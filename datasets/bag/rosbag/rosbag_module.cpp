@@ -3,8 +3,9 @@
 
 #include <cstdint>
 #include <exception>
-#include <map>
+#include <set>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <console_bridge/console.h>
@@ -32,14 +33,17 @@ void withBag(const std::string& path, const Work& work) {
 std::vector<BagTopic> topics(const std::string& path) {
   std::vector<BagTopic> topics;
   withBag(path, [&](const rosbag::Bag& bag) {
-    std::map<std::string, BagTopic> found;  // a topic has a connection for each that published it
+    // A topic has a connection for each that published it, and may have several types.
+    std::set<std::pair<std::string, std::string>> found;
     rosbag::View all(bag);
     for (const rosbag::ConnectionInfo* of : all.getConnections()) {
-      found[of->topic] = {of->topic, of->datatype, 0};
+      found.emplace(of->topic, of->datatype);
     }
-    for (auto& [name, topic] : found) {
-      topic.messages = rosbag::View(bag, rosbag::TopicQuery(name)).size();
-      topics.push_back(std::move(topic));
+    for (const auto& topic : found) {
+      const auto is_its = [&](const rosbag::ConnectionInfo* of) {
+        return of->topic == topic.first && of->datatype == topic.second;
+      };
+      topics.push_back({topic.first, topic.second, rosbag::View(bag, is_its).size()});
     }
   });
   return topics;

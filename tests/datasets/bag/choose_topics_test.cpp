@@ -97,6 +97,15 @@ TEST(ChooseTopics, ATopicOfTwoTypesIsToldWhereItIsNeeded) {
   EXPECT_EQ(refusal->code(), InputFault::kContradiction);
   EXPECT_THAT(refusal->what(), HasSubstr("/imu0 is sensor_msgs/Imu in one part of the recording "
                                          "and my_msgs/Imu in another"));
+  // By name too, whichever of its types comes first.
+  topics.insert(topics.begin(), {{"/imu0", "a/Imu", 1}, {"/left/image_raw", "a/Image", 1}});
+  BagImport request;
+  request.imu_topic = "/imu0";
+  EXPECT_EQ(faultOf([&] { chooseTopics(topics, request, ""); }), InputFault::kContradiction);
+  request = {};
+  request.import_imu = false;
+  request.camera_topics = {"/left/image_raw"};
+  EXPECT_EQ(faultOf([&] { chooseTopics(topics, request, ""); }), InputFault::kContradiction);
 }
 
 TEST(ChooseTopics, AnImuThatIsDescribedMustBeThere) {

@@ -104,6 +104,32 @@ TEST_P(Ros1Bag, IsImportedAsItsSensorsMeasured) {
   EXPECT_NEAR(sensors[1].rate_hz, 200, 1e-9);
 }
 
+TEST(Ros1Bag, ATopicOfTwoTypesIsToldByName) {
+  const TemporaryFolder folder;
+  writeBag(folder.path("recording.bag"), rosbag::compression::Uncompressed);
+  {
+    rosbag::Bag bag(folder.path("recording.bag"), rosbag::bagmode::Append);
+    bag.write("/imu0", ros::Time(30), RawMessage{"std_msgs/String", std::string("\1\0\0\0a", 5)});
+    bag.close();
+  }
+  const auto topics = topicsOf(std::vector{folder.path("recording.bag")});
+  ASSERT_EQ(topics.size(), 3U);
+  EXPECT_EQ(topics[1].messages, 8U);
+  EXPECT_EQ(topics[2].type, "std_msgs/String");
+  EXPECT_EQ(topics[2].messages, 1U);
+
+  BagImport request;
+  request.bags = {folder.path("recording.bag")};
+  std::filesystem::create_directory(folder.path("session"));
+  const auto refusal = refusalOf([&] { importBags(request, folder.path("session")); });
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->code(), InputFault::kContradiction);
+  EXPECT_THAT(refusal->what(), testing::HasSubstr("topic /imu0 is sensor_msgs/Imu"));
+  // Where it is not used it does no harm.
+  request.import_imu = false;
+  EXPECT_EQ(importBags(request, folder.path("session")).size(), 1U);
+}
+
 TEST(Ros1Bag, DamagedOnesAreRefused) {
   const TemporaryFolder folder;
   writeBag(folder.path("whole.bag"), rosbag::compression::Uncompressed);
