@@ -92,17 +92,15 @@ void readStudy(PerturbOptions& o) {
   }
 }
 
-/// Ahead of the work, in the words of who asked for it: `list` is an option, or a key of a file.
-void checkAmount(const std::string& list, const Perturbation& p, bool no_imu) {
+/// Ahead of the work.
+void checkAmount(const Perturbation& p, bool no_imu) {
   if (no_imu && needsImu(p.kind)) {
-    throw InputError(list + " changes what --no-imu leaves out; omit one of the two");
+    throw InputError(p.name() + " changes what --no-imu leaves out; omit one of the two");
   }
-  try {
-    p.check();
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", list, error.what()));
+  p.check();
+  if (p.kind == PerturbationKind::kImuShift) {
+    (void)nanosecondsFromMilliseconds(p.name(), p.amount);
   }
-  if (p.kind == PerturbationKind::kImuShift) (void)nanosecondsFromMilliseconds(list, p.amount);
 }
 
 std::vector<Perturbation> perturbationsOf(const PerturbOptions& o) {
@@ -112,11 +110,13 @@ std::vector<Perturbation> perturbationsOf(const PerturbOptions& o) {
     // What is not random comes out the same every time.
     const int draws = isRandom(kKinds[i].kind) ? o.repeats : 1;
     for (const double amount : amountsFrom(o.names[i], o.amounts[i])) {
-      checkAmount(o.names[i], {kKinds[i].kind, amount, o.seed}, o.estimation.no_imu);
+      const Perturbation first{kKinds[i].kind, amount, o.seed, o.names[i]};
+      checkAmount(first, o.estimation.no_imu);
       for (int draw = 0; draw < draws; ++draw) {
         // Consecutive seeds: one draw of all amounts is nested or scaled (perturbation.cpp), the
         // next one is fresh.
-        list.push_back({kKinds[i].kind, amount, o.seed + static_cast<std::uint64_t>(draw)});
+        list.push_back(first);
+        list.back().seed += static_cast<std::uint64_t>(draw);
       }
     }
   }

@@ -103,7 +103,7 @@ void Perturbation::check() const {
     expected = "0 or above";
   }
   if (expected == nullptr) return;
-  throw InputError(fmt::format("{} {} {}: expected {}", toString(kind), amount, unit, expected));
+  throw InputError(fmt::format("{} {} {}: expected {}", name(), amount, unit, expected));
 }
 
 PerturbedInputs perturbed(const StudyInputs& inputs, const Perturbation& p) {

@@ -34,12 +34,13 @@ void checkInputs(const StudyInputs& inputs, const std::vector<Perturbation>& per
     if (needsImu(p.kind) && !inputs.session->imu) {
       throw InputError(fmt::format(
           "{} needs an IMU, and the session has none; add imu0/data.csv and imu.yaml, or omit it",
-          toString(p.kind)));
+          p.name()));
     }
     if (p.kind == PerturbationKind::kInitialIntrinsics && inputs.cameras_fixed) {
       throw InputError(
-          "initial-intrinsics changes the start of the camera stage, but the cameras are given and "
-          "fixed; omit one of the two");
+          p.name() +
+          " changes the start of the camera stage, but the cameras are given and fixed; "
+          "omit one of the two");
     }
   }
 }

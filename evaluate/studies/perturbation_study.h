@@ -48,6 +48,10 @@ struct Perturbation {
   PerturbationKind kind = PerturbationKind::kImuShift;
   double amount = 0;
   std::uint64_t seed = 0;  ///< only where isRandom()
+  /// Who asked for it, as messages name it: an option, or a key of a file; empty: the kind's word.
+  std::string asked_by = {};
+
+  std::string name() const { return asked_by.empty() ? toString(kind) : asked_by; }
 
   /// Throws InputError where percents are not above -100 (or below 100 where something is dropped),
   /// a factor not above 0, noise below 0.

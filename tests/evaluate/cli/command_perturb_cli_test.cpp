@@ -82,9 +82,9 @@ TEST(CommandPerturb, AmountsAreRefusedInTheWordsOfWhoGaveThem) {
   EXPECT_THAT(said("--target-size-percent 1 --offsets-ms ''"),
               HasSubstr("--offsets-ms '': has an empty entry"));
   EXPECT_THAT(said("--offsets-ms 5,5"), HasSubstr("--offsets-ms: 5 is given twice"));
-  EXPECT_THAT(said("--drop-imu-percent 100"), HasSubstr("--drop-imu-percent: "));
+  EXPECT_THAT(said("--drop-imu-percent 100"), HasSubstr("--drop-imu-percent 100 %: expected"));
   EXPECT_THAT(said("--study " + study.string()),
-              HasSubstr("command_perturb_words.yaml: drop-frames-percent: "));
+              HasSubstr("command_perturb_words.yaml: drop-frames-percent 100 %: expected"));
   EXPECT_THAT(said("--offsets-ms 1 --no-imu"),
               HasSubstr("--offsets-ms changes what --no-imu leaves out"));
 }
