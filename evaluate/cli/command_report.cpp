@@ -5,8 +5,10 @@
 #include <system_error>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "datasets/files/numbers.h"
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/terminal.h"
@@ -26,7 +28,7 @@ struct ReportOptions {
 
 void declareReport(CLI::App& app, ReportOptions& o) {
   app.add_option("input", o.input, "Result folder, or a records file")->required();
-  o.output.declare(app, "HTML file to write");
+  o.output.declare(app, "Page to write: NAME.html");
   o.json.declare(app);
   app.add_option("--run", o.run, "Number of the run (default: the latest)");
 }
@@ -75,6 +77,10 @@ std::string pageOf(const Store& store, const RunSummary& run) {
 int report(const ReportOptions& o) {
   if (o.output.out.empty() && !o.json.file) {
     throw InputError("no output was requested: expected --out PAGE.html, --json FILE, or both");
+  }
+  // Browsers go by the ending; without one a folder may have been meant, as by --out elsewhere.
+  if (!o.output.out.empty() && !lowered(o.output.out).ends_with(".html")) {
+    throw InputError(fmt::format("--out {}: expected a name that ends in .html", o.output.out));
   }
   const std::filesystem::path path = storeOf(o.input);
   std::optional<OutputFile> page;

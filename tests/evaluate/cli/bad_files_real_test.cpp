@@ -19,7 +19,7 @@ class BadFiles : public testing::Test {
   void TearDown() override { fs::remove_all(root_); }
 
   void expectRefused(const std::string& arguments) const {
-    const std::string out = " --out " + (root_ / "out").string();
+    const std::string out = " --out " + (root_ / "out.html").string();
     const std::string command = "( ulimit -v 1048576; timeout 10 " + std::string(PLUMBLINE_BINARY) +
                                 " " + arguments + out + " ) 2>&1";
     std::FILE* pipe = popen(command.c_str(), "r");
@@ -29,7 +29,7 @@ class BadFiles : public testing::Test {
     const int status = pclose(pipe);
     EXPECT_EQ(WEXITSTATUS(status), 2) << arguments << "\n" << text;
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
-    EXPECT_FALSE(fs::exists(root_ / "out"));
+    EXPECT_FALSE(fs::exists(root_ / "out.html"));
   }
 
   fs::path root_;

@@ -121,6 +121,13 @@ TEST_F(CommandCalibrate, ReportIsMadeAgainFromTheRecordsAlone) {
   const Outcome outcome = plumbline("report " + out.string() + " --out " + again.string());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_EQ(read(again), page);
+  for (const std::string name : {"again", "again.htm", "records.sqlite"}) {
+    const fs::path other = scratch() / name;
+    const Outcome refused = plumbline("report " + out.string() + " --out " + other.string());
+    EXPECT_EQ(refused.exit_code, 2) << name;
+    EXPECT_THAT(refused.text, HasSubstr(name + ": expected a name that ends in .html"));
+    EXPECT_FALSE(fs::exists(other));
+  }
   EXPECT_EQ(plumbline("report " + session().string() + " --out x.html").exit_code, 2);
   const fs::path empty = scratch() / "empty.sqlite";
   write(empty, "");

@@ -154,7 +154,7 @@ TEST_F(CommandLine, PipesAndDevicesAreRefusedAtOnce) {
   const std::string out = " --out " + (scratch() / "out").string();
   for (const std::string& file : {pipe.string(), std::string("/dev/zero"), session().string()}) {
     for (const std::string& words :
-         {"export " + file + " --to kalibr" + out, "report " + file + out,
+         {"export " + file + " --to kalibr" + out, "report " + file + out + ".html",
           "evaluate trajectory " + file + " " + file + out,
           "calibrate " + session().string() + " --target " + file + out,
           "calibrate " + session().string() + " --imu " + file + out}) {
@@ -175,9 +175,10 @@ TEST_F(CommandLine, TextsOfFilesAreShownEscaped) {
 
 TEST_F(CommandLine, EveryCommandExitsWithTwoOnBadInput) {
   const std::string out = " --out " + (scratch() / "out").string();
-  for (const std::string& words : {"simulate --rig unknown" + out, "simulate --motion circle" + out,
-                                   "detect /nowhere" + out, "calibrate /nowhere" + out,
-                                   "report /nowhere" + out, "report " + session().string() + out}) {
+  for (const std::string& words :
+       {"simulate --rig unknown" + out, "simulate --motion circle" + out, "detect /nowhere" + out,
+        "calibrate /nowhere" + out, "report /nowhere" + out + ".html",
+        "report " + session().string() + out + ".html"}) {
     expectRefusal(plumbline(words), 2, testing::Not(IsEmpty()));
   }
 }
