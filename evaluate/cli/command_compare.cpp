@@ -65,8 +65,8 @@ void declareMaps(CLI::App& app, CompareOptions& o) {
 
 void declareCompare(CLI::App& app, CompareOptions& o) {
   app.add_option("calibrations", o.request.calibrations,
-                 "Two or more calibrations of Plumbline, Kalibr or yac; differences are relative "
-                 "to the first")
+                 "Two or more calibrations of Plumbline, Kalibr, OpenVINS, yac or Basalt; "
+                 "differences are relative to the first")
       ->required();
   addList(app, "--labels", o.request.labels, "Labels of the calibrations, e.g. ours,kalibr");
   o.session.declareOptional(app);

@@ -34,7 +34,7 @@ void declareImport(CLI::App& app, ImportOptions& o) {
          "recording", r.bags,
          "Bag of ROS 1 (.bag) or of ROS 2 (.mcap, .db3 or its folder); several of one recording")
       ->required();
-  auto* out = o.output.declare(app, "Folder for the session");
+  auto* out = o.output.declare(app, "Folder for the session (required, except with --list)");
   app.add_flag("--list", o.list, "Only print the topics of the recording")->excludes(out);
   addList(app, "--camera-topics", r.camera_topics,
           "Topics of cam0, cam1, ... (default: all with images, by name, without depth)");

@@ -290,8 +290,8 @@ std::function<int()> configureAccept(CLI::App& app) {
 void declareStudy(CLI::App& app, StudyOptions& o) {
   // Not required() for CLI11, as the subcommands do without: nightRequest() asks for it and for
   // --out.
-  app.add_option("study", o.study, "The study's definition: STUDY.yaml");
-  app.add_option("--out", o.out, "Folder of the results, the same every night");
+  app.add_option("study", o.study, "The study's definition: STUDY.yaml (required)");
+  app.add_option("--out", o.out, "Folder of the results, the same every night (required)");
   addWithDefault(app, "--jobs", o.jobs, "Parallel steps on this machine (0: all cores)")
       ->check(numberWithin(0, kMostJobs));
   addWithDefault(app, "--engine", o.engine,

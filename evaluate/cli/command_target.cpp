@@ -103,7 +103,7 @@ void declareFit(CLI::App& app, FitOptions& o) {
       "--models", o.models,
       "Lens model for all cameras (default: auto, chosen by the error of held-out frames of the "
       "first session of a rig)");
-  addWithDefault(app, "--loss", o.loss, "none, or cauchy:SCALE [px]");
+  addWithDefault(app, "--loss", o.loss, "Robust loss of the corners: none, or cauchy:SCALE [px]");
   addWithDefault(app, "--target-degree", o.degree,
                  "Highest degree of the shape: 4 where the sessions ask for it, or 2")
       ->check(CLI::IsMember({2, 4}));

@@ -136,7 +136,7 @@ std::optional<std::string> SessionOptions::cacheFolder() const {
 void MeasurementOptions::declare(CLI::App& app) {
   addWithDefault(app, "--gravity", model.gravity_m_s2, "Magnitude of gravity [m/s^2]")
       ->check(positiveNumber());
-  addWithDefault(app, "--loss", loss, "none, or cauchy:SCALE [px]");
+  addWithDefault(app, "--loss", loss, "Robust loss of the corners: none, or cauchy:SCALE [px]");
   addWithDefault(app, "--pixel-sigma", model.pixel_sigma,
                  "Standard deviation of a corner, per axis [px]")
       ->check(positiveNumber());
@@ -156,14 +156,18 @@ void EstimationOptions::declare(CLI::App& app) {
       choose_models
           ? "Lens models: auto (default; chosen per camera by the error on held-out frames), or " +
                 calibratedModelWords() + ", one for each camera"
-          : calibratedModelWords() + ", one for each camera (default: sensor.yaml)");
+          : "Lens models: " + calibratedModelWords() +
+                ", one for each camera (default: sensor.yaml)");
   app.add_option("--cameras", cameras,
-                 "Calibration whose cameras are used and kept fixed (Kalibr's camchain or "
-                 "Plumbline's calibration.json)")
+                 "Calibration whose cameras are used and kept fixed: Plumbline's calibration.json, "
+                 "Kalibr's or OpenVINS' camchain, yac's result, or Basalt's")
       ->excludes(app.get_option("--models"));  // the models are those of the file
   app.add_flag("--no-imu", no_imu, "Calibrate the cameras only");
   measurements.declare(app);
-  addWithDefault(app, "--outliers", outliers, "none, sigma:K, or kalibr");
+  addWithDefault(
+      app, "--outliers", outliers,
+      "Filter of the corners: none, sigma:K (K robust standard deviations), or kalibr (its "
+      "rule: mean + 2 std of a view)");
 }
 
 CameraStageOptions EstimationOptions::cameraStage(const LoadRequest& load) const {
