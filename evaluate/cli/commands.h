@@ -82,6 +82,9 @@ Command simulateStudyCommand();
 Command simulateSequenceCommand();
 Command simulateOperatorCommand();
 
+// Of `evaluate`.
+Command evaluateCalibrationCommand();
+
 /// Prints a failure of a command with its cure in one line and returns the exit code: data that
 /// contradict what a file states are bad input.
 inline int tellFailure(const Failure& failure, const CLI::App& command) {
