@@ -70,6 +70,10 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
       ->required();
   addList(app, "--labels", o.request.labels, "Labels of the calibrations, e.g. ours,kalibr");
   o.session.declareOptional(app);
+  app.get_option("--target-shape")
+      ->description(
+          "Shape of the board: flat, or a target_shape.yaml (default: scores take it as flat; the "
+          "session's own calibration estimates it, as `calibrate` does)");
   app.add_flag("--no-session-estimate", o.no_session_estimate,
                "Do not calibrate the session itself for the comparison")
       ->needs(app.get_option("--session"));

@@ -50,13 +50,11 @@ void SessionOptions::declareOptional(CLI::App& app) {
 
 void SessionOptions::declareDetails(CLI::App& app) {
   app.add_option("--target", target, "Kalibr's target.yaml (default: in the session)");
-  CLI::Option* const shape =
-      app.add_option("--target-shape", target_shape,
-                     target_shape == kAuto
-                         ? "Shape of the board: auto (estimated where the recording determines "
-                           "it), flat, or the target_shape.yaml of another session"
-                         : "Shape of the board: flat, or a target_shape.yaml (default: scores take "
-                           "it as flat; an estimate of the command's own may determine it)");
+  CLI::Option* const shape = app.add_option(
+      "--target-shape", target_shape,
+      target_shape == kAuto ? "Shape of the board: auto (estimated where the recording determines "
+                              "it), flat, or the target_shape.yaml of another session"
+                            : "Shape of the board: flat, or a target_shape.yaml (default: flat)");
   // Only there does stating the default change nothing.
   if (target_shape == kAuto) shape->capture_default_str();
   if (estimating_) {
