@@ -120,7 +120,7 @@ TEST(CameraImuDiagnosis, CleanRecordingsNameNoFault) {
 }
 
 // A camera that turns in place, slowly, tells neither size nor scales: the cost falls with the
-// board's size all the way, and the solver runs out of steps far from an optimum.
+// board's size all the way. Where the solver stops within its steps nothing is named.
 TEST(CameraImuDiagnosis, ACameraThatTurnsInPlaceNamesNoFault) {
   SimulatedRig rig = simulatedRig("euroc");
   rig.calibration.cameras.resize(1);
