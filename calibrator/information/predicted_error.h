@@ -82,11 +82,6 @@ struct ErrorComponents {
   SharedMisfit shared{};       ///< empty: nothing but b^2 is known
 };
 
-/// With fewer views used the next is better chosen by information. E is of first order about an
-/// estimate, and three views of which nothing is known leave one that is far off; and how b and tau
-/// share their misfit they cannot tell. Measured: docs/counterfactuals.md.
-inline constexpr int kLeastViewsForError = 4;
-
 /// From the residuals of V views used, by moments of s_v: with N corners, n parameters, K functions
 ///   sigma^2 = (sum e^2 - sum s_v^T (D_v + ridge)^-1 s_v) / (2 N - 6 V - n - K V),
 ///   t = (sum |s_v|^2 - sigma^2 sum tr D_v) / sum |D_v|^2,   M = D - C^T H^-1 C,

@@ -8,6 +8,11 @@
 
 namespace plumbline {
 
+/// With fewer views the next is chosen by information, whatever the criterion: E is of first order
+/// about an estimate, and three random views leave one that is too far off
+/// (docs/counterfactuals.md). A guide starts with more.
+inline constexpr int kLeastViewsForError = 4;
+
 struct OnlineOrderOptions {
   ViewCriterion criterion = ViewCriterion::kPredictedError;
   int most_views = 40;
@@ -33,8 +38,7 @@ struct OnlineOrder {
 /// its time: the batch over the views so far, made anew with every view up to 8, then with every
 /// 2nd, 4th, 6th, 10th (from 12, 20, 32 on). `first`, of `candidates`, are its beginning. A view
 /// whose RMSE at that estimate exceeds three times the candidates' median is not taken: one
-/// photograph of several px error would inflate all components. Up to kLeastViewsForError views
-/// both criteria choose by information. While the views so far do not
+/// photograph of several px error would inflate all components. While the views so far do not
 /// determine the cameras the next ones come as `candidates` lists them.
 OnlineOrder onlineOrder(const ViewPool& pool, const std::vector<int>& candidates,
                         const std::vector<int>& first, const OnlineOrderOptions& options = {});

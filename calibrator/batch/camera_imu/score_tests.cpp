@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera_imu/score_tests.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -50,14 +49,13 @@ MatrixXd testedDirections(const MatrixXd& A, const VectorXd& s, double range,
   constexpr double kUndetermined = 0.1;
   const Index n = A.cols();
   if ((inverseOf(A) * s).cwiseAbs().maxCoeff() <= range) return MatrixXd::Identity(n, n);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(A);  // in ascending order
+  const SymmetricEigen eigen = symmetricEigen(A);
   Index held = 0;
-  while (held < n &&
-         !(eigen.eigenvalues()(held) * std::pow(kUndetermined * range, 2) >= overdispersion)) {
+  while (held < n && !(eigen.values(held) * std::pow(kUndetermined * range, 2) >= overdispersion)) {
     ++held;
   }
   if (held == 0 || held == n) return MatrixXd::Identity(n, n);
-  return eigen.eigenvectors().rightCols(n - held);
+  return eigen.vectors.rightCols(n - held);
 }
 
 /// Those of components that lie in the directions Q; NaN of the others.

@@ -52,8 +52,7 @@ class ViewJudge {
 
  private:
   bool byError() const {
-    return options_.criterion == ViewCriterion::kPredictedError && errors_.isKnown() &&
-           errors_.keptCount() >= kLeastViewsForError;
+    return options_.criterion == ViewCriterion::kPredictedError && errors_.isKnown();
   }
 
   AprilGrid target_;
