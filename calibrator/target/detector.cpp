@@ -86,6 +86,7 @@ Detection AprilGridDetector::Parts::searchFrom(std::vector<TagImage> squares,
     search.start(set);
     search.grow();
     search.completeCorners();
+    search.fitCorners();
     // Before the corners at the border go: they vouch for their neighbours.
     search.checkAgainstNeighbours();
     // Before the corners at the border go, too: a tag that leaves with them contradicts nothing.

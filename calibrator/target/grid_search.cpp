@@ -5,12 +5,17 @@
 #include <array>
 #include <cstdlib>
 
+#include "calibrator/target/corner_fit.h"
+
 namespace plumbline {
 namespace {
 
 /// A corner's own surroundings end with the black border inside and the small square outside; this
 /// share of them is used, since blur carries in what lies beyond.
 constexpr double kUsedShare = 0.9;
+
+/// What the fit moves further than this from where the refiner left it is no corner [px].
+constexpr double kMostFitted_px = 1.0;
 
 /// Corner positions in the unit square that squareToQuad maps.
 constexpr std::array<std::array<int, 2>, 4> kUnitCorners = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
@@ -48,17 +53,25 @@ int GridSearch::neighboursOf(int tag_id) const {
   }));
 }
 
-void GridSearch::refineCorners(TagImage& tag) const {
+std::array<CornerWindow, 4> GridSearch::windowsOf(const TagImage& tag, double max_shift_px) const {
   const Eigen::Matrix3d H = squareToQuad(tag.uv);
   const double cells = tagCells(options_.border_bits);
   // Over the tag's edge: the border inside is border_bits cells wide, the small square outside as
   // the gap.
   const double reach = kUsedShare * std::min(options_.border_bits / cells, grid_.spacing);
+  std::array<CornerWindow, 4> windows;
+  for (std::size_t k = 0; k < 4; ++k) {
+    windows[k] = {tag.uv[k], outwardAxes(H, k, reach), max_shift_px};
+  }
+  return windows;
+}
+
+void GridSearch::refineCorners(TagImage& tag) const {
   const double max_shift = std::clamp(0.12 * shortestEdge(tag.uv), 2.0, 8.0);
+  const std::array<CornerWindow, 4> windows = windowsOf(tag, max_shift);
   for (std::size_t k = 0; k < 4; ++k) {
     if (tag.located[k]) continue;
-    const CornerWindow window{tag.uv[k], outwardAxes(H, k, reach), max_shift};
-    const std::optional<Eigen::Vector2d> corner = refiner_.refine(image_, window);
+    const std::optional<Eigen::Vector2d> corner = refiner_.refine(image_, windows[k]);
     tag.located[k] = corner.has_value();
     if (corner) tag.uv[k] = *corner;
   }
@@ -117,6 +130,22 @@ void GridSearch::completeCorners() {
     }
     refineCorners(tag);
   }
+}
+
+void GridSearch::fitCorners() {
+  // The refiner's corners, off by hundredths of a pixel, tell it.
+  const DivisionDistortion distortion = refineDistortion(
+      grid_, tags_, estimateDistortion(grid_, tags_, {image_.width, image_.height}));
+  for (TagImage& tag : tags_) {
+    const std::array<CornerWindow, 4> windows = windowsOf(tag, kMostFitted_px);
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!tag.located[k]) continue;
+      const std::optional<Eigen::Vector2d> corner = fitCorner(image_, windows[k], distortion);
+      tag.located[k] = corner.has_value();
+      if (corner) tag.uv[k] = *corner;
+    }
+  }
+  removeEmptyTags();
 }
 
 void GridSearch::checkAgainstNeighbours() {

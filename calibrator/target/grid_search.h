@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -29,6 +30,9 @@ class GridSearch {
   void grow();
   /// Looks again for the corners that known tags lack, where their neighbours predict them.
   void completeCorners();
+  /// Moves all located corners from hundredths of a pixel beside the true ones onto them
+  /// (fitCorner()), and takes back those where the fit fails.
+  void fitCorners();
   /// Takes back the corners that their neighbours contradict, and tags without corners.
   void checkAgainstNeighbours();
   /// Takes back the corners too close to the edge of the image, and tags without corners.
@@ -39,6 +43,8 @@ class GridSearch {
  private:
   bool has(int tag_id) const;
   int neighboursOf(int tag_id) const;
+  /// Around the four corners as they are.
+  std::array<CornerWindow, 4> windowsOf(const TagImage& tag, double max_shift_px) const;
   std::optional<TagImage> lookFor(int tag_id, const LocalMap& map) const;
   LocalMap map() const { return {grid_, tags_, {image_.width, image_.height}}; }
   void removeEmptyTags();

@@ -2,114 +2,9 @@
 #include "calibrator/target/local_map.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 
 namespace plumbline {
-namespace {
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-/// 1, x, y, x x, x y, y y: summed over points, their number and first and second moments.
-Vector6 products(const Eigen::Vector2d& p) {
-  Vector6 m;
-  m << 1, p.x(), p.y(), p.x() * p.x(), p.x() * p.y(), p.y() * p.y();
-  return m;
-}
-
-struct LinePoint {
-  Eigen::Vector2d d;                 ///< relative to the centre, in units of the radius
-  std::array<std::size_t, 2> lines;  ///< along x and along y, that the corner lies on
-};
-
-/// Every row of tags has two lines, along the bottoms and the tops of its tags; behind those every
-/// column has two, along their left and right edges.
-std::vector<LinePoint> linePoints(const AprilGrid& grid, const std::vector<TagImage>& tags,
-                                  const DivisionDistortion& distortion) {
-  std::vector<LinePoint> points;
-  for (const TagImage& tag : tags) {
-    const std::size_t row = tag.id / grid.cols, col = grid.rows + tag.id % grid.cols;
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (!tag.located[k]) continue;
-      points.push_back({(tag.uv[k] - distortion.centre) / distortion.radius,
-                        {2 * row + (k >= 2 ? 1 : 0), 2 * col + (k == 1 || k == 2 ? 1 : 0)}});
-    }
-  }
-  return points;
-}
-
-/// See estimateDistortion(): the share of the squared lengths that lies across the lines; infinite
-/// where no line counts.
-double bending(const AprilGrid& grid, const std::vector<LinePoint>& points, double lambda) {
-  std::vector<Vector6> lines(2 * (grid.rows + grid.cols), Vector6::Zero());
-  for (const LinePoint& point : points) {
-    const Vector6 m = products(point.d / (1 + lambda * point.d.squaredNorm()));
-    for (const std::size_t line : point.lines) lines[line] += m;
-  }
-  double across = 0, along = 0;
-  for (const Vector6& m : lines) {
-    if (m[0] < 4) continue;  // two tags: their four points
-    const double xx = m[3] - m[1] * m[1] / m[0];
-    const double xy = m[4] - m[1] * m[2] / m[0];
-    const double yy = m[5] - m[2] * m[2] / m[0];
-    // The eigenvalues of the scatter are (xx + yy -+ spread) / 2: least squares across and along.
-    const double spread = std::hypot(xx - yy, 2 * xy);
-    across += std::max(0.0, 0.5 * (xx + yy - spread));
-    along += 0.5 * (xx + yy + spread);
-  }
-  return along > 0 ? across / along : HUGE_VAL;
-}
-
-}  // namespace
-
-Eigen::Vector2d DivisionDistortion::straighten(const Eigen::Vector2d& uv) const {
-  const Eigen::Vector2d d = (uv - centre) / radius;
-  return centre + radius / (1 + lambda * d.squaredNorm()) * d;
-}
-
-Eigen::Vector2d DivisionDistortion::distort(const Eigen::Vector2d& straight) const {
-  // With s and d the lengths before and after: lambda s d^2 - d + s = 0; the root that is s at 0.
-  const Eigen::Vector2d s = (straight - centre) / radius;
-  // Written as 2 s / (1 + root), which does not cancel for a small lambda. Beyond the largest s
-  // that the model reaches the root is taken as 0.
-  const double root = std::sqrt(std::max(0.0, 1 - 4 * lambda * s.squaredNorm()));
-  return centre + radius * 2 / (1 + root) * s;
-}
-
-DivisionDistortion estimateDistortion(const AprilGrid& grid, const std::vector<TagImage>& tags,
-                                      const Resolution& resolution, std::size_t min_tags) {
-  DivisionDistortion distortion;
-  distortion.centre = {0.5 * (resolution.width - 1), 0.5 * (resolution.height - 1)};
-  distortion.radius = 0.5 * std::hypot(resolution.width, resolution.height);
-  if (tags.size() < min_tags) return distortion;
-  const std::vector<LinePoint> points = linePoints(grid, tags, distortion);
-  double furthest = 1e-3;
-  for (const LinePoint& p : points) furthest = std::max(furthest, p.d.squaredNorm());
-  // The model needs 1 + lambda |d|^2 > 0; pincushion beyond 0.5 does not occur.
-  double low = std::max(-4.0, -0.9 / furthest);
-  double high = 0.5;
-  constexpr int kSamples = 9;  // each round keeps the two intervals around the best sample
-  for (int round = 0; round < 5; ++round) {
-    const double step = (high - low) / (kSamples - 1);
-    int best = 0;
-    double least = HUGE_VAL;
-    for (int i = 0; i < kSamples; ++i) {
-      const double value = bending(grid, points, low + i * step);
-      if (value < least) {
-        least = value;
-        best = i;
-      }
-    }
-    if (!(least < HUGE_VAL)) return distortion;
-    const double middle = low + best * step;
-    low = std::max(-0.99 / furthest, middle - step);  // nearer to the pole, but not beyond it
-    high = middle + step;
-  }
-  distortion.lambda = 0.5 * (low + high);
-  return distortion;
-}
-
 namespace {
 
 using Vector8 = Eigen::Matrix<double, 8, 1>;
@@ -126,7 +21,7 @@ class HomographyFit {
  public:
   void add(const Eigen::Vector2d& xy, const Eigen::Vector2d& uv, double weight) {
     const Eigen::RowVector4d weights(1, uv.x(), uv.y(), uv.squaredNorm());
-    sums_.noalias() += products(xy).lazyProduct(weight * weights);
+    sums_.noalias() += moments(xy).lazyProduct(weight * weights);
   }
 
   Matrix8 normal() const {

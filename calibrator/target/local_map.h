@@ -2,37 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "calibrator/base/april_grid.h"
+#include "calibrator/target/division_distortion.h"
 #include "calibrator/target/tag_image.h"
 
 namespace plumbline {
-
-/// The division model of lens distortion (A. Fitzgibbon, CVPR 2001), one parameter about a known
-/// centre: with d = (uv - centre) / radius,
-///   straight = centre + radius * d / (1 + lambda |d|^2),
-/// so that straight lines of the world are straight lines of `straight`. lambda < 0 is barrel
-/// distortion. Good to a few pixels for any lens, which is enough to tell where a tag is.
-struct DivisionDistortion {
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< [px]
-  double radius = 1;                                 ///< [px], sets the scale of lambda
-  double lambda = 0;
-
-  /// Of a pixel with 1 + lambda |d|^2 > 0.
-  Eigen::Vector2d straighten(const Eigen::Vector2d& uv) const;
-  /// The inverse.
-  Eigen::Vector2d distort(const Eigen::Vector2d& straight) const;
-};
-
-/// The lambda for which the located corners of each of the grid's lines (tag edges along rows and
-/// columns) lie in line best: least sum of squared distances to the fitted lines, over the sum of
-/// squared lengths so that shrinking the image gains nothing. 0 with fewer than `min_tags` tags,
-/// and where no line has four corners.
-DivisionDistortion estimateDistortion(const AprilGrid& grid, const std::vector<TagImage>& tags,
-                                      const Resolution& resolution, std::size_t min_tags = 5);
 
 /// Where a place on the grid lies in the image, told by the tags around it: a homography from the
 /// grid to the straightened image (DivisionDistortion), fitted to the corners near the place with

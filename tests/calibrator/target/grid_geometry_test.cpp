@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/target/division_distortion.h"
 #include "calibrator/target/local_map.h"
 #include "calibrator/target/quad_finder.h"
 #include "calibrator/target/tag_sets.h"
@@ -87,7 +88,7 @@ TEST(GridTags, CrossRatioGivesTheSpacingUnderAnyPerspective) {
 
 TEST(DivisionDistortion, DistortUndoesStraighten) {
   for (const double lambda : {-1.2, -0.3, 0.0, 0.2}) {
-    const DivisionDistortion distortion{{376, 240}, 446, lambda};
+    const DivisionDistortion distortion{{376, 240}, 446, {lambda, 0, 0}};
     for (const Eigen::Vector2d& uv :
          {Eigen::Vector2d(376, 240), Eigen::Vector2d(30, 400), Eigen::Vector2d(600, 10)}) {
       EXPECT_LT((distortion.distort(distortion.straighten(uv)) - uv).norm(), 1e-9) << lambda;
@@ -99,14 +100,49 @@ TEST(DivisionDistortion, IsRecoveredFromTheGridsLines) {
   const AprilGrid grid;
   TestCamera camera = straightCamera();
   for (const double lambda : {-0.8, -0.2, 0.0, 0.15}) {
-    const DivisionDistortion truth{{375.5, 239.5}, 0.5 * std::hypot(752, 480), lambda};
+    const DivisionDistortion truth{{375.5, 239.5}, 0.5 * std::hypot(752, 480), {lambda, 0, 0}};
     std::vector<TagImage> tags = allTags(grid, camera);
     for (TagImage& tag : tags) {
       for (Eigen::Vector2d& uv : tag.uv) uv = truth.distort(uv);
     }
-    EXPECT_NEAR(estimateDistortion(grid, tags, {752, 480}).lambda, lambda, 2e-3);
+    EXPECT_NEAR(estimateDistortion(grid, tags, {752, 480}).terms[0], lambda, 2e-3);
   }
-  EXPECT_EQ(estimateDistortion(grid, {tagSeenBy(grid, camera, 0)}, {752, 480}).lambda, 0);
+  EXPECT_EQ(estimateDistortion(grid, {tagSeenBy(grid, camera, 0)}, {752, 480}).terms[0], 0);
+}
+
+/// Of the corners on the lower edges of the bottom row: distance of the middle one from the line
+/// through the ends, straightened [px].
+double bendingOfBottomLine(const AprilGrid& grid, const TestCamera& camera,
+                           const DivisionDistortion& distortion) {
+  const auto straight = [&](int corner) {
+    return distortion.straighten(*camera.project(grid.corner(corner)));
+  };
+  const Eigen::Vector2d first = straight(0), middle = straight(4 * 2 + 1),
+                        last = straight(4 * 5 + 1);
+  const Eigen::Vector2d along = (last - first).normalized();
+  return std::abs(along.x() * (middle - first).y() - along.y() * (middle - first).x());
+}
+
+// One term leaves a third of a pixel of this lens, which is none of the division model.
+TEST(DivisionDistortion, ThreeTermsStraightenAnotherLensToHundredths) {
+  const AprilGrid grid;
+  TestCamera camera = lookAt({0.32, 0.32}, 0.62, 0.05, 0.1, 0.02);
+  const std::vector<TagImage> tags = allTags(grid, camera);
+  const DivisionDistortion one = estimateDistortion(grid, tags, {752, 480});
+  const DivisionDistortion three = refineDistortion(grid, tags, one);
+  EXPECT_GT(bendingOfBottomLine(grid, camera, one), 0.2);
+  EXPECT_LT(bendingOfBottomLine(grid, camera, three), 0.02);
+}
+
+TEST(DivisionDistortion, JacobianIsThatOfDifferences) {
+  const DivisionDistortion distortion{{376, 240}, 446, {-0.4, 0.1, 0.05}};
+  const Eigen::Vector2d uv(600, 60);
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector2d step = 1e-3 * Eigen::Vector2d::Unit(axis);
+    const Eigen::Vector2d difference =
+        (distortion.straighten(uv + step) - distortion.straighten(uv - step)) / 2e-3;
+    EXPECT_LT((distortion.jacobian(uv).col(axis) - difference).norm(), 1e-9);
+  }
 }
 
 // Tags in a diagonal: no two of them share a line.
@@ -114,7 +150,7 @@ TEST(DivisionDistortion, IsNoneWithoutALineOfFourCorners) {
   const AprilGrid grid;
   std::vector<TagImage> tags;
   for (const int id : {0, 7, 14, 21, 28}) tags.push_back(tagSeenBy(grid, straightCamera(), id));
-  EXPECT_EQ(estimateDistortion(grid, tags, {752, 480}).lambda, 0);
+  EXPECT_EQ(estimateDistortion(grid, tags, {752, 480}).terms[0], 0);
 }
 
 // A stereographic fisheye that sees the grid up to 87 degrees off its axis.
@@ -135,8 +171,8 @@ TEST(DivisionDistortion, KeepsItsDomainWithWideFisheyes) {
     tags.push_back(tag);
   }
   const DivisionDistortion found = estimateDistortion(grid, tags, {512, 512});
-  EXPECT_LT(found.lambda, -1);
-  EXPECT_GT(1 + found.lambda * std::pow(furthest / found.radius, 2), 0);
+  EXPECT_LT(found.terms[0], -1);
+  EXPECT_GT(1 + found.terms[0] * std::pow(furthest / found.radius, 2), 0);
 }
 
 TEST(LocalMap, IsExactForPerspectiveAlone) {

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrator/target/corner_fit.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "calibrator/target/tag_image.h"
+
+namespace plumbline {
+namespace {
+
+/// Longer edges add less than they cost: the corner's deviation falls with the root of the length.
+constexpr double kLongestAxis_px = 9;
+/// The window is never thinner than this, so that it holds both sides of each edge [px].
+constexpr double kMinRadius_px = 2;
+constexpr int kMostPixels = 400;  // of the square around the largest window, 2 * 9.2 + 1 wide
+constexpr int kBorder_px = 3;
+constexpr int kMaxIterations = 12;
+constexpr float kConverged_px = 0.003F;
+/// Blur (standard deviation) of the sharpest edge that pixels of finite area show, and of one that
+/// the window cannot hold [px].
+constexpr float kLeastBlur_px = 0.3F;
+constexpr float kMostBlur_px = 5;
+
+/// Least share of a parameter's information that those before it leave: plain surfaces and lone
+/// edges have none.
+constexpr float kDetermined = 1e-4F;
+
+constexpr int kParameters = 9;  // p, the edges' angles, blur, mean level, half contrast, slope
+using Pixels = Eigen::Array<float, Eigen::Dynamic, 1, Eigen::ColMajor, kMostPixels, 1>;
+using Rows = Eigen::Matrix<float, Eigen::Dynamic, kParameters, Eigen::ColMajor, kMostPixels>;
+using Parameters = Eigen::Matrix<float, kParameters, 1>;
+
+/// The pixels of a window.
+struct Samples {
+  Pixels x, y;    ///< straightened, relative to the start [px there]
+  Pixels level;   ///< grey
+  Pixels weight;  ///< root of the weight in the sum of squares
+};
+
+struct Model {
+  Eigen::Vector2f p = Eigen::Vector2f::Zero();
+  float angle[2] = {0, 0};  ///< of the edges' directions
+  float blur = 1;
+  float mean = 0, half_contrast = 0;
+  Eigen::Vector2f slope = Eigen::Vector2f::Zero();
+
+  void add(const Parameters& d) {
+    p += d.head<2>();
+    angle[0] += d[2];
+    angle[1] += d[3];
+    blur = std::clamp(blur + d[4], kLeastBlur_px, kMostBlur_px);
+    mean += d[5];
+    half_contrast += d[6];
+    slope += d.tail<2>();
+  }
+};
+
+/// An edge's erf(s / (sqrt(2) b)) and its derivative by s, at the distances s.
+struct Edge {
+  Pixels distance, along;
+  Pixels value, rise;
+
+  Edge(const Pixels& dx, const Pixels& dy, float angle, float blur)
+      : distance(std::cos(angle) * dy - std::sin(angle) * dx),
+        along(std::cos(angle) * dx + std::sin(angle) * dy) {
+    const float scale = 1 / (std::numbers::sqrt2_v<float> * blur);
+    const Pixels z = scale * distance;
+    const Pixels bell = (-z.square()).exp();
+    rise = 2 * std::numbers::inv_sqrtpi_v<float> * scale * bell;
+    // M. Abramowitz and I. Stegun, Handbook of Mathematical Functions, 7.1.26: to 1.5e-7.
+    const Pixels t = 1 / (1 + 0.3275911F * z.abs());
+    const Pixels tail =
+        t *
+        (0.254829592F +
+         t * (-0.284496736F + t * (1.421413741F + t * (-1.453152027F + t * 1.061405429F)))) *
+        bell;
+    value = z.sign() * (1 - tail);
+  }
+};
+
+Eigen::Matrix2d limited(Eigen::Matrix2d axes) {
+  for (int axis = 0; axis < 2; ++axis) {
+    const double length = axes.col(axis).norm();
+    if (length > kLongestAxis_px) axes.col(axis) *= kLongestAxis_px / length;
+  }
+  return axes;
+}
+
+/// The pixel whose straightened place relative to the start is p, from there by one step of
+/// Newton's method: to 1e-5 px within a pixel.
+Eigen::Vector2d unstraightened(const Eigen::Vector2d& p, const Eigen::Vector2d& start,
+                               const DivisionDistortion& distortion,
+                               const Eigen::Matrix2d& from_straight) {
+  const Eigen::Vector2d first = start + p;
+  const Eigen::Vector2d reached =
+      from_straight * (distortion.straighten(first) - distortion.straighten(start));
+  return first + p - reached;
+}
+
+/// Those of the ellipse x' (A A' + r^2 I)^-1 x < 1 about the start, as CornerRefiner has it. The
+/// window stays where it is: pixels that came and went would keep the fit from converging.
+Samples samplesOf(const GrayImageView& image, const Eigen::Vector2d& start,
+                  const Eigen::Matrix2d& axes, const DivisionDistortion& distortion,
+                  const Eigen::Matrix2d& to_pixels) {
+  const Eigen::Matrix2d shape =
+      axes * axes.transpose() + kMinRadius_px * kMinRadius_px * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d inverse = shape.inverse();
+  const Eigen::Vector2d reach = shape.diagonal().cwiseSqrt();
+  const Eigen::Vector2d origin = distortion.straighten(start);
+  const int x0 = std::max(kBorder_px, static_cast<int>(std::ceil(start.x() - reach.x())));
+  const int y0 = std::max(kBorder_px, static_cast<int>(std::ceil(start.y() - reach.y())));
+  const int x1 = std::min(image.width - 1 - kBorder_px, static_cast<int>(start.x() + reach.x()));
+  const int y1 = std::min(image.height - 1 - kBorder_px, static_cast<int>(start.y() + reach.y()));
+  Samples samples{Pixels(kMostPixels), Pixels(kMostPixels), Pixels(kMostPixels),
+                  Pixels(kMostPixels)};
+  int count = 0;
+  for (int y = y0; y <= y1; ++y) {
+    for (int x = x0; x <= x1; ++x) {
+      const Eigen::Vector2d at(x, y);
+      const double inside = 1 - (at - start).dot(inverse * (at - start));
+      if (inside <= 0) continue;
+      const Eigen::Vector2d q = to_pixels * (distortion.straighten(at) - origin);
+      samples.x[count] = static_cast<float>(q.x());
+      samples.y[count] = static_cast<float>(q.y());
+      samples.level[count] = image.at(x, y);
+      samples.weight[count] = static_cast<float>(std::sqrt(std::sqrt(inside)));
+      ++count;
+    }
+  }
+  for (Pixels* part : {&samples.x, &samples.y, &samples.level, &samples.weight}) {
+    part->conservativeResize(count);
+  }
+  return samples;
+}
+
+/// One Gauss-Newton step, or nothing where the levels do not determine the parameters.
+std::optional<Parameters> step(const Samples& samples, const Model& model) {
+  const Pixels dx = samples.x - model.p.x();
+  const Pixels dy = samples.y - model.p.y();
+  const Edge a(dx, dy, model.angle[0], model.blur);
+  const Edge b(dx, dy, model.angle[1], model.blur);
+  const Pixels both = a.value * b.value;
+  const Pixels surface = model.mean + model.half_contrast * both;
+  const Pixels light = 1 + model.slope.x() * dx + model.slope.y() * dy;
+  // d I / d distance of either edge.
+  const Pixels by_a = model.half_contrast * a.rise * b.value * light;
+  const Pixels by_b = model.half_contrast * b.rise * a.value * light;
+  Rows J(samples.x.size(), kParameters);
+  // distance = (-sin, cos) . (q - p), which turns by -along.
+  J.col(0) =
+      std::sin(model.angle[0]) * by_a + std::sin(model.angle[1]) * by_b - model.slope.x() * surface;
+  J.col(1) = -std::cos(model.angle[0]) * by_a - std::cos(model.angle[1]) * by_b -
+             model.slope.y() * surface;
+  J.col(2) = -by_a * a.along;
+  J.col(3) = -by_b * b.along;
+  J.col(4) = -(by_a * a.distance + by_b * b.distance) / model.blur;
+  J.col(5) = light;
+  J.col(6) = both * light;
+  J.col(7) = surface * dx;
+  J.col(8) = surface * dy;
+  J.array().colwise() *= samples.weight;
+  const Eigen::VectorXf r = samples.weight * (samples.level - surface * light);
+  const Eigen::Matrix<float, kParameters, kParameters> normal = J.transpose() * J;
+  // Levels and pixels differ by powers of ten.
+  const Parameters scale = normal.diagonal().cwiseMax(1e-12F).cwiseSqrt().cwiseInverse();
+  const auto factor = (scale.asDiagonal() * normal * scale.asDiagonal()).eval().ldlt();
+  const Parameters delta =
+      scale.asDiagonal() * factor.solve(scale.asDiagonal() * (J.transpose() * r));
+  if (!(factor.vectorD().minCoeff() > kDetermined) || !delta.allFinite()) return std::nullopt;
+  return delta;
+}
+
+/// From the four sectors' levels, which say how light and dark lie.
+Model startOf(const GrayImageView& image, const CornerWindow& window, const Eigen::Matrix2d& axes) {
+  constexpr double kReach = 0.55;  // of the window: clear of the blurred edges, short of its end
+  const auto level = [&](double a, double b) {
+    return static_cast<float>(
+        sampleBilinear(image, window.start + axes * Eigen::Vector2d(a * kReach, b * kReach)));
+  };
+  const float dark = 0.5F * (level(-1, -1) + level(1, 1));
+  const float light = 0.5F * (level(1, -1) + level(-1, 1));
+  Model model;
+  for (int k = 0; k < 2; ++k) {
+    model.angle[k] = static_cast<float>(std::atan2(axes(1, k), axes(0, k)));
+  }
+  model.mean = 0.5F * (dark + light);
+  // In the dark sectors, between both axes and across, the distances have opposite signs.
+  model.half_contrast = 0.5F * (light - dark);
+  return model;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> fitCorner(const GrayImageView& image, const CornerWindow& window,
+                                         const DivisionDistortion& distortion) {
+  const Resolution size{image.width, image.height};
+  if (!isInside(window.start, size)) return std::nullopt;
+  const Eigen::Matrix2d axes = limited(window.axes);
+  const Eigen::Matrix2d from_straight = distortion.jacobian(window.start).inverse();
+  const Samples samples = samplesOf(image, window.start, axes, distortion, from_straight);
+  if (samples.x.size() < 2 * kParameters) return std::nullopt;
+  Model model = startOf(image, window, axes);
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const std::optional<Parameters> delta = step(samples, model);
+    if (!delta) return std::nullopt;
+    model.add(*delta);
+    if (!(model.p.norm() <= static_cast<float>(window.max_shift_px))) return std::nullopt;
+    if (delta->head<2>().norm() >= kConverged_px) continue;
+    return unstraightened(model.p.cast<double>(), window.start, distortion, from_straight);
+  }
+  return std::nullopt;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/calibrator/target/drawn_corner.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace plumbline::test {
+namespace {
+
+constexpr int kFine = 8;
+
+/// Every row blurred, then transposed.
+std::vector<double> blurredAcross(const std::vector<double>& in, int width, int height,
+                                  double sigma) {
+  const int radius = static_cast<int>(4 * sigma);
+  std::vector<double> kernel;
+  double sum = 0;
+  for (int i = -radius; i <= radius; ++i) {
+    sum += kernel.emplace_back(std::exp(-0.5 * i * i / (sigma * sigma)));
+  }
+  std::vector<double> out(in.size());
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      double value = 0;
+      for (int i = -radius; i <= radius; ++i) {
+        value += kernel[i + radius] * in[y * width + std::clamp(x + i, 0, width - 1)];
+      }
+      out[x * height + y] = value / sum;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+GrayImage drawCorner(const Eigen::Vector2d& p, const Eigen::Matrix2d& axes,
+                     const CornerLook& look) {
+  const Eigen::Matrix2d inverse = (look.lens.jacobian(p) * axes).inverse();
+  const Eigen::Vector2d origin = look.lens.straighten(p);
+  constexpr int kW = kDrawnWidth * kFine, kH = kDrawnHeight * kFine;
+  std::vector<double> canvas(kW * kH);
+  for (int y = 0; y < kH; ++y) {
+    for (int x = 0; x < kW; ++x) {
+      const Eigen::Vector2d at((x + 0.5) / kFine - 0.5, (y + 0.5) / kFine - 0.5);
+      const Eigen::Vector2d q = inverse * (look.lens.straighten(at) - origin);
+      canvas[y * kW + x] = (q.x() * q.y() > 0 ? 40 : 200) * (1 + look.light.dot(at - p));
+    }
+  }
+  canvas = blurredAcross(canvas, kW, kH, look.blur_px * kFine);
+  canvas = blurredAcross(canvas, kH, kW, look.blur_px * kFine);
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 1);
+  GrayImage image(kDrawnWidth, kDrawnHeight);
+  for (int y = 0; y < kDrawnHeight; ++y) {
+    for (int x = 0; x < kDrawnWidth; ++x) {
+      double sum = 0;
+      for (int i = 0; i < kFine * kFine; ++i) {
+        sum += canvas[(y * kFine + i / kFine) * kW + x * kFine + i % kFine];
+      }
+      const double gray = sum / (kFine * kFine) + look.noise_gray * noise(random);
+      image.at(x, y) = static_cast<std::uint8_t>(std::clamp(std::lround(gray), 0L, 255L));
+    }
+  }
+  return image;
+}
+
+}  // namespace plumbline::test
