@@ -22,8 +22,9 @@ struct CornerWindow {
 /// Finds the point p that the gradients g around it point across best,
 ///   min_p sum_x w(x - p) (g(x) . (x - p))^2,
 /// iterated with the weights moving along (W. Foerstner and E. Guelch, 1987), w falling smoothly to
-/// zero at the edge of the window. It is unbiased for blur and noise that are alike on all sides.
-/// Keeps a buffer: not for two threads at once.
+/// zero at the edge of the window. Unbiased for blur and noise that are alike on all sides of
+/// straight edges; hundredths of a pixel off where a lens bends them or their ends reach into the
+/// window. fitCorner() starts from it. Keeps a buffer: not for two threads at once.
 class CornerRefiner {
  public:
   /// The corner [px], or nothing if the gradients do not single out a point, the point leaves

@@ -67,9 +67,9 @@ struct Detection {
 ///
 /// Squares are found and decoded by the AprilTag library on a dilated copy, those that contradict
 /// the grid's geometry are rejected, missing tags are looked for where their neighbours predict
-/// them and accepted if their payload can be read, and every corner is refined to a fraction of a
-/// pixel on the original image, as the point that all image gradients around it pass through (a tag
-/// and the small square beside it touch there).
+/// them and accepted if their payload can be read, and every corner is located on the original
+/// image: as the point that all gradients around it pass through (a tag and the small square beside
+/// it touch there), then by fitCorner(), to hundredths of a pixel (docs/detector.md).
 ///
 /// A detector is reused for many images and keeps buffers: one per thread. Different detectors may
 /// work at the same time. The result depends on nothing but image, grid and options.
