@@ -19,7 +19,8 @@ constexpr double kMinRadius_px = 2;
 constexpr int kMostPixels = 400;  // of the square around the largest window, 2 * 9.2 + 1 wide
 constexpr int kBorder_px = 3;
 constexpr int kMaxIterations = 12;
-constexpr float kConverged_px = 0.003F;
+/// What the next step would move is a tenth of it: below what noise does.
+constexpr float kConverged_px = 0.01F;
 /// Blur (standard deviation) of the sharpest edge that pixels of finite area show, and of one that
 /// the window cannot hold [px].
 constexpr float kLeastBlur_px = 0.3F;
@@ -93,47 +94,67 @@ Eigen::Matrix2d limited(Eigen::Matrix2d axes) {
 /// The pixel whose straightened place relative to the start is p, from there by one step of
 /// Newton's method: to 1e-5 px within a pixel.
 Eigen::Vector2d unstraightened(const Eigen::Vector2d& p, const Eigen::Vector2d& start,
-                               const DivisionDistortion& distortion,
-                               const Eigen::Matrix2d& from_straight) {
+                               const DivisionDistortion& distortion) {
   const Eigen::Vector2d first = start + p;
-  const Eigen::Vector2d reached =
-      from_straight * (distortion.straighten(first) - distortion.straighten(start));
+  const Eigen::Vector2d reached = distortion.jacobian(start).inverse() *
+                                  (distortion.straighten(first) - distortion.straighten(start));
   return first + p - reached;
+}
+
+/// DivisionDistortion::straighten() of pixels relative to the start, in single precision.
+void straighten(Samples& samples, const Eigen::Vector2d& start,
+                const DivisionDistortion& distortion) {
+  const Eigen::Vector2f d = ((start - distortion.centre) / distortion.radius).cast<float>();
+  const auto scale = static_cast<float>(1 / distortion.radius);
+  const Eigen::Vector3f terms = distortion.terms.cast<float>();
+  const Pixels x = d.x() + scale * samples.x;
+  const Pixels y = d.y() + scale * samples.y;
+  const Pixels square = x.square() + y.square();
+  const Pixels gain = 1 / (1 + square * (terms[0] + square * (terms[1] + square * terms[2])));
+  const Eigen::Vector2f origin =
+      ((distortion.straighten(start) - distortion.centre) / distortion.radius).cast<float>();
+  const Eigen::Matrix2f to_pixels =
+      (distortion.radius * distortion.jacobian(start).inverse()).cast<float>();
+  const Pixels u = gain * x - origin.x(), v = gain * y - origin.y();
+  samples.x = to_pixels(0, 0) * u + to_pixels(0, 1) * v;
+  samples.y = to_pixels(1, 0) * u + to_pixels(1, 1) * v;
 }
 
 /// Those of the ellipse x' (A A' + r^2 I)^-1 x < 1 about the start, as CornerRefiner has it. The
 /// window stays where it is: pixels that came and went would keep the fit from converging.
 Samples samplesOf(const GrayImageView& image, const Eigen::Vector2d& start,
-                  const Eigen::Matrix2d& axes, const DivisionDistortion& distortion,
-                  const Eigen::Matrix2d& to_pixels) {
+                  const Eigen::Matrix2d& axes, const DivisionDistortion& distortion) {
   const Eigen::Matrix2d shape =
       axes * axes.transpose() + kMinRadius_px * kMinRadius_px * Eigen::Matrix2d::Identity();
   const Eigen::Matrix2d inverse = shape.inverse();
   const Eigen::Vector2d reach = shape.diagonal().cwiseSqrt();
-  const Eigen::Vector2d origin = distortion.straighten(start);
   const int x0 = std::max(kBorder_px, static_cast<int>(std::ceil(start.x() - reach.x())));
   const int y0 = std::max(kBorder_px, static_cast<int>(std::ceil(start.y() - reach.y())));
   const int x1 = std::min(image.width - 1 - kBorder_px, static_cast<int>(start.x() + reach.x()));
   const int y1 = std::min(image.height - 1 - kBorder_px, static_cast<int>(start.y() + reach.y()));
+  const auto xx = static_cast<float>(inverse(0, 0)), yy = static_cast<float>(inverse(1, 1));
+  const auto xy = static_cast<float>(2 * inverse(0, 1));
   Samples samples{Pixels(kMostPixels), Pixels(kMostPixels), Pixels(kMostPixels),
                   Pixels(kMostPixels)};
   int count = 0;
   for (int y = y0; y <= y1; ++y) {
+    const auto dy = static_cast<float>(y - start.y());
     for (int x = x0; x <= x1; ++x) {
-      const Eigen::Vector2d at(x, y);
-      const double inside = 1 - (at - start).dot(inverse * (at - start));
+      const auto dx = static_cast<float>(x - start.x());
+      const float inside = 1 - (dx * (xx * dx + xy * dy) + yy * dy * dy);
       if (inside <= 0) continue;
-      const Eigen::Vector2d q = to_pixels * (distortion.straighten(at) - origin);
-      samples.x[count] = static_cast<float>(q.x());
-      samples.y[count] = static_cast<float>(q.y());
+      samples.x[count] = dx;
+      samples.y[count] = dy;
       samples.level[count] = image.at(x, y);
-      samples.weight[count] = static_cast<float>(std::sqrt(std::sqrt(inside)));
+      samples.weight[count] = inside;
       ++count;
     }
   }
   for (Pixels* part : {&samples.x, &samples.y, &samples.level, &samples.weight}) {
     part->conservativeResize(count);
   }
+  samples.weight = samples.weight.sqrt().sqrt();  // the weight is the root of `inside`
+  straighten(samples, start, distortion);
   return samples;
 }
 
@@ -164,12 +185,17 @@ std::optional<Parameters> step(const Samples& samples, const Model& model) {
   J.col(8) = surface * dy;
   J.array().colwise() *= samples.weight;
   const Eigen::VectorXf r = samples.weight * (samples.level - surface * light);
-  const Eigen::Matrix<float, kParameters, kParameters> normal = J.transpose() * J;
+  // By single products: for so few columns faster than a product of matrices.
+  Eigen::Matrix<float, kParameters, kParameters> normal;
+  Parameters right;
+  for (int i = 0; i < kParameters; ++i) {
+    right[i] = J.col(i).dot(r);
+    for (int j = 0; j <= i; ++j) normal(i, j) = normal(j, i) = J.col(i).dot(J.col(j));
+  }
   // Levels and pixels differ by powers of ten.
   const Parameters scale = normal.diagonal().cwiseMax(1e-12F).cwiseSqrt().cwiseInverse();
   const auto factor = (scale.asDiagonal() * normal * scale.asDiagonal()).eval().ldlt();
-  const Parameters delta =
-      scale.asDiagonal() * factor.solve(scale.asDiagonal() * (J.transpose() * r));
+  const Parameters delta = scale.asDiagonal() * factor.solve(scale.asDiagonal() * right);
   if (!(factor.vectorD().minCoeff() > kDetermined) || !delta.allFinite()) return std::nullopt;
   return delta;
 }
@@ -200,8 +226,7 @@ std::optional<Eigen::Vector2d> fitCorner(const GrayImageView& image, const Corne
   const Resolution size{image.width, image.height};
   if (!isInside(window.start, size)) return std::nullopt;
   const Eigen::Matrix2d axes = limited(window.axes);
-  const Eigen::Matrix2d from_straight = distortion.jacobian(window.start).inverse();
-  const Samples samples = samplesOf(image, window.start, axes, distortion, from_straight);
+  const Samples samples = samplesOf(image, window.start, axes, distortion);
   if (samples.x.size() < 2 * kParameters) return std::nullopt;
   Model model = startOf(image, window, axes);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
@@ -210,7 +235,7 @@ std::optional<Eigen::Vector2d> fitCorner(const GrayImageView& image, const Corne
     model.add(*delta);
     if (!(model.p.norm() <= static_cast<float>(window.max_shift_px))) return std::nullopt;
     if (delta->head<2>().norm() >= kConverged_px) continue;
-    return unstraightened(model.p.cast<double>(), window.start, distortion, from_straight);
+    return unstraightened(model.p.cast<double>(), window.start, distortion);
   }
   return std::nullopt;
 }
