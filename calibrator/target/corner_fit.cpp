@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -16,7 +17,8 @@ namespace {
 constexpr double kLongestAxis_px = 9;
 /// The window is never thinner than this, so that it holds both sides of each edge [px].
 constexpr double kMinRadius_px = 2;
-constexpr int kMostPixels = 400;  // of the square around the largest window, 2 * 9.2 + 1 wide
+constexpr int kMostPixels = 400;  // the largest window is an ellipse of 267 px^2
+/// Pixels at the border of the image are left out: sensors and lenses end there.
 constexpr int kBorder_px = 3;
 constexpr int kMaxIterations = 12;
 /// What the next step would move is a tenth of it: below what noise does.
@@ -143,6 +145,7 @@ Samples samplesOf(const GrayImageView& image, const Eigen::Vector2d& start,
       const auto dx = static_cast<float>(x - start.x());
       const float inside = 1 - (dx * (xx * dx + xy * dy) + yy * dy * dy);
       if (inside <= 0) continue;
+      assert(count < kMostPixels);
       samples.x[count] = dx;
       samples.y[count] = dy;
       samples.level[count] = image.at(x, y);
