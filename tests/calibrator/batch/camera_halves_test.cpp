@@ -75,7 +75,7 @@ TEST(CameraHalves, ADifferenceCountsTheSameWhateverNoiseIsStated) {
 TEST(CameraImuHalves, QuietCornersLowerTheLeastDeviation) {
   const SimulatedSession s = test::simulate(test::noisyRecording(1));
   CameraImuOptions options = test::matchedOptions(s, 1);
-  options.diagnose_faults = options.noise_check = false;
+  options.diagnose_faults = false;
   const auto solved = calibrateCameraImu(s.session, s.truth.cameras, options);
   ASSERT_TRUE(solved.ok()) << solved.failure();
   CameraImuStageResult whole = *solved;

@@ -102,7 +102,7 @@ TEST(SolvedBatch, LeavesOutTheCornersThatTheResultLeftOut) {
   CameraImuOptions options = test::matchedOptions(s, 0.2);
   options.filter = CornerFilter::kSigma;
   options.filter_sigmas = 2;
-  options.diagnose_faults = options.noise_check = false;
+  options.diagnose_faults = false;
   const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
   ASSERT_TRUE(result);
   const CameraImuProblem problem = solvedBatch(s.session, *result, options).problem;
@@ -126,7 +126,7 @@ TEST(SolvedBatch, HoldsEveryFrameAndLinkOfTheResult) {
   std::erase_if(samples,
                 [&](const ImuSample& a) { return a.t > pause && a.t < pause + 300'000'000; });
   CameraImuOptions options = test::matchedOptions(s, 0.2);
-  options.diagnose_faults = options.noise_check = false;
+  options.diagnose_faults = false;
   const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
   ASSERT_TRUE(result);
   options.margin_s = 1;

@@ -27,9 +27,16 @@ namespace {
 
 constexpr double kDuration = 30;
 
+/// Half as many frames as the rig's cameras make: what is wrong shows in them, too.
+SimulationOptions recordingOf(std::uint64_t seed, double duration_s = kDuration) {
+  SimulationOptions simulation = test::noisyRecording(seed, duration_s);
+  simulation.camera_rate_hz = 10;
+  return simulation;
+}
+
 FaultDiagnosis diagnosisOf(const std::vector<Fault>& faults, std::uint64_t seed = 3,
                            const std::string& rig = "euroc", double duration_s = kDuration) {
-  SimulationOptions simulation = test::noisyRecording(seed, duration_s);
+  SimulationOptions simulation = recordingOf(seed, duration_s);
   simulation.trajectory.seed = seed;
   simulation.faults = faults;
   const SimulatedSession simulated = test::simulate(simulation, rig);
@@ -125,7 +132,7 @@ TEST(CameraImuDiagnosis, ACameraThatTurnsInPlaceNamesNoFault) {
   SimulatedRig rig = simulatedRig("euroc");
   rig.calibration.cameras.resize(1);
   for (const auto& [seed, pace] : {std::pair<std::uint64_t, double>{3, 0.15}, {5, 0.15}, {1, 1}}) {
-    SimulationOptions simulation = test::noisyRecording(seed, kDuration);
+    SimulationOptions simulation = recordingOf(seed);
     simulation.trajectory = {.seed = seed, .pace = pace, .reach = 0};
     const SimulatedSession simulated = simulateSession(rig, simulation);
     CameraImuOptions options = test::matchedOptions(simulated, 0.2);
@@ -198,7 +205,7 @@ TEST(CameraImuDiagnosis, CameraThatIsBumped) {
   Fault bump = faultOf(FaultKind::kBump, 0.1 * kDegree);
   bump.at_s = 12;
   // Cameras as this recording gives them: a mean of before and after.
-  SimulationOptions simulation = test::noisyRecording(3, kDuration);
+  SimulationOptions simulation = recordingOf(3);
   simulation.faults = {bump};
   const SimulatedSession simulated = test::simulate(simulation);
   const auto cameras = calibrateCameras(simulated.session);
@@ -213,7 +220,7 @@ TEST(CameraImuDiagnosis, CameraThatIsBumped) {
 }
 
 TEST(CameraImuDiagnosis, GivenCamerasThatDoNotSuitTheRecording) {
-  const SimulatedSession simulated = test::simulate(test::noisyRecording(3, kDuration));
+  const SimulatedSession simulated = test::simulate(recordingOf(3));
   const auto diagnosisWith = [&](double factor) {
     std::vector<CameraCalibration> cameras = simulated.truth.cameras;
     for (CameraCalibration& camera : cameras) camera.intrinsics.projection.head<2>() *= factor;
@@ -268,7 +275,7 @@ std::optional<FaultTest> causeOf(const FaultDiagnosis& diagnosis, UnmodelledFaul
 
 /// The cameras are calibrated on the same recording first.
 FaultDiagnosis diagnosisWithOwnCameras(const std::vector<Fault>& faults, const std::string& rig) {
-  SimulationOptions simulation = test::noisyRecording(5, kDuration);
+  SimulationOptions simulation = recordingOf(5);
   simulation.trajectory.seed = 5;
   simulation.faults = faults;
   const SimulatedSession simulated = test::simulate(simulation, rig);

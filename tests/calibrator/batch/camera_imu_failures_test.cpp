@@ -129,7 +129,7 @@ TEST(CameraImuFailures, AClockThatWasSetIsRefusedWhereFaultsAreLookedFor) {
   const SimulatedSession s = simulate(recording);
   EXPECT_EQ(failureOf(s).code, FailureCode::kStampsWander);
   CameraImuOptions untested = matchedOptions(s, 0.2);
-  untested.diagnose_faults = untested.noise_check = false;
+  untested.diagnose_faults = false;
   const auto r = calibrateCameraImu(s.session, s.truth.cameras, untested);
   ASSERT_TRUE(r.ok()) << r.failure();
   EXPECT_NEAR(r->imu.timeOffset(), s.truth.imu->timeOffset() + 0.006, 0.006);

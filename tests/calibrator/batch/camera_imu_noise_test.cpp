@@ -26,6 +26,7 @@ ImuResidualSummary summaryUnder(const Assumed& assumed, std::uint64_t seed,
   simulation.trajectory.seed = seed;
   const SimulatedSession s = test::simulate(simulation);
   CameraImuOptions options = test::matchedOptions(s, assumed.pixel_sigma);
+  options.noise_check = true;
   options.noise = s.session.imu->noise;
   options.noise->gyro_density *= assumed.gyro;
   options.noise->accel_density *= assumed.accel;
@@ -100,6 +101,7 @@ TEST(ImuNoiseCheck, FreedCamerasLeaveTheCornersNoiseAsItIs) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const SimulatedSession s = test::simulate(test::noisyRecording(seed, 1.5));
     CameraImuOptions options = test::matchedOptions(s, 0.2);
+    options.noise_check = true;
     options.diagnose_faults = false;
     const auto sigma = [&] {
       const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
@@ -117,7 +119,9 @@ FrameErrors frameErrorsWith(const std::vector<Fault>& faults) {
   SimulationOptions simulation = test::noisyRecording(3, 12);
   simulation.faults = faults;
   const SimulatedSession s = test::simulate(simulation);
-  const auto result = calibrateCameraImu(s.session, s.truth.cameras, test::matchedOptions(s, 0.2));
+  CameraImuOptions options = test::matchedOptions(s, 0.2);
+  options.noise_check = true;
+  const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
   if (!result) throw std::runtime_error(toString(result.failure()));
   return result->frame_errors.value();
 }
@@ -146,7 +150,7 @@ TEST(FrameErrors, DoNotDependOnHowTheSolverTakesTheLoss) {
   const SimulatedSession s = test::simulate(test::noisyRecording(3, 3));
   CameraImuOptions options = test::matchedOptions(s, 0.2);
   options.cauchy_px = 0.5;
-  options.diagnose_faults = options.noise_check = false;
+  options.diagnose_faults = false;
   const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
   ASSERT_TRUE(result);
   SolvedCameraImu solved = solvedBatch(s.session, *result, options);

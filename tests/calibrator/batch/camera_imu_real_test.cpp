@@ -101,14 +101,16 @@ double largestChange(const CameraImuStageResult& moved, const CameraImuStageResu
   return largest;
 }
 
+// More of them, by their offsets alone: evaluate/studies/perturbation_real_test.
 TEST(CameraImuEuroc, MovedImuStampsAreRecovered) {
   const CameraImuStageResult& base = unmoved();
   ASSERT_TRUE(base.state_covariances);
   ASSERT_EQ(base.state_covariances->states.size(), base.states.size());
   double largest = 0;
-  for (const double shift_ms : {100.0, 10.0, 1.0, 37.3, -3.21, 500.0, -500.0, 1000.0, -1000.0}) {
+  for (const double shift_ms : {1.0, 37.3, 100.0, -500.0, 1000.0, -1000.0}) {
     CameraImuOptions options = squaredError();
     options.imu_shift_ns = toNanoseconds(shift_ms * 1e-3);
+    options.diagnose_faults = options.noise_check = false;
     const CameraImuStageResult moved = solved(options);
     ASSERT_EQ(stampsOf(moved), stampsOf(base)) << shift_ms;
     const double recovered = moved.imu.timeOffset() - base.imu.timeOffset();

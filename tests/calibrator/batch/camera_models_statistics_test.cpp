@@ -204,7 +204,7 @@ TEST(ModelChoice, ARigOfTwoKindsOfLensKeepsThem) {
   fisheye.distortion << -0.012, 0.01, -0.009, 0.003;
   SimulationOptions simulation;
   simulation.duration_s = 20;
-  simulation.camera_rate_hz = 10;
+  simulation.camera_rate_hz = 5;
   simulation.corner_sigma_px = 0.2;
   SimulatedSession s = simulateSession(rig, simulation);
   for (std::size_t c = 0; c < 2; ++c) {

@@ -97,9 +97,9 @@ SimulatedSession recorded(int seed, double duration_s, double correlation,
   simulation.camera_rate_hz = 5;
   simulation.target.shape.terms = board;
   simulation.corner_sigma_px = correlation > 0 ? 0 : kCoverageSigma;
-  SimulatedSession s = test::simulate(simulation);
-  s.session.cameras.resize(1);
-  s.truth.cameras.resize(1);
+  SimulatedRig rig = simulatedRig("euroc");
+  rig.calibration.cameras.resize(1);
+  SimulatedSession s = simulateSession(rig, simulation);
   if (correlation > 0) addMarkovNoise(correlation, static_cast<std::uint64_t>(seed), s.session);
   return s;
 }

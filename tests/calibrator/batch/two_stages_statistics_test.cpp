@@ -34,9 +34,9 @@ Run runOf(int seed, const TargetTerms& board) {
   simulation.trajectory.seed = static_cast<std::uint64_t>(seed);
   simulation.camera_rate_hz = 5;
   simulation.target.shape.terms = board;
-  SimulatedSession s = test::simulate(simulation);
-  s.session.cameras.resize(1);  // one camera: T_SC0 leans on its principal point
-  s.truth.cameras.resize(1);
+  SimulatedRig rig = simulatedRig("euroc");
+  rig.calibration.cameras.resize(1);  // one camera: T_SC0 leans on its principal point
+  SimulatedSession s = simulateSession(rig, simulation);
   CameraStageOptions cameras;
   cameras.cauchy_px = 0;
   cameras.pixel_sigma = kStagesSigma;

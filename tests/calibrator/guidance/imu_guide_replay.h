@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "calibrator/base/frames.h"
@@ -62,9 +63,11 @@ inline const Decision* firstWith(const std::vector<Decision>& decisions, GuideRe
 inline constexpr double kErrorSigma = 0.2;  // [px]
 
 /// A free motion before rig euroc with corners of that noise.
-inline SimulatedSession flight(double duration_s, std::uint64_t seed) {
+inline SimulatedSession flight(double duration_s, std::uint64_t seed,
+                               std::optional<double> camera_rate_hz = std::nullopt) {
   SimulationOptions options;
   options.duration_s = duration_s;
+  options.camera_rate_hz = camera_rate_hz;
   options.corner_sigma_px = kErrorSigma;
   options.seed = options.trajectory.seed = seed;
   return simulateSession(simulatedRig("euroc"), options);

@@ -16,10 +16,12 @@
 namespace plumbline {
 namespace {
 
-/// With a third of the tracks that are followed by default: harder to fly by, and faster.
+/// With a third of the tracks that are followed by default, and half of the frames: harder to fly
+/// by, and faster.
 RoomFlight flightOf(std::uint64_t seed, double duration_s, int turns = 4) {
   RoomFlightOptions options;
   options.tracks = 50;
+  options.camera_rate_hz = 10;
   options.seed = seed;
   options.duration_s = duration_s;
   options.turns = turns;

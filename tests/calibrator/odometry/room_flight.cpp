@@ -11,6 +11,7 @@ SimulatedFlight simulated(const SimulatedRig& rig, const RoomFlightOptions& o) {
   SimulationOptions simulation;
   simulation.seed = o.seed;
   simulation.duration_s = o.duration_s;
+  simulation.camera_rate_hz = o.camera_rate_hz;
   simulation.imu_noise = o.imu_noise;
   if (!o.imu_noise) simulation.initial_gyro_bias = simulation.initial_accel_bias.setZero();
   FlightOptions flight;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "calibrator/base/session.h"
@@ -14,8 +15,9 @@ namespace plumbline {
 struct RoomFlightOptions {
   std::uint64_t seed = 1;
   double duration_s = 30;
-  double rest_s = 0;         ///< stands still before it flies
-  double pixel_sigma = 0.5;  ///< of a track's coordinates [px]
+  std::optional<double> camera_rate_hz;  ///< the rig's unless given
+  double rest_s = 0;                     ///< stands still before it flies
+  double pixel_sigma = 0.5;              ///< of a track's coordinates [px]
   bool imu_noise = true;
   int turns = 4;             ///< fast ones
   int tracks = 150;          ///< followed at a time

@@ -23,6 +23,7 @@ TEST(CameraImuWindowStatistics, MeanNormalisedErrorIsWithinItsInterval) {
   for (int seed = 1; seed <= kRuns; ++seed) {
     SimulationOptions options;
     options.duration_s = 8;
+    options.camera_rate_hz = 10;  // the claim is of runs, not of their frames
     options.corner_sigma_px = 0.2;
     options.seed = options.trajectory.seed = static_cast<std::uint64_t>(seed);
     const test::WindowRecording r = test::recordingOf(options, options.corner_sigma_px);
