@@ -18,11 +18,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Half as many frames as the rig's cameras make: what is wrong shows in them, too.
-class BadRecordings : public CommandLine {
- protected:
-  static void SetUpTestSuite() { makeSession("--duration 12 --camera-rate 10"); }
-};
+class BadRecordings : public CommandLine {};
 
 constexpr long long kFirstSample_ns = 1'399'999'999'623'456'789;
 
@@ -218,9 +214,10 @@ TEST_F(BadRecordings, AResolutionThatTheCornersContradictIsSaid) {
 TEST_F(BadRecordings, AFisheyeOfUnknownModelGetsOneThatHoldsIt) {
   const fs::path folder = scratch() / "fisheye";
   fs::create_directories(scratch());
-  ASSERT_EQ(
-      plumbline("simulate --rig tumvi --seed 3 --duration 8 --out " + folder.string()).exit_code,
-      0);
+  ASSERT_EQ(plumbline("simulate --rig tumvi --seed 3 --duration 8 --camera-rate 10 --out " +
+                      folder.string())
+                .exit_code,
+            0);
   for (const char* camera : {"cam0", "cam1"}) {
     fs::remove(folder / "mav0" / camera / "sensor.yaml");
   }
@@ -246,8 +243,8 @@ TEST_F(BadRecordings, MotionsThatLeaveParametersFreeAreNamedInWords) {
       {"fronto-parallel", "not observable: the focal length"}};
   for (const auto& [motion, words] : motions) {
     const fs::path folder = scratch() / motion;
-    ASSERT_EQ(plumbline("simulate --duration 12 --seed 3 --out " + folder.string() + " --motion " +
-                        motion)
+    ASSERT_EQ(plumbline("simulate --duration 12 --camera-rate 10 --seed 3 --out " +
+                        folder.string() + " --motion " + motion)
                   .exit_code,
               0);
     expectRefusal(calibrateAsStated(folder), 1,

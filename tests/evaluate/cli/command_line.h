@@ -106,10 +106,11 @@ inline std::vector<std::string> listedCommands(const std::string& help) {
   return names;
 }
 
-/// A simulated session of corners, made once; tests that spoil it work on copies.
+/// A simulated session of corners, made once, of half as many frames as the rig's cameras make;
+/// tests that spoil it work on copies.
 class CommandLine : public testing::Test {
  protected:
-  static void SetUpTestSuite() { makeSession("--duration 12"); }
+  static void SetUpTestSuite() { makeSession("--duration 12 --camera-rate 10"); }
   static void makeSession(const std::string& options) {
     setenv("SOURCE_DATE_EPOCH", "1700000000", 1);
     root_ = fs::temp_directory_path() / ("plumbline_cli_" + std::to_string(getpid()));

@@ -107,7 +107,7 @@ TEST_F(CommandReplay, TimesCountFromTheFirstFrameWhoseStampIsRight) {
     const fs::path path = folder / "mav0" / file;
     write(path, std::regex_replace(read(path), std::regex("\n" + first + ","), "\n" + wrong + ","));
   }
-  const Outcome run = replay(folder);
+  const Outcome run = replay(folder, "--no-report");
   ASSERT_EQ(run.exit_code, 0) << run.text;
   const json document = json::parse(read(out() / "replay.json"));
   EXPECT_EQ(document["begin_ns"].get<std::int64_t>(), std::stoll(first) + 200'000'000);

@@ -105,7 +105,8 @@ TEST_F(SimulatedSequence, RestsAndTurnsThatDoNotFitAreSaid) {
 }
 
 TEST_F(SimulatedSequence, RenderedImagesAreRunAsTheyAre) {
-  const fs::path flight = simulate("flight", "--duration 3 --seed 2 --first-rest 0.5 --images");
+  const fs::path flight =
+      simulate("flight", "--rig tumvi --duration 3 --seed 2 --first-rest 0.5 --images");
   EXPECT_FALSE(fs::exists(flight / "mav0/cam0/tracks.csv"));
   const json exact =
       run(flight, "--min-coverage 0.7 --truth " + (flight / "truth/trajectory.csv").string());

@@ -20,7 +20,7 @@ class CommandTarget : public testing::Test {
   void TearDown() override { fs::remove_all(root_); }
 
   void simulate(const char* seed, const std::string& shape,
-                const std::string& options = "--camera-rate 8") const {
+                const std::string& options = "--camera-rate 5") const {
     const std::string command = "simulate --rig euroc --duration 12 --target-shape " + shape;
     ASSERT_EQ(
         plumbline(command + " --seed " + seed + " --out " + at(seed) + " " + options).exit_code, 0);
@@ -92,7 +92,7 @@ TEST_F(CommandTarget, FitsWithLensModelsThatTheFirstSessionChose) {
 // A radtan and a fisheye rig whose sensor.yaml read alike.
 TEST_F(CommandTarget, ARigThatLooksLikeAnotherChoosesItsOwnModels) {
   simulate("1", "bow=1mm");
-  ASSERT_EQ(plumbline("simulate --rig tumvi --duration 12 --camera-rate 8 --target-shape bow=1mm "
+  ASSERT_EQ(plumbline("simulate --rig tumvi --duration 12 --camera-rate 5 --target-shape bow=1mm "
                       "--seed 2 --out " +
                       at("2"))
                 .exit_code,

@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-// With a short window: deviations grow with fewer tracks and keyframes, and errors are judged by
-// them.
+// With a short window and half the frames: deviations grow with fewer tracks, frames and keyframes,
+// and errors are judged by them.
 std::optional<CalibrationHint> hintOf(const RoomFlight& flight, const Calibration& calibration,
                                       HintKind kind) {
   OdometryOptions options;
@@ -26,13 +26,14 @@ std::optional<CalibrationHint> hintOf(const RoomFlight& flight, const Calibratio
     for (const FrameTracks& frame : flight.frames) odometry.step(frame);
     return odometry.result().innovations;
   };
-  return calibrationHint(kind, run, 2).hint;
+  return calibrationHint(kind, run).hint;
 }
 
 RoomFlight flightOf(const SimulatedRig& rig, std::uint64_t seed, double duration_s) {
   RoomFlightOptions options;
   options.seed = seed;
   options.duration_s = duration_s;
+  options.camera_rate_hz = 10;
   options.tracks = 40;
   return {rig, options};
 }

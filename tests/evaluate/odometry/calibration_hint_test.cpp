@@ -16,15 +16,21 @@ namespace {
 using Eigen::VectorXd;
 using testing::HasSubstr;
 
+constexpr int kHintFrames = 400;
+
+/// The frames' own minima, a column each: they scatter by 2 units.
+Eigen::MatrixXd scatterOf(Eigen::Index parameters, std::uint64_t seed) {
+  RandomStream random(seed, RandomPurpose::kTracks);
+  return Eigen::MatrixXd::NullaryExpr(parameters, kHintFrames, [&] { return 2 * random.normal(); });
+}
+
 /// Innovations that are a quadratic: in each unit a curvature of its own, the first two correlated.
 std::vector<FrameInnovation> quadratic(const VectorXd& change, const VectorXd& minimum,
-                                       const VectorXd& units, std::uint64_t seed) {
+                                       const VectorXd& units, const Eigen::MatrixXd& scatter) {
   std::vector<FrameInnovation> frames;
-  RandomStream random(seed, RandomPurpose::kTracks);
-  for (int k = 0; k < 400; ++k) {
-    VectorXd x = (change - minimum).cwiseQuotient(units);
-    // The frame's own minimum scatters by 2 units.
-    for (double& value : x) value -= 2 * random.normal();
+  const VectorXd offset = (change - minimum).cwiseQuotient(units);
+  for (int k = 0; k < kHintFrames; ++k) {
+    const VectorXd x = offset - scatter.col(k);
     const double along = x.size() > 1 ? x[0] * x[1] : 0;
     frames.push_back({50'000'000LL * k, 100 + x.squaredNorm() + along, 100});
   }
@@ -41,13 +47,14 @@ VectorXd units(HintKind kind) {
 // Frames whose minima scatter by 2 units: 400 of them say 0.1 unit, and so do the deviations;
 // whatever the curvature of an axis, to which the steps are fitted.
 TEST(CalibrationHint, DeviationsAreThoseOfManyTrials) {
-  constexpr int kTrials = 200;
+  constexpr int kTrials = 100;  // the RMS of as many is known to 7 %
   for (const HintKind kind : {HintKind::kOffset, HintKind::kExtrinsics}) {
     const VectorXd unit = units(kind), minimum = -1.5 * unit;
     VectorXd squares = VectorXd::Zero(unit.size()), stated = squares;
     for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
+      const Eigen::MatrixXd scatter = scatterOf(unit.size(), seed);
       const auto hint = calibrationHint(kind, [&](const VectorXd& change) {
-                          return quadratic(change, minimum, unit, seed);
+                          return quadratic(change, minimum, unit, scatter);
                         }).hint;
       ASSERT_TRUE(hint.has_value()) << toString(kind) << seed;
       squares += (hint->change - minimum).cwiseQuotient(unit).cwiseAbs2() / kTrials;
@@ -62,7 +69,8 @@ TEST(CalibrationHint, DeviationsAreThoseOfManyTrials) {
 
 TEST(CalibrationHint, DoesNotDependOnThreads) {
   const VectorXd unit = units(HintKind::kExtrinsics);
-  const auto run = [&](const VectorXd& change) { return quadratic(change, unit, unit, 3); };
+  const Eigen::MatrixXd scatter = scatterOf(unit.size(), 3);
+  const auto run = [&](const VectorXd& change) { return quadratic(change, unit, unit, scatter); };
   const auto one = calibrationHint(HintKind::kExtrinsics, run, 1).hint;
   const auto two = calibrationHint(HintKind::kExtrinsics, run, 2).hint;
   ASSERT_TRUE(one && two);
@@ -79,7 +87,10 @@ TEST(CalibrationHint, SaysWhyThereIsNone) {
   };
   using Frames = std::vector<FrameInnovation>;
   const VectorXd unit = units(HintKind::kOffset);
-  const auto seen = [&](const VectorXd& change) { return quadratic(change, 0 * unit, unit, 1); };
+  const Eigen::MatrixXd scatter = scatterOf(1, 1);
+  const auto seen = [&](const VectorXd& change) {
+    return quadratic(change, 0 * unit, unit, scatter);
+  };
   EXPECT_THAT(none(HintKind::kOffset,
                    [&](const VectorXd& change) {
                      Frames frames = seen(change);
@@ -96,8 +107,10 @@ TEST(CalibrationHint, SaysWhyThereIsNone) {
               HasSubstr("saw no landmark"));
   for (const HintKind kind : {HintKind::kOffset, HintKind::kExtrinsics}) {
     const VectorXd of_kind = units(kind), far = 50 * of_kind;
+    const Eigen::MatrixXd of_frames = scatterOf(far.size(), 1);
     EXPECT_THAT(
-        none(kind, [&](const VectorXd& change) { return quadratic(change, far, of_kind, 1); }),
+        none(kind,
+             [&](const VectorXd& change) { return quadratic(change, far, of_kind, of_frames); }),
         HasSubstr(kind == HintKind::kOffset ? "led more than 20 ms from the calibration"
                                             : "led more than 20 ms, 150 mm or 2.5 deg from the"));
   }

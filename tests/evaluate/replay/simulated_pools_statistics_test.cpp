@@ -24,8 +24,8 @@ using test::viewsTo;
 constexpr int kPools = 30;
 constexpr int kReference = 80;  // random views
 constexpr int kNever = 400;     // the whole pool
-// Closer about the bound, four fifths of the reference.
-const std::vector<int> kViews = {10, 20, 30, 40, 45, 50, 55, 60, 65, 70, 75, 80, 100, 120};
+// About the bound, four fifths of the reference; every one costs as much as the 60 held-out frames.
+const std::vector<int> kViews = {40, 50, 60, 70, 80, 100, 120};
 
 /// What the pools need, one entry a pool, in numbers of views.
 struct Needed {
@@ -37,7 +37,7 @@ struct Needed {
 };
 
 struct Study {
-  Needed greedy, coverage, random;
+  Needed greedy, random;
   std::vector<double> target_px;
 };
 
@@ -48,7 +48,6 @@ CounterfactualOptions studyOptions() {
   options.random_seeds = 7;
   options.other_model = false;
   options.online_views = 4;  // as few as may be: that order is not looked at
-  options.threads = 2;
   options.views = kViews;
   return options;
 }
@@ -71,7 +70,7 @@ std::vector<CounterfactualCurve> curvesOn(const SimulatedPool& simulated) {
   if (!pool) return {};
   std::vector<CounterfactualCurve> orders;
   for (CounterfactualCurve& order : strategyOrders(*pool, {}, options)) {
-    if (order.strategy == "recorded" || order.strategy == "predicted-error") continue;
+    if (order.strategy != "random" && order.strategy != "greedy-mi") continue;
     // Curves are evaluated at their ends, too, which would be the whole pool.
     order.order.resize(std::min<std::size_t>(order.order.size(), kViews.back()));
     orders.push_back(std::move(order));
@@ -93,7 +92,6 @@ Study run() {
     study.target_px.push_back(*target);
     study.random.add(viewsTo(random, *target));
     study.greedy.add(viewsTo(*curvesOf(curves, "greedy-mi").at(0), *target));
-    study.coverage.add(viewsTo(*curvesOf(curves, "coverage").at(0), *target));
   }
   return study;
 }
@@ -110,7 +108,6 @@ TEST(SimulatedPools, GreedyInformationNeedsAFifthFewerViewsThanRandom) {
   ASSERT_EQ(study.target_px.size(), static_cast<std::size_t>(kPools));
   report("random", study.random);
   report("greedy-mi", study.greedy);
-  report("coverage", study.coverage);
   // A reference that is reached by luck early would be no reference.
   EXPECT_GE(quantile(study.random.for_good, 0.5), 0.9 * kReference);
   // Held-out corners are exact: what is left is the calibration's error, far below the noise.

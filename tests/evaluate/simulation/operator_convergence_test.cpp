@@ -132,6 +132,8 @@ TEST(KeptViews, EndWithTheStopWhateverItsFrame) {
 // six persons in one of 550.
 TEST(Convergence, TheStopByProjectionsLeavesTheErrorThatWasPredicted) {
   const SimulatedRig rig = simulatedRig("euroc");
+  ConvergenceOptions ends;  // what led there is not looked at
+  ends.growth = 10;
   double squares = 0;
   int stopped = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -140,7 +142,7 @@ TEST(Convergence, TheStopByProjectionsLeavesTheErrorThatWasPredicted) {
     o.trajectories = 1;
     o.skill = personSkill(0.1 * static_cast<double>(seed) - 0.05);
     o.guide.views.stop_projection_px = 0.1;
-    const OperatedConvergence c = convergenceOf(recordGuided(rig, o), o, rig.calibration);
+    const OperatedConvergence c = convergenceOf(recordGuided(rig, o), o, rig.calibration, ends);
     if (!c.cameras.stopped_s) continue;
     ++stopped;
     squares += *c.cameras.at_end->projection_px * *c.cameras.at_end->projection_px;

@@ -19,10 +19,10 @@ TEST(PerturbationOfEuroc, OffsetsOfUpToHalfASecondComeBackToATenthOfAMicrosecond
   request.load.session = data + "/euroc_imu_april";
   request.cameras_file = request.load.session + "/kalibr/camchain-imucam.yaml";
   request.camera.cauchy_px = request.camera_imu.cauchy_px = 0;
-  for (int ms = -500; ms <= 500; ms += 250) {
+  for (int ms = -500; ms <= 500; ms += 500) {
     request.perturbations.push_back({PerturbationKind::kImuShift, ms + 0.37, 0});
   }
-  for (const double ms : {37.3, -3.21, 0.5, 2.5}) {
+  for (const double ms : {-3.21, 0.5, 2.5}) {
     request.perturbations.push_back({PerturbationKind::kImuShift, ms, 0});
   }
   const auto record = perturbSession(request, [](const std::string&, double) {});

@@ -103,8 +103,9 @@ TEST_F(StudyTrajectoryNights, GuidedSessionsSayHowTheirSuggestionsWereFollowed) 
                 data.string());
   ASSERT_EQ(made.exit_code, 0) << made.text;
   write(data / "STUDY.yaml", read(data / "STUDY.yaml") + kCalibrate + "endpoints: [capture_s]\n");
-  write(data / "STUDY.yaml",
-        replaced(read(data / "STUDY.yaml"), "endpoints: [held_out_rmse_px, capture_s]\n", ""));
+  write(data / "STUDY.yaml", replaced(replaced(read(data / "STUDY.yaml"),
+                                               "endpoints: [held_out_rmse_px, capture_s]\n", ""),
+                                      "offsets_ms: [100, 10, 1]", "offsets_ms: [10]"));
   ASSERT_EQ(study(data, scratch_ / "night").exit_code, 0);
   Json summary = Json::parse(read(scratch_ / "night/summary.json"));
   const Json truth = Json::parse(read(data / "truth.json"));
