@@ -3,6 +3,8 @@
 // known: bounds of chi-square where the assumptions hold, densities that are wrong by 3, and a
 // pixel sigma that is wrong by 5.
 #include <cmath>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -20,13 +22,22 @@ struct Assumed {
   double pixel_sigma = 0.2;  // as simulated
 };
 
-ImuResidualSummary summaryUnder(const Assumed& assumed, std::uint64_t seed,
-                                double duration_s = 10) {
+/// Shared: assumptions differ, recordings do not.
+const SimulatedSession& recorded(std::uint64_t seed, double duration_s) {
+  static std::map<std::pair<std::uint64_t, double>, SimulatedSession> all;
+  const auto known = all.find({seed, duration_s});
+  if (known != all.end()) return known->second;
   SimulationOptions simulation = test::noisyRecording(seed, duration_s);
   simulation.trajectory.seed = seed;
-  const SimulatedSession s = test::simulate(simulation);
+  return all.emplace(std::pair(seed, duration_s), test::simulate(simulation)).first->second;
+}
+
+ImuResidualSummary summaryUnder(const Assumed& assumed, std::uint64_t seed,
+                                double duration_s = 10) {
+  const SimulatedSession& s = recorded(seed, duration_s);
   CameraImuOptions options = test::matchedOptions(s, assumed.pixel_sigma);
   options.noise_check = true;
+  options.diagnose_faults = false;
   options.noise = s.session.imu->noise;
   options.noise->gyro_density *= assumed.gyro;
   options.noise->accel_density *= assumed.accel;
@@ -121,6 +132,7 @@ FrameErrors frameErrorsWith(const std::vector<Fault>& faults) {
   const SimulatedSession s = test::simulate(simulation);
   CameraImuOptions options = test::matchedOptions(s, 0.2);
   options.noise_check = true;
+  options.diagnose_faults = false;
   const auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
   if (!result) throw std::runtime_error(toString(result.failure()));
   return result->frame_errors.value();

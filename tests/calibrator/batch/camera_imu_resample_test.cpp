@@ -16,8 +16,11 @@ struct Solved {
 };
 
 Solved solved(std::uint64_t seed) {
-  SimulatedSession s = test::simulate(test::noisyRecording(seed, 15));
-  const CameraImuOptions options = test::matchedOptions(s, 0.2);
+  SimulationOptions simulation = test::noisyRecording(seed, 15);
+  simulation.camera_rate_hz = 10;
+  SimulatedSession s = test::simulate(simulation);
+  CameraImuOptions options = test::matchedOptions(s, 0.2);
+  options.diagnose_faults = false;
   auto result = calibrateCameraImu(s.session, s.truth.cameras, options);
   if (!result) throw std::runtime_error(toString(result.failure()));
   return {std::move(s), options, std::move(result).value()};

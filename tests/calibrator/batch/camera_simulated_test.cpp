@@ -72,25 +72,6 @@ TEST(CameraBatch, TheOrderOfTheCamerasOnlyTurnsTheExtrinsicsRound) {
   EXPECT_LT(boxminus(a->cameras[1].T_C0Ci, b->cameras[1].T_C0Ci.inverse()).norm(), 1e-9);
 }
 
-TEST(CameraBatch, EqualsCeresWithAndWithoutLoss) {
-  SimulationOptions recording = simulatedRecording(0.3);
-  recording.duration_s = 4;
-  const SimulatedSession s = simulated("euroc", recording);
-  for (const double cauchy_px : {0.0, 1.5}) {
-    CameraStageOptions options;
-    options.cauchy_px = cauchy_px;
-    const auto ours = calibrateCameras(s.session, options);
-    ASSERT_TRUE(ours.ok()) << ours.failure();
-    const oracle::CameraState state{ours->cameras, ours->T_FC0};
-    const auto ceres = oracle::solveCameras(s.session, ours->frames, state,
-                                            {.cauchy_px = cauchy_px, .covariance = false});
-    EXPECT_NEAR(ours->summary.cost, ceres.cost, 1e-12 * ceres.cost);
-    const Eigen::VectorXd std = ours->summary.covariance.standardDeviations();
-    const Eigen::VectorXd d = oracle::difference(state, ceres.state).head(std.size());
-    EXPECT_LT(d.cwiseQuotient(std).cwiseAbs().maxCoeff(), 1e-6);
-  }
-}
-
 TEST(CameraBatch, OutliersAreRejectedAndCounted) {
   SimulationOptions recording = simulatedRecording(0.2);
   recording.outlier_fraction = 0.02;

@@ -54,7 +54,7 @@ TEST(CameraGuide, DecidesTheSameWithTwoThreads) {
     GuideOptions options;  // with the loss
     options.threads = threads;
     CameraGuide guide(rig.guideRig(), options);
-    return test::textOf(test::playGuided(guide, rig, 150));
+    return test::textOf(test::playGuided(guide, rig, 100));
   };
   const std::string one = run(1);
   EXPECT_NE(one.find("opened"), std::string::npos);
@@ -64,7 +64,7 @@ TEST(CameraGuide, DecidesTheSameWithTwoThreads) {
 TEST(CameraGuide, NumbersSuggestionsFromTheGivenOne) {
   const LiveRig rig("euroc", 9, kGuideSigma);
   CameraGuide guide(rig.guideRig(), guideOptions(), 7);
-  const auto decisions = test::playGuided(guide, rig, 150);
+  const auto decisions = test::playGuided(guide, rig, 60);
   for (const Decision& d : decisions) {
     if (d.opened) {
       EXPECT_EQ(d.opened->id, 7);

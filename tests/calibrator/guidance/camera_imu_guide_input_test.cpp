@@ -61,6 +61,7 @@ TEST(CameraImuGuideInput, ARecordingTooShortToStartSaysSo) {
 // biases' walk and waits for the one that follows it.
 TEST(CameraImuGuideInput, AnImuGapInTheWindow) {
   auto broken = frames();
+  broken.resize(130);
   const TimeNs from = broken[80].t;
   const TimeNs to = from + 400'000'000;
   for (GuideFrame& frame : broken) {
@@ -84,6 +85,7 @@ TEST(CameraImuGuideInput, AnImuGapInTheWindow) {
 
 TEST(CameraImuGuideInput, CornersThatFitNoPoseAreLeftOut) {
   auto wrong = frames();
+  wrong.resize(120);
   for (auto& corners : wrong[70].corners) {
     for (std::size_t k = 0; k < corners.size(); ++k) {
       corners[k].uv = Eigen::Vector2d(40.0 * ((7 * k) % 17), 25.0 * ((5 * k) % 19));

@@ -41,6 +41,12 @@ std::size_t openedAt(const std::vector<Decision>& decisions) {
   return static_cast<std::size_t>(opened - decisions.begin());
 }
 
+/// A stage that goes on, shared: it asks for a view in the end.
+const std::vector<Decision>& withoutEnd() {
+  static const std::vector<Decision> decisions = endedAfter(0, 60);
+  return decisions;
+}
+
 TEST(Guide, ACameraStageWhoseTimeIsOverEndsWithThatFrame) {
   const auto decisions = endedAfter(1, 20);
   for (std::size_t i = 0; i < decisions.size(); ++i) {
@@ -103,26 +109,27 @@ TEST(Guide, AWrongStampOfTheFirstFrameLeavesOutThatFrameAlone) {
 }
 
 TEST(Guide, ASuggestionThatIsOpenThenIsWithdrawn) {
-  const auto free = endedAfter(0, 60);
+  const auto& free = withoutEnd();
   const std::size_t opened = openedAt(free);
   ASSERT_LT(opened + 2, free.size());
-  const auto ended = endedAfter(static_cast<double>(opened + 2) / kRate, 60);
+  const auto ended =
+      endedAfter(static_cast<double>(opened + 2) / kRate, static_cast<int>(opened) + 5);
   EXPECT_EQ(ended[opened + 2].event, SuggestionEvent::kWithdrawn);
   EXPECT_EQ(ended[opened + 2].suggestion, free[opened].suggestion);
 }
 
 TEST(Guide, ASuggestionOfTheLastFrameIsNeverShown) {
-  const auto free = endedAfter(0, 60);
+  const auto& free = withoutEnd();
   const std::size_t opened = openedAt(free);
   ASSERT_LT(opened, free.size());
-  const auto ended = endedAfter(static_cast<double>(opened) / kRate, 60);
+  const auto ended = endedAfter(static_cast<double>(opened) / kRate, static_cast<int>(opened) + 5);
   EXPECT_EQ(ended[opened].mode, GuideMode::kFinished);
   EXPECT_EQ(ended[opened].event, SuggestionEvent::kNone);
   EXPECT_FALSE(ended[opened].opened || ended[opened].suggestion);
 }
 
 TEST(Guide, TheIdOfASuggestionThatWasNeverShownIsGivenAgain) {
-  const auto opened = static_cast<int>(openedAt(endedAfter(0, 60)));
+  const auto opened = static_cast<int>(openedAt(withoutEnd()));
   const test::LiveRig rig("euroc", 1, 0.2);
   GuideRig sensors = rig.guideRig();
   sensors.imu = ImuNoise();

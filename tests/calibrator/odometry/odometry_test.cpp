@@ -28,8 +28,10 @@ RoomFlight sparseFlight(const SimulatedRig& rig, double pixel_sigma) {
 
 TEST(Odometry, SameValuesTwice) {
   const SimulatedRig rig = simulatedRig("euroc");
-  const RoomFlight flight = sparseFlight(rig, 0.5);
+  RoomFlight flight = sparseFlight(rig, 0.5);
+  flight.frames.resize(60);
   const OdometryResult a = flownBy(flight, rig.calibration), b = flownBy(flight, rig.calibration);
+  EXPECT_GT(a.poses.size(), 30U);
   ASSERT_EQ(a.poses.size(), b.poses.size());
   for (std::size_t i = 0; i < a.poses.size(); ++i) {
     EXPECT_EQ(a.poses[i].state.T_FS.t, b.poses[i].state.T_FS.t);

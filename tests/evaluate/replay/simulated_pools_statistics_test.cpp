@@ -3,6 +3,7 @@
 // ones?
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -26,6 +27,10 @@ constexpr int kReference = 80;  // random views
 constexpr int kNever = 400;     // the whole pool
 // About the bound, four fifths of the reference; every one costs as much as the 60 held-out frames.
 const std::vector<int> kViews = {40, 50, 60, 70, 80, 100, 120};
+const std::vector<int> kFineViews = {10, 20, 30, 40, 45, 50, 55, 60, 65, 70, 75, 80, 100, 120};
+
+/// PLUMBLINE_FINE_POOLS in the environment: the table of docs/counterfactuals.md.
+bool isFine() { return std::getenv("PLUMBLINE_FINE_POOLS") != nullptr; }
 
 /// What the pools need, one entry a pool, in numbers of views.
 struct Needed {
@@ -37,7 +42,7 @@ struct Needed {
 };
 
 struct Study {
-  Needed greedy, random;
+  Needed greedy, coverage, random;
   std::vector<double> target_px;
 };
 
@@ -48,7 +53,7 @@ CounterfactualOptions studyOptions() {
   options.random_seeds = 7;
   options.other_model = false;
   options.online_views = 4;  // as few as may be: that order is not looked at
-  options.views = kViews;
+  options.views = isFine() ? kFineViews : kViews;
   return options;
 }
 
@@ -70,7 +75,8 @@ std::vector<CounterfactualCurve> curvesOn(const SimulatedPool& simulated) {
   if (!pool) return {};
   std::vector<CounterfactualCurve> orders;
   for (CounterfactualCurve& order : strategyOrders(*pool, {}, options)) {
-    if (order.strategy != "random" && order.strategy != "greedy-mi") continue;
+    if (order.strategy == "recorded" || order.strategy == "predicted-error") continue;
+    if (order.strategy == "coverage" && !isFine()) continue;
     // Curves are evaluated at their ends, too, which would be the whole pool.
     order.order.resize(std::min<std::size_t>(order.order.size(), kViews.back()));
     orders.push_back(std::move(order));
@@ -92,6 +98,7 @@ Study run() {
     study.target_px.push_back(*target);
     study.random.add(viewsTo(random, *target));
     study.greedy.add(viewsTo(*curvesOf(curves, "greedy-mi").at(0), *target));
+    if (isFine()) study.coverage.add(viewsTo(*curvesOf(curves, "coverage").at(0), *target));
   }
   return study;
 }
@@ -108,6 +115,7 @@ TEST(SimulatedPools, GreedyInformationNeedsAFifthFewerViewsThanRandom) {
   ASSERT_EQ(study.target_px.size(), static_cast<std::size_t>(kPools));
   report("random", study.random);
   report("greedy-mi", study.greedy);
+  if (isFine()) report("coverage", study.coverage);
   // A reference that is reached by luck early would be no reference.
   EXPECT_GE(quantile(study.random.for_good, 0.5), 0.9 * kReference);
   // Held-out corners are exact: what is left is the calibration's error, far below the noise.
