@@ -3,7 +3,7 @@
 """Writes one CTest entry per source file of a GoogleTest program, named after the file: a failure tells
 where to look, and files run in parallel although they share a program.
 
-list_tests.py PROGRAM OUTPUT.cmake [PROPERTY VALUE]...     the properties go to every entry
+list_tests.py PROGRAM OUTPUT.cmake [PROPERTY VALUE]... [ENTRY=COST]...     the properties go to every entry
 """
 import collections
 import json
@@ -42,14 +42,22 @@ def filters(files):
             for path, tests in files.items()}
 
 
-def main():
-    program, output, *properties = sys.argv[1:]
-    values = " ".join(f"[==[{word}]==]" for word in properties)
+def entries(program, files, words):
+    """CMake's lines for the files' filters, after the words of the command line."""
+    costs = dict(word.split("=") for word in words if "=" in word)
+    values = " ".join(f"[==[{word}]==]" for word in words if "=" not in word)
     lines = []
-    for path, names in sorted(filters(tests_by_file(program)).items()):
+    for path, names in sorted(files.items()):
         name = path.removesuffix(".cpp")
         lines.append(f"add_test([==[{name}]==] [==[{program}]==] [==[--gtest_filter={':'.join(names)}]==])")
-        lines.append(f"set_tests_properties([==[{name}]==] PROPERTIES {values})")
+        cost = f" COST {costs[name]}" if name in costs else ""
+        lines.append(f"set_tests_properties([==[{name}]==] PROPERTIES {values}{cost})")
+    return lines
+
+
+def main():
+    program, output, *words = sys.argv[1:]
+    lines = entries(program, filters(tests_by_file(program)), words)
     with open(output, "w", encoding="utf-8") as file:
         file.write("\n".join(lines) + "\n")
 

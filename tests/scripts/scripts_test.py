@@ -107,6 +107,11 @@ class ListTests(unittest.TestCase):
         self.assertEqual(list_tests.filters({"a": [("S", "one"), ("S", "two"), ("T", "x")], "b": [("S", "y")]}),
                          {"a": ["S.one", "S.two", "T.*"], "b": ["S.y"]})
 
+    def test_an_entry_may_have_a_cost_of_its_own(self):
+        lines = list_tests.entries("p", {"a/x.cpp": ["S.*"], "y.cpp": ["T.*"]}, ["COST", "1", "a/x=20", "b/z=30"])
+        self.assertEqual(lines[1], "set_tests_properties([==[a/x]==] PROPERTIES [==[COST]==] [==[1]==] COST 20)")
+        self.assertEqual(lines[3], "set_tests_properties([==[y]==] PROPERTIES [==[COST]==] [==[1]==])")
+
     def test_two_tests_of_one_name_are_refused(self):
         with self.assertRaises(SystemExit), mock.patch("builtins.print"):
             list_tests.filters({"a": [("S", "one")], "b": [("S", "one")]})
