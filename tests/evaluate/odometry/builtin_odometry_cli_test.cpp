@@ -20,7 +20,9 @@ class BuiltInOdometry : public test::OdometryScratch {};
 TEST_F(BuiltInOdometry, RenderedImagesAndWhatTheyMayLack) {
   const std::string flight = (folder_ / "flight").string();
   const Outcome made = plumbline(
-      "simulate sequence --images --duration 2 --turns 0 --rests 0 --first-rest 0 --out " + flight);
+      "simulate sequence --rig tumvi --images --duration 2 --turns 0 --rests 0 --first-rest 0 "
+      "--out " +
+      flight);
   ASSERT_EQ(made.exit_code, 0) << made.text;
   const fs::path truth = flight + "/truth/camchain-imucam.yaml";
   const auto with = [&](const fs::path& calibration, const std::string& more = "") {
@@ -35,7 +37,7 @@ TEST_F(BuiltInOdometry, RenderedImagesAndWhatTheyMayLack) {
     EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
     EXPECT_THAT(outcome.text, HasSubstr(words));
   };
-  refusedWith(with(edited("752, 480", "640, 480")), "it belongs to another rig");
+  refusedWith(with(edited("512, 512", "640, 480")), "it belongs to another rig");
   write(folder_ / "later.txt", "9000 0 0 0 0 0 0 1\n9001 1 0 0 0 0 0 1\n9002 2 1 0 0 0 0 1\n");
   const Outcome apart = odometry(flight + " --calibration " + truth.string() + " --truth " +
                                  (folder_ / "later.txt").string());
