@@ -31,7 +31,8 @@ struct CornerMeasurement {
 
 /// Reprojection of one corner for free-form problems in Ceres, differentiated automatically:
 ///   e = h(T_C0Ci^-1 T_FC0^-1 p_F; k) - uv [px],
-/// with the camera model's own function h and the parameter blocks
+/// with the camera model's own function h (pinhole with radtan or equidistant distortion; others
+/// throw std::invalid_argument) and the parameter blocks
 ///   0: intrinsics, Intrinsics::stacked() of `camera`'s model;  1: T_C0Ci;  2: T_FC0 (7 each).
 /// Evaluation fails, and Ceres rejects the step, where the model does not project the corner.
 /// For whole recordings use viewGram: this costs about 30 times as much.
