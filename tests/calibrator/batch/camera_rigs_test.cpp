@@ -12,7 +12,6 @@
 #include "calibrator/batch/resample.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "tests/calibrator/oracle/camera_oracle.h"
 
 namespace plumbline {
 namespace {
@@ -44,7 +43,7 @@ CameraStageOptions squared(double pixel_sigma) {
 
 Eigen::VectorXd errorOf(const CameraStageResult& result,
                         const std::vector<CameraCalibration>& truth) {
-  return oracle::difference({result.cameras, {}}, {truth, {}});
+  return cameraDifference(result.cameras, truth);
 }
 
 double largest(const Eigen::VectorXd& error, const CameraStageResult& result) {

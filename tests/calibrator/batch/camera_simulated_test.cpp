@@ -7,7 +7,6 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/resample.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "tests/calibrator/oracle/camera_oracle.h"
 
 namespace plumbline {
 namespace {
@@ -33,7 +32,7 @@ CameraStageOptions squaredError(double pixel_sigma = 1) {
 
 /// All parameters, in the order of the covariance, of `result` minus the truth.
 Eigen::VectorXd errorOf(const CameraStageResult& result, const Calibration& truth) {
-  return oracle::difference({result.cameras, {}}, {truth.cameras, {}});
+  return cameraDifference(result.cameras, truth.cameras);
 }
 
 TEST(CameraBatch, RecoversTheTruthWithoutNoiseForEveryModel) {

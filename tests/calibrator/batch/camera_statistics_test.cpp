@@ -9,7 +9,6 @@
 
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "tests/calibrator/oracle/camera_oracle.h"
 
 namespace plumbline {
 namespace {
@@ -57,7 +56,7 @@ Sums sumOver(const std::string& rig) {
       ++sums.failures;
       continue;
     }
-    const Eigen::VectorXd error = oracle::difference({result->cameras, {}}, {s.truth.cameras, {}});
+    const Eigen::VectorXd error = cameraDifference(result->cameras, s.truth.cameras);
     const Eigen::MatrixXd& covariance = result->summary.covariance.matrix;
     for (int c = 0; c < 2; ++c) {
       sums.intrinsics[c] += nees(error.segment(8 * c, 8), covariance.block(8 * c, 8 * c, 8, 8));

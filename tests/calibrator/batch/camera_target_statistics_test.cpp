@@ -13,7 +13,6 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "tests/calibrator/oracle/camera_oracle.h"
 
 namespace plumbline {
 namespace {
@@ -71,7 +70,7 @@ TEST(CameraTargetStatistics, NormalisedErrorsWithABentBoardAreChiSquare) {
     const SimulatedSession s = recorded(seed, terms);
     const auto result = calibrateCameras(s.session, optionsOf(TargetMode::kEstimate));
     ASSERT_TRUE(result.ok() && result->target.covariance);
-    const Eigen::VectorXd error = oracle::difference({result->cameras, {}}, {s.truth.cameras, {}});
+    const Eigen::VectorXd error = cameraDifference(result->cameras, s.truth.cameras);
     cameras +=
         targetNees(error, result->summary.covariance.matrix) / static_cast<double>(error.size());
     board += targetNees(result->target.terms - terms, *result->target.covariance) / kTargetTerms;
@@ -114,7 +113,7 @@ TEST(CameraTargetStatistics, NormalisedErrorsWithHigherTermsAreChiSquare) {
     ASSERT_TRUE(result.ok());
     if (!result->target.higher) continue;
     ++kept;
-    const Eigen::VectorXd error = oracle::difference({result->cameras, {}}, {s.truth.cameras, {}});
+    const Eigen::VectorXd error = cameraDifference(result->cameras, s.truth.cameras);
     nees +=
         targetNees(error, result->summary.covariance.matrix) / static_cast<double>(error.size());
   }

@@ -9,7 +9,6 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
 #include "calibrator/simulate/simulate_session.h"
-#include "tests/calibrator/oracle/camera_oracle.h"
 
 namespace plumbline {
 namespace {
@@ -40,7 +39,7 @@ CameraStageOptions estimating(TargetMode mode, double pixel_sigma = 1) {
 
 /// Of the cameras' parameters, in standard deviations.
 double largestError(const CameraStageResult& result, const Calibration& truth) {
-  const Eigen::VectorXd error = oracle::difference({result.cameras, {}}, {truth.cameras, {}});
+  const Eigen::VectorXd error = cameraDifference(result.cameras, truth.cameras);
   return error.cwiseQuotient(result.summary.covariance.standardDeviations()).cwiseAbs().maxCoeff();
 }
 
