@@ -120,6 +120,7 @@ DivisionDistortion estimateDistortion(const AprilGrid& grid, const std::vector<T
 
 DivisionDistortion refineDistortion(const AprilGrid& grid, const std::vector<TagImage>& tags,
                                     const DivisionDistortion& start) {
+  if (start.terms.isZero()) return start;
   constexpr double kStep = 1e-3;  // of differences: tenths of a pixel where a grid fills the image
   constexpr int kIterations = 4;
   const std::vector<LinePoint> points = linePoints(grid, tags, start);

@@ -45,8 +45,8 @@ struct DivisionDistortion {
 DivisionDistortion estimateDistortion(const AprilGrid& grid, const std::vector<TagImage>& tags,
                                       const Resolution& resolution, std::size_t min_tags = 5);
 
-/// The same over all three terms, by Newton's method from `start`; `start` where its first step
-/// does not lower the sum.
+/// The same over all three terms, by Newton's method from `start`; `start` where it has no term
+/// (too few tags), and where the sum is not convex there or a step does not lower it.
 DivisionDistortion refineDistortion(const AprilGrid& grid, const std::vector<TagImage>& tags,
                                     const DivisionDistortion& start);
 

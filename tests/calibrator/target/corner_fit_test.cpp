@@ -79,6 +79,26 @@ TEST(CornerFit, LightThatChangesAcrossDoesNotMoveIt) {
   EXPECT_LT(fitted({.light = {0.0015, 0.001}}).mean.norm(), 0.003);
 }
 
+TEST(CornerFit, InkThatGrowsDoesNotMoveIt) { EXPECT_LT(fitted({.ink_px = 0.3}).rms, 0.015); }
+
+TEST(CornerFit, RefusesACornerBesideWhichACoverLies) {
+  for (const Case& c : cases()) {
+    const GrayImage image = drawCorner(c.truth, c.axes, {.cover_px = 1});
+    EXPECT_FALSE(fitCorner(image.view(), {c.truth, c.axes, 1}, {}).has_value());
+  }
+}
+
+TEST(CornerFit, RefusesAxesThatAreNotFinite) {
+  const Case c = cases().front();
+  const GrayImage image = drawCorner(c.truth, c.axes, {});
+  for (const double bad : {std::nan(""), HUGE_VAL}) {
+    Eigen::Matrix2d axes = c.axes;
+    axes(0, 1) = bad;
+    EXPECT_FALSE(fitCorner(image.view(), {c.truth, axes, 1}, {}).has_value());
+  }
+  EXPECT_TRUE(fitCorner(image.view(), {c.truth, 1e200 * c.axes, 1}, {}).has_value());
+}
+
 // Edges bent as by a wide lens: 0.9 of a pixel at 30 px beside the corner.
 TEST(CornerFit, StraightensWhatTheLensBends) {
   const CornerLook bent{.lens = {{-180, 300}, 446, {-0.45, 0.1, 0}}};

@@ -40,13 +40,18 @@ GrayImage drawCorner(const Eigen::Vector2d& p, const Eigen::Matrix2d& axes,
                      const CornerLook& look) {
   const Eigen::Matrix2d inverse = (look.lens.jacobian(p) * axes).inverse();
   const Eigen::Vector2d origin = look.lens.straighten(p);
+  const Eigen::Vector2d scale = inverse.rowwise().norm().cwiseInverse();
   constexpr int kW = kDrawnWidth * kFine, kH = kDrawnHeight * kFine;
   std::vector<double> canvas(kW * kH);
   for (int y = 0; y < kH; ++y) {
     for (int x = 0; x < kW; ++x) {
       const Eigen::Vector2d at((x + 0.5) / kFine - 0.5, (y + 0.5) / kFine - 0.5);
       const Eigen::Vector2d q = inverse * (look.lens.straighten(at) - origin);
-      canvas[y * kW + x] = (q.x() * q.y() > 0 ? 40 : 200) * (1 + look.light.dot(at - p));
+      // Distances from the edges, in pixels; q is in units of the axes.
+      const double a = q.x() * scale.x(), b = q.y() * scale.y();
+      const bool inked = a * b > 0 || std::min(std::abs(a), std::abs(b)) < look.ink_px;
+      const bool covered = (at - p).dot(Eigen::Vector2d(0.6, -0.8)) > look.cover_px;
+      canvas[y * kW + x] = (covered ? 120 : inked ? 40 : 200) * (1 + look.light.dot(at - p));
     }
   }
   canvas = blurredAcross(canvas, kW, kH, look.blur_px * kFine);

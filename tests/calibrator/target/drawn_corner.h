@@ -15,6 +15,8 @@ struct CornerLook {
   double noise_gray = 0;
   Eigen::Vector2d light = Eigen::Vector2d::Zero();  ///< slope, relative to its value at p [1/px]
   DivisionDistortion lens = {};                     ///< the edges are straight before it
+  double ink_px = 0;                                ///< by which the dark sectors grow on all sides
+  double cover_px = 99;  ///< of grey, a half plane whose edge lies this far from p
 };
 
 /// Two lines through p, along the columns of `axes` there; sectors dark, light, dark, light. Drawn

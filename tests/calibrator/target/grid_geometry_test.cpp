@@ -134,6 +134,15 @@ TEST(DivisionDistortion, ThreeTermsStraightenAnotherLensToHundredths) {
   EXPECT_LT(bendingOfBottomLine(grid, camera, three), 0.02);
 }
 
+TEST(DivisionDistortion, IsNotRefinedFromFewTags) {
+  const AprilGrid grid;
+  std::vector<TagImage> tags;
+  for (const int id : {0, 1, 6, 7}) tags.push_back(tagSeenBy(grid, straightCamera(), id));
+  tags[1].uv[2] += Eigen::Vector2d(0.2, -0.1);
+  const DivisionDistortion start = estimateDistortion(grid, tags, {752, 480});
+  EXPECT_TRUE(refineDistortion(grid, tags, start).terms.isZero());
+}
+
 TEST(DivisionDistortion, JacobianIsThatOfDifferences) {
   const DivisionDistortion distortion{{376, 240}, 446, {-0.4, 0.1, 0.05}};
   const Eigen::Vector2d uv(600, 60);
