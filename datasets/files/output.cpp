@@ -90,7 +90,11 @@ fs::path finalPath(const OutputRequest& request) {
   if (fs::is_symlink(fs::symlink_status(path, error)) && !fs::exists(path, error)) {
     throw refusal(InputFault::kUnwritable, request.path, "is a broken link");
   }
-  const fs::path resolved = fs::weakly_canonical(path, error);
+  fs::path resolved = fs::weakly_canonical(path, error);
+  // A folder above that went between two looks at it, with a sibling's failure that had made it.
+  for (int again = 0; again < 10 && error == std::errc::no_such_file_or_directory; ++again) {
+    resolved = fs::weakly_canonical(path, error);
+  }
   if (error) {
     throw refusal(InputFault::kUnwritable, request.path,
                   fmt::format("cannot be reached ({})", error.message()));
