@@ -16,6 +16,8 @@ constexpr int kMaxIterations = 15;
 constexpr double kConverged_px = 0.003;
 /// The window is never thinner than this, so that it holds gradients at all [px].
 constexpr double kMinRadius_px = 2.0;
+/// Beyond any image; what a degenerate map of the grid predicts may be longer.
+constexpr double kLongestAxis_px = 1e5;
 
 /// Sectors as a saddle has them: inside the tag and across dark, the other two light, each dark one
 /// darker than each light one by a share of the whole contrast.
@@ -113,11 +115,14 @@ std::optional<Eigen::Vector2d> CornerRefiner::step(const Patch& patch, const Win
 
 std::optional<Eigen::Vector2d> CornerRefiner::refine(const GrayImageView& image,
                                                      const CornerWindow& window) {
-  if (!isInside(window.start, {image.width, image.height})) return std::nullopt;
+  if (!isInside(window.start, {image.width, image.height}) || !window.axes.allFinite()) {
+    return std::nullopt;
+  }
+  const Eigen::Matrix2d axes = window.axes.cwiseMax(-kLongestAxis_px).cwiseMin(kLongestAxis_px);
   // The image of a disc under the edges' axes A is x' (A A')^-1 x <= 1, whose extent in x and y is
   // the root of the diagonal; the other term keeps it from degenerating.
-  const Eigen::Matrix2d shape = window.axes * window.axes.transpose() +
-                                kMinRadius_px * kMinRadius_px * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d shape =
+      axes * axes.transpose() + kMinRadius_px * kMinRadius_px * Eigen::Matrix2d::Identity();
   const Window ellipse{shape.inverse(), shape.diagonal().cwiseSqrt()};
   const Patch whole{kMargin_px, kMargin_px, image.width - 2 * kMargin_px,
                     image.height - 2 * kMargin_px};

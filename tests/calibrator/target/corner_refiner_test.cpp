@@ -125,6 +125,18 @@ TEST(CornerRefiner, RefusesWhatStillMoves) {
   EXPECT_GT(count, 50);
 }
 
+TEST(CornerRefiner, RefusesAxesThatAreNotFinite) {
+  CornerRefiner refiner;
+  const Eigen::Vector2d truth(30.3, 24.6);
+  Eigen::Matrix2d axes = axesOf(0.5, 1.57, 7, 7);
+  const GrayImage image = saddle(truth, axes);
+  EXPECT_TRUE(refiner.refine(image.view(), {truth, 1e200 * axes, 3}).has_value());
+  for (const double bad : {std::nan(""), HUGE_VAL}) {
+    axes(0, 1) = bad;
+    EXPECT_FALSE(refiner.refine(image.view(), {truth, axes, 3}).has_value());
+  }
+}
+
 TEST(CornerRefiner, WindowsAtAndBeyondTheEdgeOfTheImageAreSafe) {
   CornerRefiner refiner;
   const Eigen::Matrix2d axes = axesOf(0.5, 1.57, 7, 7);
