@@ -8,15 +8,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "calibrator/target/tag_image.h"
+#include "calibrator/target/corner_window.h"
 
 namespace plumbline {
 namespace {
 
 /// Longer edges add less than they cost: the corner's deviation falls with the root of the length.
 constexpr double kLongestAxis_px = 9;
-/// The window is never thinner than this, so that it holds both sides of each edge [px].
-constexpr double kMinRadius_px = 2;
 constexpr int kMostPixels = 400;  // the largest window is an ellipse of 267 px^2
 /// Pixels at the border of the image are left out: sensors and lenses end there.
 constexpr int kBorder_px = 3;
@@ -117,11 +115,10 @@ void straighten(Samples& samples, const Eigen::Vector2d& start,
                 const DivisionDistortion& distortion) {
   const Eigen::Vector2f d = ((start - distortion.centre) / distortion.radius).cast<float>();
   const auto scale = static_cast<float>(1 / distortion.radius);
-  const Eigen::Vector3f terms = distortion.terms.cast<float>();
   const Pixels x = d.x() + scale * samples.x;
   const Pixels y = d.y() + scale * samples.y;
   const Pixels square = x.square() + y.square();
-  const Pixels gain = 1 / (1 + square * (terms[0] + square * (terms[1] + square * terms[2])));
+  const Pixels gain = 1 / divisor(distortion.terms.cast<float>().eval(), square);
   const Eigen::Vector2f origin =
       ((distortion.straighten(start) - distortion.centre) / distortion.radius).cast<float>();
   const Eigen::Matrix2f to_pixels =
@@ -131,12 +128,11 @@ void straighten(Samples& samples, const Eigen::Vector2d& start,
   samples.y = to_pixels(1, 0) * u + to_pixels(1, 1) * v;
 }
 
-/// Those of the ellipse x' (A A' + r^2 I)^-1 x < 1 about the start, as CornerRefiner has it. The
+/// Those within the window's ellipse about the start. The
 /// window stays where it is: pixels that came and went would keep the fit from converging.
 Samples samplesOf(const GrayImageView& image, const Eigen::Vector2d& start,
                   const Eigen::Matrix2d& axes, const DivisionDistortion& distortion) {
-  const Eigen::Matrix2d shape =
-      axes * axes.transpose() + kMinRadius_px * kMinRadius_px * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d shape = ellipseOf(axes);
   const Eigen::Matrix2d inverse = shape.inverse();
   const Eigen::Vector2d reach = shape.diagonal().cwiseSqrt();
   const int x0 = std::max(kBorder_px, static_cast<int>(std::ceil(start.x() - reach.x())));
@@ -237,13 +233,9 @@ bool looksAsModelled(const Samples& samples, const Model& model, float squares) 
 
 /// From the four sectors' levels, which say how light and dark lie.
 Model startOf(const GrayImageView& image, const CornerWindow& window, const Eigen::Matrix2d& axes) {
-  constexpr double kReach = 0.55;  // of the window: clear of the blurred edges, short of its end
-  const auto level = [&](double a, double b) {
-    return static_cast<float>(
-        sampleBilinear(image, window.start + axes * Eigen::Vector2d(a * kReach, b * kReach)));
-  };
-  const float dark = 0.5F * (level(-1, -1) + level(1, 1));
-  const float light = 0.5F * (level(1, -1) + level(-1, 1));
+  const auto [darks, lights] = sectorLevels(image, axes, window.start);
+  const auto dark = static_cast<float>(0.5 * (darks[0] + darks[1]));
+  const auto light = static_cast<float>(0.5 * (lights[0] + lights[1]));
   Model model;
   for (int k = 0; k < 2; ++k) {
     model.angle[k] = static_cast<float>(std::atan2(axes(1, k), axes(0, k)));

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "calibrator/base/image.h"
-#include "calibrator/target/corner_refiner.h"
+#include "calibrator/target/corner_window.h"
 #include "calibrator/target/division_distortion.h"
 
 namespace plumbline {

@@ -14,8 +14,6 @@ namespace {
 constexpr int kMargin_px = 2;
 constexpr int kMaxIterations = 15;
 constexpr double kConverged_px = 0.003;
-/// The window is never thinner than this, so that it holds gradients at all [px].
-constexpr double kMinRadius_px = 2.0;
 /// Beyond any image; what a degenerate map of the grid predicts may be longer.
 constexpr double kLongestAxis_px = 1e5;
 
@@ -23,12 +21,7 @@ constexpr double kLongestAxis_px = 1e5;
 /// darker than each light one by a share of the whole contrast.
 bool looksLikeCorner(const GrayImageView& image, const Eigen::Matrix2d& axes,
                      const Eigen::Vector2d& p) {
-  constexpr double kReach = 0.55;  // of the window: clear of the blurred edges, short of its end
-  const auto gray = [&](double a, double b) {
-    return sampleBilinear(image, p + axes * Eigen::Vector2d(a * kReach, b * kReach));
-  };
-  const double dark[] = {gray(-1, -1), gray(1, 1)};
-  const double light[] = {gray(1, -1), gray(-1, 1)};
+  const auto [dark, light] = sectorLevels(image, axes, p);
   const double gap = std::min(light[0], light[1]) - std::max(dark[0], dark[1]);
   const double whole = std::max(light[0], light[1]) - std::min(dark[0], dark[1]);
   return gap > 0.25 * whole && gap > 5;
@@ -119,10 +112,7 @@ std::optional<Eigen::Vector2d> CornerRefiner::refine(const GrayImageView& image,
     return std::nullopt;
   }
   const Eigen::Matrix2d axes = window.axes.cwiseMax(-kLongestAxis_px).cwiseMin(kLongestAxis_px);
-  // The image of a disc under the edges' axes A is x' (A A')^-1 x <= 1, whose extent in x and y is
-  // the root of the diagonal; the other term keeps it from degenerating.
-  const Eigen::Matrix2d shape =
-      axes * axes.transpose() + kMinRadius_px * kMinRadius_px * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d shape = ellipseOf(axes);
   const Window ellipse{shape.inverse(), shape.diagonal().cwiseSqrt()};
   const Patch whole{kMargin_px, kMargin_px, image.width - 2 * kMargin_px,
                     image.height - 2 * kMargin_px};

@@ -6,18 +6,9 @@
 #include <vector>
 
 #include "calibrator/base/image.h"
+#include "calibrator/target/corner_window.h"
 
 namespace plumbline {
-
-/// The surroundings of a corner, as far as they belong to it: an ellipse, image of a disc of the
-/// target's plane.
-struct CornerWindow {
-  Eigen::Vector2d start = Eigen::Vector2d::Zero();  ///< guess [px]
-  /// Columns: from the corner along the two edges of the tag, away from the tag's inside, to where
-  /// the corner's surroundings end (the smaller of border width and small square) [px].
-  Eigen::Matrix2d axes = Eigen::Matrix2d::Identity();
-  double max_shift_px = 2;  ///< the corner must lie this close to the guess
-};
 
 /// Finds the point p that the gradients g around it point across best,
 ///   min_p sum_x w(x - p) (g(x) . (x - p))^2,

@@ -9,11 +9,6 @@
 namespace plumbline {
 namespace {
 
-/// 1 + l1 s + l2 s^2 + l3 s^3 of s = |d|^2.
-double denominator(const Eigen::Vector3d& terms, double square) {
-  return 1 + square * (terms[0] + square * (terms[1] + square * terms[2]));
-}
-
 struct LinePoint {
   Eigen::Vector2d d;                 ///< relative to the centre, in units of the radius
   std::array<std::size_t, 2> lines;  ///< along x and along y, that the corner lies on
@@ -41,9 +36,9 @@ double bending(const AprilGrid& grid, const std::vector<LinePoint>& points,
                const Eigen::Vector3d& terms) {
   std::vector<Moments> lines(2 * (grid.rows + grid.cols), Moments::Zero());
   for (const LinePoint& point : points) {
-    const double divisor = denominator(terms, point.d.squaredNorm());
-    if (!(divisor > 0)) return HUGE_VAL;
-    const Moments m = moments(point.d / divisor);
+    const double by = divisor(terms, point.d.squaredNorm());
+    if (!(by > 0)) return HUGE_VAL;
+    const Moments m = moments(point.d / by);
     for (const std::size_t line : point.lines) lines[line] += m;
   }
   double across = 0, along = 0;
@@ -64,14 +59,14 @@ double bending(const AprilGrid& grid, const std::vector<LinePoint>& points,
 
 Eigen::Vector2d DivisionDistortion::straighten(const Eigen::Vector2d& uv) const {
   const Eigen::Vector2d d = (uv - centre) / radius;
-  return centre + radius / denominator(terms, d.squaredNorm()) * d;
+  return centre + radius / divisor(terms, d.squaredNorm()) * d;
 }
 
 Eigen::Matrix2d DivisionDistortion::jacobian(const Eigen::Vector2d& uv) const {
   const Eigen::Vector2d d = (uv - centre) / radius;
   const double square = d.squaredNorm();
-  const double g = 1 / denominator(terms, square);
-  // Of the denominator by d: slope * d.
+  const double g = 1 / divisor(terms, square);
+  // Of the divisor by d: slope * d.
   const double slope = 2 * terms[0] + square * (4 * terms[1] + square * 6 * terms[2]);
   return g * (Eigen::Matrix2d::Identity() - g * slope * d * d.transpose());
 }

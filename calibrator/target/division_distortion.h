@@ -19,9 +19,15 @@ inline Moments moments(const Eigen::Vector2d& p) {
   return m;
 }
 
+/// 1 + l1 s + l2 s^2 + l3 s^3 of s = |d|^2, one or many: what the division model divides by.
+template <typename Terms, typename Squares>
+Squares divisor(const Terms& terms, const Squares& s) {
+  return 1 + s * (terms[0] + s * (terms[1] + s * terms[2]));
+}
+
 /// The division model of lens distortion (A. Fitzgibbon, CVPR 2001) about a known centre: with
 /// d = (uv - centre) / radius,
-///   straight = centre + radius * d / (1 + l1 |d|^2 + l2 |d|^4 + l3 |d|^6),
+///   straight = centre + radius * d / divisor(l1, l2, l3; |d|^2),
 /// so that straight lines of the world are straight lines of `straight`. l1 < 0 is barrel
 /// distortion. By l1 alone it is good to a few pixels for any lens, which is enough to tell where a
 /// tag is; all three tell how much an edge bends within some pixels.
@@ -30,7 +36,7 @@ struct DivisionDistortion {
   double radius = 1;                                 ///< [px], sets the scale of the terms
   Eigen::Vector3d terms = Eigen::Vector3d::Zero();   ///< l1, l2, l3
 
-  /// Of a pixel whose denominator is positive.
+  /// Of a pixel whose divisor is positive.
   Eigen::Vector2d straighten(const Eigen::Vector2d& uv) const;
   /// d straighten / d uv, 2x2.
   Eigen::Matrix2d jacobian(const Eigen::Vector2d& uv) const;

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrator/target/corner_refiner.h"
 #include "tests/calibrator/target/drawn_corner.h"
 
 namespace plumbline {
