@@ -19,8 +19,7 @@ constexpr int kMostPixels = 400;  // the largest window is an ellipse of 267 px^
 /// Pixels at the border of the image are left out: sensors and lenses end there.
 constexpr int kBorder_px = 3;
 constexpr int kMaxIterations = 12;
-/// With 0.0005 the errors in rendered images are the same, at a blur of 2 px smaller by a
-/// twentieth.
+/// With 0.0005 the errors in rendered images are the same, at a blur of 2 px smaller by 4 %.
 constexpr float kConverged_px = 0.01F;
 /// Largest residual (weighted RMS) of a corner: this share of half its contrast and this noise
 /// [grey]. None of EuRoC's 6671 photographed corners has more; of corners beside which a cover lies
