@@ -12,6 +12,7 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/board/target.h"
+#include "calibrator/batch/camera/common_error.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/information/covariance.h"
@@ -30,6 +31,7 @@ double leastNoise(double pixel_sigma) { return std::pow(kLeastNoisePx / pixel_si
 struct Half {
   CameraEstimate estimate;
   Eigen::MatrixXd formal, robust;
+  Eigen::MatrixXd moves;  ///< by what the detector does alike in all views (common_error.h)
   int blocks = 0;
 };
 
@@ -38,6 +40,8 @@ std::optional<Half> solveHalf(const Session& session, const CameraStageResult& w
                               const std::vector<PackedCorners>& corners, const FrameSegment& half,
                               const CameraStageOptions& options) {
   CameraProblem problem = problemOf(corners, {}, options);
+  // Halves have it together, and it is counted in their difference.
+  problem.common_error_share = 0;
   CameraEstimate start = estimateOf(whole.cameras);
   for (int f = half.first; f < half.first + half.count; ++f) {
     problem.frames.push_back(whole.frames[f]);
@@ -56,7 +60,10 @@ std::optional<Half> solveHalf(const Session& session, const CameraStageResult& w
   if (share) *formal += share->covariance;
   // At the noise of the corners: that of a larger pixel_sigma would hide every difference.
   *formal *= std::max(noiseRatio(problem, solution.estimate), leastNoise(options.pixel_sigma));
-  return Half{solution.estimate, *formal, robust->matrix, robust->blocks};
+  problem.common_error_share = options.common_error_share;
+  const double common_px = commonErrorPx(problem, solution.estimate);
+  return Half{solution.estimate, *formal, robust->matrix,
+              commonErrorMoves(problem, solution.estimate, common_px), robust->blocks};
 }
 
 /// Where a block of parameters stands in the layout.
@@ -116,6 +123,10 @@ HalvesBlock compareHalves(const HalvesDifference& block) {
   const double a = p / (p + block.blocks);
   Eigen::MatrixXd C = (1 - a) * W;
   C.diagonal().array() += a * std::max(1.0, W.trace() / p);
+  if (block.moves.size() > 0) {
+    const Eigen::MatrixXd moves = L.matrixL().solve(block.moves);
+    C += moves * moves.transpose();
+  }
   const Eigen::VectorXd z = L.matrixL().solve(block.difference);
   out.chi2 = z.dot(C.llt().solve(z));
   // Below this the expectation of an inverse of p x p estimates does not exist.
@@ -144,6 +155,8 @@ std::optional<HalvesCheck> checkCameraHalves(const Session& session, const Camer
       [&] { second = solveHalf(session, whole, corners, segments[1], options); });
   if (!first || !second) return std::nullopt;
   const Eigen::VectorXd d = cameraDifference(second->estimate, first->estimate);
+  // One error of the detector moves both, but each as its own views answer to it.
+  const Eigen::MatrixXd moves = second->moves - first->moves;
   HalvesCheck check;
   check.split = whole.frames[segments[1].first].t;
   for (Place& place : placesOf(whole, CameraLayout(first->estimate))) {
@@ -153,10 +166,10 @@ std::optional<HalvesCheck> checkCameraHalves(const Session& session, const Camer
       return Eigen::MatrixXd(a.block(place.first, place.first, n, n) +
                              b.block(place.first, place.first, n, n));
     };
-    check.blocks.push_back(
-        compareHalves({place.name, std::move(place.parameters), d.segment(place.first, n),
-                       part(first->formal, second->formal), part(first->robust, second->robust),
-                       static_cast<double>(first->blocks + second->blocks)}));
+    check.blocks.push_back(compareHalves(
+        {place.name, std::move(place.parameters), d.segment(place.first, n),
+         part(first->formal, second->formal), part(first->robust, second->robust),
+         static_cast<double>(first->blocks + second->blocks), moves.middleRows(place.first, n)}));
   }
   return check;
 }

@@ -48,6 +48,8 @@ struct HalvesDifference {
   Eigen::MatrixXd formal;      ///< covariance of the difference
   Eigen::MatrixXd robust;
   double blocks = 0;  ///< of time, on which `robust` stands
+  /// M of M M^T, covariance of the difference by an error that all views share; empty: none.
+  Eigen::MatrixXd moves{};
 };
 HalvesBlock compareHalves(const HalvesDifference& block);
 

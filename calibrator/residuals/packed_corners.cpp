@@ -173,6 +173,20 @@ void PackedCorners::place(const AprilGrid& target) {
   }
 }
 
+void PackedCorners::displace(const std::function<Eigen::Vector2d(double, double)>& displacement) {
+  for (std::size_t i = 0; i < count_.size(); ++i) {
+    const int step = lines(count_[i]);
+    Line* line = storage_.data() + kColumns * offset_[i];
+    for (int j = 0; j < kLanes * step; ++j) {
+      double& u = line[j / kLanes + 3 * step].lane[j % kLanes];
+      double& v = line[j / kLanes + 4 * step].lane[j % kLanes];
+      const Eigen::Vector2d d = displacement(u, v);
+      u += d.x();
+      v += d.y();
+    }
+  }
+}
+
 void PackedCorners::setWeight(int view, int position, double weight) {
   assert(view >= 0 && view < viewCount() && position >= 0 && position < count_[view]);
   // The kernels count a weight for its own square (gram_kernel.h), which is true of 0 and 1 alone.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "calibrator/base/april_grid.h"
@@ -52,6 +54,8 @@ class PackedCorners {
   PackedCorners thinned(const std::vector<int>& views, int most) const;
   /// Moves the corners of all views onto a board of the same grid, its shape included.
   void place(const AprilGrid& board);
+  /// Adds displacement(u, v) [px] to every measured pixel.
+  void displace(const std::function<Eigen::Vector2d(double, double)>& displacement);
   /// Sets the weight of one corner (position within its view): 0 rejects it, 1 uses it; nothing
   /// between.
   void setWeight(int view, int position, double weight);

@@ -12,6 +12,10 @@
 
 namespace plumbline {
 
+/// CameraStageOptions::common_error_share of the corners that AprilGridDetector finds: measured on
+/// rendered images (docs/models.md, "What all views share").
+inline constexpr double kDetectorCommonError = 0.02;
+
 /// How an AprilGrid is looked for. Lengths are pixels of the image as given.
 struct DetectorOptions {
   /// Width of a tag's black border in payload cells: 2 as Kalibr prints it, 1 as AprilTag does.

@@ -153,6 +153,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   if (const auto nothing = noTagSeen(loaded)) {
     return locate(*nothing, loaded, request.load.session);
   }
+  request.camera.common_error_share = loaded.common_error_share;
   auto& models = request.camera.models;
   // One model that is named is that of every camera.
   if (models.size() == 1) models.resize(loaded.session.cameras.size(), models.front());

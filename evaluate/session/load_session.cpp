@@ -152,6 +152,7 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
     loaded.shown_spacing =
         detectCorners(recording, request, usableCache(request, recording), progress);
     loaded.detect_s = detecting.seconds();
+    loaded.common_error_share = kDetectorCommonError;
   }
   for (const CameraStream& camera : recording.session.cameras) {
     loaded.counts.push_back(countsOf(camera));
@@ -178,6 +179,7 @@ Assumptions assumptionsOf(const CameraStageOptions& camera, const CameraImuOptio
   assumptions.gravity_m_s2 = camera_imu.gravity_m_s2;
   assumptions.views_selected = camera.select_views.has_value();
   assumptions.loss = lossText(camera.cauchy_px);
+  assumptions.common_error_share = camera.common_error_share;
   if (session != nullptr && session->imu) assumptions.imu_noise = session->imu->noise;
   return assumptions;
 }

@@ -97,8 +97,11 @@ struct LoadedSession {
   std::vector<std::vector<ImageFile>> images;
   std::optional<double> shown_spacing;  ///< of the target, by detectCorners(); empty: unknown
   std::string input_hash;               ///< "algorithm:hex" of the files that were read
-  double load_s = 0;                    ///< wall seconds of reading
-  double detect_s = 0;                  ///< and of detection
+  /// CameraStageOptions::common_error_share of its corners: of our own detector where it found some
+  /// of them, now or before (cache); 0 where all were given.
+  double common_error_share = 0;
+  double load_s = 0;    ///< wall seconds of reading
+  double detect_s = 0;  ///< and of detection
 };
 
 /// Finds the corners of every image of the recording, as the request says but with the cache in

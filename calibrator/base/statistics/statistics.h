@@ -116,8 +116,9 @@ struct ClusterDegrees {
 /// Cluster-robust ("sandwich") covariance of the cameras' parameters and the board's terms
 /// (calibrator/batch/camera/information.h).
 struct RobustCovariance {
-  Eigen::MatrixXd matrix;         ///< in the order of CameraLayout
-  Eigen::MatrixXd known;          ///< what of it no block tells: a known board's; empty: nothing
+  Eigen::MatrixXd matrix;  ///< in the order of CameraLayout
+  /// What of it no block tells: a known board's, the corners' common error; empty: nothing.
+  Eigen::MatrixXd known;
   ClusterDegrees degrees;         ///< of the rest
   int blocks = 0;                 ///< M: the rest has rank M - 1 at most
   double correlation_frames = 1;  ///< correlation length of the scores [frames]

@@ -80,6 +80,11 @@ struct CameraStageOptions : MeasurementModel {
   /// Remainders of single corners, where degree 4 is kept and unseen frames ask for them too.
   bool target_corners = true;
 
+  /// What the corners' detector does alike in all views, over the corners' noise (RMS per axis,
+  /// after the loss): amplitude of each polynomial of a smooth displacement of a camera's image
+  /// (camera/common_error.h). Deviations that are not formal contain it. 0: nothing is known of it.
+  double common_error_share = 0;
+
   FrameOptions frames;        ///< how views are paired
   int min_start_corners = 4;  ///< views with fewer corners give no first guess of their pose
   int start_views = 30;       ///< views per camera on which its first solution stands

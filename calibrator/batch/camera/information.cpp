@@ -6,6 +6,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/parallel.h"
+#include "calibrator/batch/camera/common_error.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/information/cluster_robust.h"
 #include "calibrator/information/covariance.h"
@@ -154,11 +155,19 @@ std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
   out.matrix =
       robust.matrix / shareWithin(static_cast<double>(frames) / out.blocks, out.correlation_frames);
   out.degrees = std::move(robust.degrees);
+  const auto addKnown = [&out](const Eigen::MatrixXd& part) {
+    out.known = out.known.size() > 0 ? out.known + part : part;
+    out.matrix += part;
+  };
   if (solution.estimate.target) {
     const Eigen::MatrixXd gain = bread->rightCols<kTargetTerms>();
-    out.known = gain * problem.target->scatter * gain.transpose();
-    if (share) out.known += share->known;
-    out.matrix += out.known;
+    addKnown(gain * problem.target->scatter * gain.transpose());
+    if (share) addKnown(share->known);
+  }
+  if (problem.common_error_share > 0) {
+    const Eigen::MatrixXd moves =
+        commonErrorMoves(problem, solution.estimate, commonErrorPx(problem, solution.estimate));
+    addKnown(moves * moves.transpose());
   }
   return out;
 }

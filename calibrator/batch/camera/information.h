@@ -40,7 +40,8 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
 /// the reduced information S and the scores s_b of M blocks of time (gradient of their cost, poses
 /// eliminated), adjusted for the block's leverage (clusterRobust()),
 ///   S^-1 (sum_b u_b u_b^T) S^-1,   u_b = (I - H_b S^-1)^(-1/2) s_b,
-/// and S^-1 scatter S^-1 of what a known board's terms may be off by (TargetModel::scatter).
+/// and S^-1 scatter S^-1 of what a known board's terms may be off by (TargetModel::scatter), and
+/// M M^T of commonErrorMoves() at commonErrorPx().
 /// It holds where corners err together within a block, or the model misfits: then the formal S^-1
 /// promises too much (Liang and Zeger 1986; White 1982). Both agree for white noise, on recordings
 /// of any length.

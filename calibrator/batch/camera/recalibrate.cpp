@@ -26,6 +26,7 @@ void CameraStageOptions::check() const {
   requireAtLeast(1, "start_views", start_views);
   requirePositive("max_start_error", max_start_error);
   requirePositive("target_max_std", target_max_std);
+  requireAtLeast(0, "common_error_share", common_error_share);
   if (target_degree != 2 && target_degree != 4) {
     throw InputError(fmt::format("target_degree is {}; expected 2 or 4", target_degree));
   }
@@ -57,6 +58,7 @@ CameraProblem problemOf(const std::vector<PackedCorners>& corners, std::vector<F
   problem.pixel_sigma = options.pixel_sigma;
   problem.gram.cauchy_px = options.cauchy_px;
   problem.threads = options.threads;
+  problem.common_error_share = options.common_error_share;
   return problem;
 }
 

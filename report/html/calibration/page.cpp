@@ -110,10 +110,21 @@ std::string parametersLead(const CalibrationRecord& record) {
   if (record.held) return heldLead(*record.held);
   const auto hasSpread = [](const auto& spread) { return spread && !spread->names.empty(); };
   const bool bootstrap = hasSpread(record.camera_resample) || hasSpread(record.camera_imu_resample);
+  // Of the cameras' corners: with given cameras no stage has estimated any.
+  const bool shared = record.camera && record.assumptions.common_error_share > 0;
   return std::string(
              "Std is cluster-robust where a formal one is listed too: it is computed from the "
              "scores of blocks of the recording, and remains valid where the errors of "
-             "neighbouring frames are correlated. The 90 % interval is the estimate plus or minus "
+             "neighbouring frames are correlated. ") +
+         (shared
+              ? fmt::format(
+                    "It includes an error of the detector that is the same in all images: {:g} % "
+                    "of the corners' noise for every smooth component, as measured on rendered "
+                    "images. ",
+                    100 * record.assumptions.common_error_share)
+              : "It does not include what the detector does alike in all images. ") +
+         std::string(
+             "The 90 % interval is the estimate plus or minus "
              "the given half width: the std times a quantile of Student's t, which is larger the "
              "fewer blocks determine the std. The formal standard deviation follows from the "
              "assumed noise and is valid only if model and noise are right. ") +

@@ -112,5 +112,23 @@ TEST(CameraHalves, ChiSquareOfAWhiteDifferenceIsThatOfItsParameters) {
   EXPECT_LT(compareHalves(d).chi2, 13 / 0.03);
 }
 
+// Ten deviations of noise, but one of what both halves' detector does alike.
+TEST(CompareHalves, ADifferenceThatACommonErrorExplainsIsNone) {
+  HalvesDifference d;
+  d.name = "cam0 intrinsics";
+  d.parameters = {{"cam0.fu", "px"}, {"cam0.fv", "px"}};
+  d.difference = Eigen::Vector2d(10, 0);
+  d.formal = d.robust = Eigen::Matrix2d::Identity();
+  d.blocks = 80;
+  EXPECT_NEAR(compareHalves(d).chi2, 100, 1e-9);
+  d.moves = Eigen::Vector2d(10, 0);
+  const HalvesBlock explained = compareHalves(d);
+  EXPECT_NEAR(explained.chi2, 100. / 101, 1e-9);
+  EXPECT_NEAR(explained.std, std::sqrt(101), 1e-9);
+  // It explains nothing along another direction.
+  d.moves = Eigen::Vector2d(0, 10);
+  EXPECT_NEAR(compareHalves(d).chi2, 100, 1e-9);
+}
+
 }  // namespace
 }  // namespace plumbline
