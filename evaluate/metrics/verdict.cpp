@@ -10,6 +10,7 @@
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
+#include "report/records/shown_findings.h"
 
 namespace plumbline {
 namespace {
@@ -95,6 +96,14 @@ std::string rulesMet(const Findings& findings) {
                      findings.size(), joined(open));
 }
 
+/// "  not judged - Bootstrap (cameras), Bootstrap (camera-IMU): why": the reason is the same of
+/// all.
+std::string openText(const Findings& same) {
+  std::vector<std::string> rules;
+  for (const Finding& f : same) rules.push_back(f.rule);
+  return fmt::format("  not judged - {}: {}\n", joined(rules), shownEvidence(same.front()));
+}
+
 /// Of a mono camera alone nothing that is calibrated has a length.
 bool hasLengths(const CalibrationRecord& record) {
   return record.camera_imu || (record.camera && record.camera->cameras.size() > 1);
@@ -169,9 +178,9 @@ std::string verdictText(const Verdict& verdict, const std::string& good_word) {
   std::string text = fmt::format("Verdict: {}\n{}", word, verdict.headline);
   if (!verdict.headline.empty()) text += "\n";
   // Findings that one advice mends stand together, with the advice once.
-  for (const std::vector<Finding>& same : findingsByCure(verdict.findings)) {
+  for (const std::vector<Finding>& same : shownFindings(verdict.findings)) {
     const Finding& first = same.front();
-    if (isNotJudged(first)) text += fmt::format("  {}: {}\n", first.rule, first.evidence);
+    if (isNotJudged(first)) text += openText(same);
     if (first.level == VerdictLevel::kGood) continue;
     for (const Finding& f : same) {
       text += fmt::format("  {} - {}: {}\n", toString(f.level), f.rule, f.evidence);

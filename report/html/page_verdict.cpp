@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "report/html/page.h"
+#include "report/records/shown_findings.h"
 
 namespace plumbline::html_internal {
 namespace {
@@ -45,20 +46,26 @@ data findingRow(const Finding& f) {
   return object({{"rule", f.rule},
                  {"level", isNotJudged(f) ? "not judged" : toString(f.level)},
                  {"dot", isNotJudged(f) ? "neutral" : toString(f.level)},
-                 {"evidence", typeset(f.evidence)},
+                 {"evidence", typeset(shownEvidence(f))},
                  {"advice", typeset(f.advice)},
                  {"value", shown(f.value)},
                  {"threshold", shown(f.threshold)},
-                 {"first", false}});
+                 {"first", false},
+                 {"reason", false},
+                 {"again", ""}});
 }
 
-/// A row for each finding; level and cure stand once for all that share them.
+/// A row for each finding; level and cure stand once for all that share them, and why rules were
+/// not judged for all of one reason.
 data findingRows(const std::vector<Finding>& findings) {
   data rows{data::type::list};
-  for (const std::vector<Finding>& same : findingsByCure(findings)) {
+  for (const std::vector<Finding>& same : shownFindings(findings)) {
     for (std::size_t i = 0; i < same.size(); ++i) {
       data row = findingRow(same[i]);
-      if (i == 0) row.set("first", object({{"span", std::to_string(same.size())}}));
+      const data span = object({{"span", std::to_string(same.size())}});
+      if (i == 0) row.set("first", span);
+      if (i == 0 && isNotJudged(same[i])) row.set("reason", span);
+      if (i > 0 && isNotJudged(same[i])) row.set("again", " again");
       rows.push_back(row);
     }
   }
@@ -109,8 +116,13 @@ std::string sentenceOf(const Verdict& verdict) {
 
 std::string typeset(const std::string& text) {
   constexpr std::pair<std::string_view, std::string_view> kSigns[] = {
-      {"+-", "\u00b1"},    {"^2", "\u00b2"},    {"^3", "\u00b3"},
-      {" deg", " \u00b0"}, {" us", " \u00b5s"}, {" sigma", " \u03c3"}};
+      {"+-", "\u00b1"},
+      {"^2", "\u00b2"},
+      {"^3", "\u00b3"},
+      // A unit stays on its number's line.
+      {" deg", "\u00a0\u00b0"},
+      {" us", "\u00a0\u00b5s"},
+      {" sigma", "\u00a0\u03c3"}};
   const auto is = [&](std::size_t at, int (*kind)(int)) {
     return at < text.size() && kind(static_cast<unsigned char>(text[at])) != 0;
   };

@@ -67,6 +67,16 @@ TEST(CalibrationPage, ShowsGivenCamerasWithoutACameraStage) {
   EXPECT_TRUE(hasSection(page, "coverage"));
 }
 
+TEST(CalibrationPage, ACorrelationThatRoundsToZeroHasNoSign) {
+  CalibrationRecord record = syntheticRecord();
+  Eigen::MatrixXd& covariance = record.camera_imu->summary.covariance.matrix;
+  covariance.setIdentity();
+  covariance(0, 1) = covariance(1, 0) = -0.004;
+  covariance(0, 2) = covariance(2, 0) = -0.006;
+  EXPECT_THAT(renderCalibrationPage(record),
+              AllOf(HasSubstr(">-.01</"), HasSubstr(">.00</"), Not(HasSubstr(">-.00</"))));
+}
+
 TEST(CalibrationPage, SurvivesARecordWithoutAnyStage) {
   CalibrationRecord record;
   record.name = "empty";

@@ -123,6 +123,7 @@ TEST(ReplayPage, SurvivesARecordWithoutAnything) {
 TEST(ReplayPage, SaysWhichSuggestionsTheFinishWithdrew) {
   const std::string page = renderReplayPage(replay());
   EXPECT_GE(count(page, ">withdrawn</"), 1U);
+  EXPECT_THAT(page, HasSubstr(">Predicted gain [bits]</th>")) << "both units are too wide";
 }
 
 TEST(ReplayPage, SaysWhyThereAreNoCounterfactuals) {

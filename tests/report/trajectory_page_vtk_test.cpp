@@ -35,6 +35,10 @@ TEST(TrajectoryPage, PointsToTheCompletionOfSeveralRunsOnly) {
 TEST(TrajectoryPage, PutsTruthAndEstimateOnTheirPixelsWithEqualAxes) {
   const TrajectoryRun run = test::syntheticTrajectories().runs[0];
   const std::string svg = plot(trajectoryPage(), "overlay-0-top");
+  // What turns the lightness of the errors' colours on a dark ground.
+  EXPECT_THAT(trajectoryPage(),
+              HasSubstr("svg[id^=\"overlay-\"] polyline.data[stroke-width=\"2\"]"));
+  EXPECT_GT(test::countOf(svg, "stroke-width=\"2\""), 1U);
   const AxisMapping axes(svg);
   for (const std::size_t i : {std::size_t{0}, run.t.size() - 1}) {
     for (const Eigen::Vector3d& p : {run.truth_m[i], run.estimate_m[i]}) {

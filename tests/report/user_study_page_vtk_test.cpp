@@ -23,6 +23,7 @@ using test::kDrawnPixel;
 using test::plot;
 using test::pointsOf;
 using test::userStudyPage;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -132,6 +133,7 @@ TEST(UserStudyPage, LinksNoNightToTonightsPagesWhereTonightHasNoValue) {
 TEST(UserStudyPage, StacksTheStagesOfASession) {
   const StudyRecord record = test::syntheticUserStudy();
   const std::string svg = plot(userStudyPage(), "study-stages");
+  EXPECT_THAT(svg, AllOf(HasSubstr(">camera-IMU<"), Not(HasSubstr("camera_imu"))));
   const AxisMapping axes(svg);
   const StudySession& s = record.sessions.front();
   EXPECT_TRUE(drawnAt(svg, axes.pixelX(2 - 0.35), axes.pixelY(s.stages[0].seconds)));

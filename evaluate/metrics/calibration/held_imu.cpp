@@ -19,6 +19,7 @@
 #include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
+#include "report/records/shown_findings.h"
 
 namespace plumbline {
 namespace {
@@ -263,7 +264,8 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
         !estimated && estimated.failure().reason() == FailureReason::kNotObservable;
     f.level = unobservable ? VerdictLevel::kGood : VerdictLevel::kCaution;
     f.value = std::numeric_limits<double>::quiet_NaN();
-    f.evidence = "not tested: on this recording they cannot be estimated with these cameras (" +
+    f.evidence = (unobservable ? std::string(kNotJudgedWords) : "not tested: ") +
+                 "on this recording they cannot be estimated with these cameras (" +
                  (estimated ? std::string("the batch did not converge")
                             : textOf(estimated.failure()).message) +
                  ")";

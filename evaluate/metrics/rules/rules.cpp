@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "report/records/shown_findings.h"
 
 namespace plumbline {
 namespace {
@@ -48,7 +49,7 @@ Finding below(const Rule& rule, double value, std::string evidence) {
 
 Finding notJudged(const Rule& rule, const std::string& why) {
   return finding(rule, VerdictLevel::kGood, std::numeric_limits<double>::quiet_NaN(),
-                 "not judged: " + why);
+                 std::string(kNotJudgedWords) + why);
 }
 
 LargestStd largestStd(const std::vector<ParameterEstimate>& estimates,

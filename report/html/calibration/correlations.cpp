@@ -10,9 +10,9 @@
 namespace plumbline::html_internal {
 namespace {
 
-/// "-.61": as short as a cell of many needs.
+/// "-.61": as short as a cell of many needs; what rounds to zero has no sign.
 std::string shortNumber(double rho) {
-  std::string text = fmt::format("{:.2f}", rho);
+  std::string text = fmt::format("{:.2f}", std::abs(rho) < 0.005 ? 0 : rho);
   const std::size_t zero = text.find('0');
   return zero < text.find('.') ? text.erase(zero, 1) : text;
 }

@@ -6,6 +6,7 @@
 
 #include "calibrator/fields/calibration_fields.h"
 #include "report/html/calibration/sections.h"
+#include "report/html/page.h"
 #include "report/plots/svg.h"
 
 namespace plumbline::html_internal {
@@ -111,7 +112,7 @@ Table termTable(const TargetFit& fit) {
   for (std::size_t j = 0; j < kTargetTermNames.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
     table.rows.push_back({code(kTargetTermNames[j]), number("{:+.4f}", kMm * fit.shape.terms[i]),
-                          number("{:.4f}", kMm * fit.std[i]), words(kTargetTermTexts[j])});
+                          number("{:.4f}", kMm * fit.std[i]), words(typeset(kTargetTermTexts[j]))});
   }
   return table;
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/html/replay/sections.h"
 
+#include <cmath>
 #include <numbers>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -90,6 +92,10 @@ std::optional<VerdictLevel> levelOf(SuggestionEvent end) {
   return end == SuggestionEvent::kExpired ? VerdictLevel::kBad : VerdictLevel::kCaution;
 }
 
+std::string bitsText(double nats) {
+  return std::isinf(nats) ? "unbounded" : fmt::format("{:.3f}", nats / std::numbers::ln2);
+}
+
 std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome& o) {
   // 0: the record does not know its end.
   const bool ended = o.ended >= o.suggestion.t && o.ended != 0;
@@ -97,7 +103,8 @@ std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome
           tight(titleOf(o.suggestion.stage)),
           words(o.suggestion.candidate),
           // A gain of 0 is one that could not be predicted yet (Suggestion::mi_nats).
-          number(o.suggestion.mi_nats != 0 ? bitsAndNats(o.suggestion.mi_nats) : kDash),
+          // In bits alone: thirteen columns have no room for both.
+          number(o.suggestion.mi_nats != 0 ? bitsText(o.suggestion.mi_nats) : kDash),
           number(secondsText(record, o.suggestion.t)),
           number(ended ? fmt::format("{:.1f}", secondsBetween(o.suggestion.t, o.ended)) : kDash),
           {endText(o), Cell::Kind::kTight, levelOf(o.end)},
@@ -110,7 +117,7 @@ std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome
 }
 
 Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutcome>& outcomes) {
-  Table table{{number("#"), words("Stage"), words("Suggestion"), number("Predicted gain"),
+  Table table{{number("#"), words("Stage"), words("Suggestion"), number("Predicted gain [bits]"),
                number("Shown [s]"), number("Open [s]"), words("End"), number("Predicted time [s]"),
                number("Reached after [s]"), number("Closest [px]"), number("Mean [px]"),
                number("Position [mm]"), number("Rotation [\u00b0]")}};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -74,6 +75,8 @@ Figure stagesFigure(const StudyRecord& record) {
       if (!s.stages.empty()) values.push_back(secondsOf(s, stage));
     }
   }
+  // The recording's own word is an identifier.
+  std::ranges::replace(plot.names, std::string("camera_imu"), std::string("camera-IMU"));
   const std::size_t step = plot.categories.size() / kNamed + 1;  // names that do not touch
   for (std::size_t i = 0; i < plot.categories.size(); ++i) {
     // The medians come first, and keep their names in any case.

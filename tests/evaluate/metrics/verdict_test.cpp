@@ -157,7 +157,9 @@ TEST(Verdict, CountsNoRuleAsMetThatCouldNotBeJudged) {
   record.verdict = judge(record);
   ASSERT_EQ(record.verdict.level, VerdictLevel::kGood) << worstFinding(record.verdict);
   const std::string text = verdictText(record.verdict);
-  EXPECT_THAT(text, ::testing::HasSubstr("Faults that the calibration does not model: not judged"));
+  EXPECT_THAT(text,
+              ::testing::HasSubstr(
+                  "  not judged - Faults that the calibration does not model: the tests need"));
   EXPECT_THAT(calibrationHeadline(record),
               ::testing::AllOf(
                   ::testing::HasSubstr("not judged: Faults that the calibration does not model;"),

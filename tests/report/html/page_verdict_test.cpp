@@ -61,10 +61,12 @@ TEST(VerdictOfAPage, HasTheSignsOfPrint) {
   f.value = 3;
   f.unit = "sigma";
   f.advice = "turn by degrees; let us know; run with a 2 sigmatisme";
-  EXPECT_THAT(pageOf({f}),
-              AllOf(HasSubstr("0.2 \u00b0 (\u00b1 0.1) and 5 \u00b5s in m/s\u00b2, 4.2 \u03c3<"),
-                    HasSubstr(">3 \u03c3<"), HasSubstr("turn by degrees; let us know"),
-                    HasSubstr("2 sigmatisme")));
+  EXPECT_THAT(
+      pageOf({f}),
+      AllOf(HasSubstr(
+                "0.2\u00a0\u00b0 (\u00b1 0.1) and 5\u00a0\u00b5s in m/s\u00b2, 4.2\u00a0\u03c3<"),
+            HasSubstr(">3\u00a0\u03c3<"), HasSubstr("turn by degrees; let us know"),
+            HasSubstr("2 sigmatisme")));
 }
 
 TEST(VerdictOfAPage, CountsHaveNoExponent) {
@@ -91,6 +93,22 @@ TEST(VerdictOfAPage, AdviceThatRulesShareIsInEveryRow) {
   EXPECT_THAT(pageOf({gyro}), Not(HasSubstr("class=\"advice again\"")));
 }
 
+// The reason stands once, in one cell over all its rows; others that were not judged have their
+// own.
+TEST(VerdictOfAPage, SaysOnceWhyRulesWereNotJudged) {
+  const auto open = [](const char* rule, const char* why) {
+    Finding f{rule, VerdictLevel::kGood, std::string("not judged: ") + why};
+    f.value = std::nan("");
+    return f;
+  };
+  const std::string page = pageOf(
+      {open("cameras", "3 draws"), open("size", "gentle motion"), open("extrinsics", "3 draws")});
+  EXPECT_THAT(page, AllOf(HasSubstr("<td class=\"evidence\" rowspan=\"2\">3 draws</td>"),
+                          HasSubstr("<td class=\"evidence again\">3 draws</td>"),
+                          HasSubstr("<td class=\"evidence\" rowspan=\"1\">gentle motion</td>"),
+                          Not(HasSubstr("not judged: "))));
+}
+
 TEST(VerdictOfAPage, CountsTheRulesThatAreMet) {
   const Finding good{"met", VerdictLevel::kGood}, doubt{"doubt", VerdictLevel::kCaution};
   EXPECT_THAT(pageOf({good, doubt, good}),
@@ -106,6 +124,9 @@ TEST(VerdictOfAPage, CountsTheRulesThatAreMet) {
               AllOf(HasSubstr("1 of 2 rules are met; 1 could not be judged."),
                     HasSubstr("1 of 2 rules are met: show"), HasSubstr("</span>not judged</td>"),
                     HasSubstr("</span>cameras: not judged<"), Not(HasSubstr(">nan"))));
+  open.evidence = "not judged: too few seconds";
+  EXPECT_THAT(pageOf({good, open}),
+              AllOf(HasSubstr(">too few seconds<"), Not(HasSubstr("not judged: too few seconds"))));
   // A word of its own praises nothing.
   EXPECT_THAT(pageOf({good}, "complete"),
               AllOf(HasSubstr("<span class=\"badge\">Complete</span>"), HasSubstr("neutral")));

@@ -9,6 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "report/records/shown_findings.h"
+
 namespace plumbline {
 namespace {
 
@@ -235,7 +237,8 @@ TEST(HeldImu, ARecordingThatMovesTooLittleToTellIsNoFault) {
       judgeHeldImu({}, HeldOffset::kStated, Failure{FailureCode::kMotionInformationSingular, {}})
           .front();
   EXPECT_TRUE(isNotJudged(f)) << "neither";
-  EXPECT_THAT(f.evidence, HasSubstr("not tested"));
+  EXPECT_THAT(f.evidence, testing::StartsWith("not judged: on this recording"));
+  EXPECT_THAT(shownEvidence(f), testing::StartsWith("on this recording"));
 }
 
 TEST(HeldImu, AnExtrinsicThatCouldNotBeTestedIsNotGood) {
