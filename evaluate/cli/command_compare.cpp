@@ -79,18 +79,22 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
       ->needs(app.get_option("--session"));
   declareMaps(app, o);
   o.measurements.declare(app);
-  app.add_option("--runs", o.runs.runs,
-                 "Trajectories estimated with these calibrations: a pattern with the fields "
-                 "{calibration}, {sequence} and {run}");
-  app.add_option("--truth", o.runs.truth,
-                 "Ground truth of the trajectories: a pattern with {sequence}, or one file");
+  CLI::Option* runs =
+      app.add_option("--runs", o.runs.runs,
+                     "Trajectories estimated with these calibrations: a pattern with the fields "
+                     "{calibration}, {sequence} and {run}");
+  CLI::Option* truth =
+      app.add_option("--truth", o.runs.truth,
+                     "Ground truth of the trajectories: a pattern with {sequence}, or one file");
+  runs->needs(truth);
+  truth->needs(runs);
   const std::size_t before = app.get_options().size();
   declareCoverage(app, o.metrics);
   declareTrajectoryMetrics(app, o.metrics);
   // Without runs each would be without effect.
   std::vector<CLI::Option*> options = app.get_options({});
   for (std::size_t i = before; i < options.size(); ++i) {
-    options[i]->needs(app.get_option("--runs"));
+    options[i]->needs(runs);
   }
   o.output.declareResult(app);
 }
@@ -144,11 +148,13 @@ CompareRequest compareRequest(const CompareOptions& o, const CLI::App& app) {
   return request;
 }
 
-std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o) {
-  if (o.runs.runs.empty() != o.runs.truth.empty()) {
-    throw InputError("--runs and --truth need each other: expected both or none");
+std::optional<TrajectoryStudy> trajectoriesOf(const CompareOptions& o, const CLI::App& app) {
+  if (app.get_option("--runs")->count() == 0) return {};
+  // As by a variable of a shell that is not set.
+  for (const auto& [option, pattern] :
+       {std::pair("--runs", o.runs.runs), {"--truth", o.runs.truth}}) {
+    if (pattern.empty()) throw InputError(fmt::format("{} is empty; expected a pattern", option));
   }
-  if (o.runs.runs.empty()) return {};
   RunsRequest request = o.runs;
   request.how = judgedAs(o.metrics);
   setLimits(o.metrics, request);
@@ -179,7 +185,7 @@ int compare(const CompareOptions& o, const CLI::App& app) {
   const CompareRequest request = compareRequest(o, app);
   ResultWriter out(o.output, o.output.request("comparison", o.session, filesBesideSession(o)));
   // Ahead of the scores, which take far longer: a pattern or a truth that is wrong is told at once.
-  std::optional<TrajectoryStudy> trajectories = trajectoriesOf(o);
+  std::optional<TrajectoryStudy> trajectories = trajectoriesOf(o, app);
   ComparisonRecord record = compareCalibrations(request, bar.sink());
   nameOwners(record.scores, app);
   nameOwners(record.verdict, app);

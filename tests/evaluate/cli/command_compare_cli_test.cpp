@@ -152,9 +152,13 @@ TEST_F(CommandCompare, RunsOfACalibrationThatIsNotComparedAreRefusedWithTheLabel
 }
 
 TEST_F(CommandCompare, RunsAndTruthBelongTogether) {
-  const Outcome lone = compare(ours() + " " + kalibrs() + " --runs x");
-  EXPECT_EQ(lone.exit_code, 2);
-  EXPECT_THAT(lone.text, HasSubstr("--truth"));
+  const std::string both = ours() + " " + kalibrs();
+  expectRefusal(compare(both + " --runs x"), 2, HasSubstr("--runs requires --truth"));
+  expectRefusal(compare(both + " --truth x"), 2, HasSubstr("--truth requires --runs"));
+  expectRefusal(compare(both + " --runs '' --truth ''"), 2, HasSubstr("--runs"));
+  const std::string help = plumbline("compare --help").text;
+  EXPECT_THAT(help, AllOf(HasSubstr("--runs TEXT Needs: --truth"),
+                          HasSubstr("--truth TEXT Needs: --runs")));
   for (const char* of_runs :
        {"--min-coverage 0.5", "--coverage-from first-pose", "--max-ate 1", "--hand-eye auto"}) {
     const Outcome without = compare(ours() + " " + kalibrs() + " " + of_runs);
