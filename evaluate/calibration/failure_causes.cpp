@@ -27,30 +27,48 @@ bool isOfAllCameras(FailureCode code) {
   return std::find(kTogether.begin(), kTogether.end(), code) != kTogether.end();
 }
 
+/// `first`, and behind it what else was found: "also cam2 alone: ...", with what mends it where
+/// that is something else.
+Failure withFurther(Failure first, const std::vector<Failure>& further) {
+  if (further.empty()) return first;
+  std::vector<std::string> also, cures, said{textOf(first).cure};
+  for (const Failure& failure : further) {
+    const FailureText text = textOf(failure);
+    also.push_back(text.message);
+    if (std::find(said.begin(), said.end(), text.cure) != said.end()) continue;
+    said.push_back(text.cure);
+    cures.push_back("of " + std::get<std::string>(failure.values.at("alone").content()) + ": " +
+                    text.cure);
+  }
+  first.values.insert({{"also", also}, {"also_cures", cures}});
+  return first;
+}
+
 /// With what single cameras tell: where each explains its corners alone, but no transform joins two
-/// of them, that is what failed; where the camera that the failure names does, and another does
-/// not, the failure is that one's, by its name.
+/// of them, that is what failed; where the camera that the failure names does, and others do not,
+/// the failure is theirs, by their names; else the others' follow the failure.
 Failure withCamerasAlone(Failure failure, const CalibrateRequest& request, const Session& session) {
   if (session.cameras.size() < 2 || !isOfAllCameras(failure.code)) return failure;
   const auto alone = calibratedAlone(session, request.camera);
   const auto named = failure.values.find("camera");
   bool named_fits = false;
   double worst_px = 0;
-  std::optional<Failure> other;
+  std::vector<Failure> others;
   for (std::size_t c = 0; c < alone.size(); ++c) {
     const bool is_named = named != failure.values.end() &&
                           std::get<std::string>(named->second.content()) == session.cameras[c].name;
     if (!alone[c]) {
-      if (is_named || other) continue;
-      other = alone[c].failure();
-      other->values.emplace("alone", session.cameras[c].name);
+      if (is_named) continue;
+      others.push_back(alone[c].failure());
+      others.back().values.emplace("alone", session.cameras[c].name);
       continue;
     }
     const double rmse_px = alone[c]->summary.reprojection.rmse_px;
     if (isLarger(rmse_px, worst_px)) worst_px = rmse_px;
     if (is_named) named_fits = true;
   }
-  if (other) return named_fits ? *other : failure;
+  if (!others.empty() && !named_fits) return withFurther(failure, others);
+  if (!others.empty()) return withFurther(others.front(), {others.begin() + 1, others.end()});
   if (!(worst_px <= request.thresholds.rmse_px.caution)) return failure;
   const auto apart = camerasApart(session, alone, request.camera.frames);
   if (!apart) return failure;
@@ -106,17 +124,20 @@ Failure withCamerasSuspect(const Failure& failure, const CalibrateRequest& reque
 }
 
 /// Whether a camera's stamps alone contradict the gyroscope: it is refused for that, or a fault of
-/// the stamps is the cause that its tests name.
+/// the stamps is among the causes that its tests name.
 bool contradictsGyroscope(const Result<CameraImuStageResult>& stage) {
   using Code = FailureCode;
   if (!stage) {
     const Code code = stage.failure().code;
     return code == Code::kRatesDoNotCorrelate || code == Code::kStampsWander;
   }
-  if (!stage->faults || stage->faults->causes.empty()) return false;
-  const UnmodelledFault cause = stage->faults->causes.front().fault;
-  return cause == UnmodelledFault::kStampsWander || cause == UnmodelledFault::kClockStep ||
-         cause == UnmodelledFault::kClockDrift;
+  if (!stage->faults) return false;
+  const auto isOfStamps = [](const FaultTest& cause) {
+    return cause.fault == UnmodelledFault::kStampsWander ||
+           cause.fault == UnmodelledFault::kClockStep ||
+           cause.fault == UnmodelledFault::kClockDrift;
+  };
+  return std::any_of(stage->faults->causes.begin(), stage->faults->causes.end(), isOfStamps);
 }
 
 /// Where some cameras alone contradict the gyroscope and others suit it, the failure that names the

@@ -289,8 +289,7 @@ Values ofCalibration(const Failure& f) {
   switch (f.code) {
     case Code::kCameraImuNotConverged:
       if (f.values.count("fault") > 0) {
-        return {{"found", "; where it stopped, one fault explains the residuals best: " +
-                              wordOf(f, "fault")},
+        return {{"found", "; where it stopped, " + wordOf(f, "fault")},
                 {"mend", wordOf(f, "cure")}};
       }
       return {{"found", ""},
@@ -354,6 +353,17 @@ std::optional<FailureText> textOfApart(const Failure& f) {
       "(--only)"};
 }
 
+/// What else was found to fail (`also`), behind the cause that is told first, and what mends it.
+void addFurther(const Failure& f, FailureText& text) {
+  const auto listOf = [&](const char* name) {
+    const auto found = f.values.find(name);
+    return found == f.values.end() ? std::vector<std::string>()
+                                   : std::get<std::vector<std::string>>(found->second.content());
+  };
+  for (const std::string& further : listOf("also")) text.message += "; also " + further;
+  for (const std::string& cure : listOf("also_cures")) text.cure += "; " + cure;
+}
+
 /// A camera stage that failed under radtan: the lens may be too wide for it.
 std::string wideAngle(const Failure& f) {
   // NaN: the failure says nothing of the lens; 1: radtan was stated or asked for; 2: it was tried
@@ -387,6 +397,7 @@ FailureText textOf(const Failure& failure) {
       text.message = wordOf(failure, "alone") + " alone: " + text.message;
     }
     if (!failure.where.empty()) text.message = failure.where + ": " + text.message;
+    addFurther(failure, text);
     // Where the lens explains each camera's corners, it is not the cause.
     if (!apart) text.cure += wideAngle(failure);
     if (failure.values.count("selected_frames") > 0) {

@@ -242,6 +242,14 @@ std::string firstCure(const FaultDiagnosis& diagnosis) {
                      other);
 }
 
+/// "(1) a; (2) b", of one the text alone.
+std::string numbered(const std::vector<std::string>& texts) {
+  if (texts.size() == 1) return texts.front();
+  int n = 0;
+  return joined(
+      texts, [&](const std::string& text) { return fmt::format("({}) {}", ++n, text); }, "; ");
+}
+
 /// `shift` is what modelling the fault changes: T_SC0's translation [m], its rotation in the left
 /// tangent [rad], and the time offset [s].
 std::string effect(const FaultTest& test) {
@@ -360,7 +368,19 @@ Failure notConverged(const CameraImuStageResult& stage) {
   if (!stage.faults || stage.faults->causes.empty()) return failure;
   // Tested where the solver stopped, which is no optimum: a hint, and no finding with a level.
   const FaultDiagnosis& diagnosis = *stage.faults;
-  failure.values.insert({{"fault", firstCause(diagnosis, stage)}, {"cure", firstCure(diagnosis)}});
+  std::vector<std::string> faults{firstCause(diagnosis, stage)}, cures{firstCure(diagnosis)};
+  for (auto cause = diagnosis.causes.begin() + 1; cause != diagnosis.causes.end(); ++cause) {
+    faults.push_back(sentence(*cause, stage));
+    cures.emplace_back(wordsOf(cause->fault).cure);
+  }
+  const std::string found =
+      faults.size() == 1
+          ? "one fault explains the residuals best: "
+          : fmt::format("{} faults explain the residuals, each tested with those before it: ",
+                        faults.size());
+  const bool one_cure = std::ranges::count(cures, cures.front()) == std::ssize(cures);
+  failure.values.insert(
+      {{"fault", found + numbered(faults)}, {"cure", one_cure ? cures.front() : numbered(cures)}});
   return failure;
 }
 

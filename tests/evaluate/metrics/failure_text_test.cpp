@@ -146,6 +146,16 @@ TEST(FailureText, AFailureOfOneCameraOfSeveralNamesIt) {
   EXPECT_THAT(textOf(f).message, ::testing::StartsWith("none of the 80 views of cam1 gives"));
 }
 
+TEST(FailureText, WhatElseFailedFollowsWithItsCure) {
+  const Failure f{FailureCode::kCamerasNotConverged,
+                  {{"iterations", 100},
+                   {"also", std::vector<std::string>{"cam1 alone: a", "cam2 alone: b"}},
+                   {"also_cures", std::vector<std::string>{"of cam1: mend a"}}}};
+  EXPECT_THAT(textOf(f).message, ::testing::EndsWith("100 iterations; also cam1 alone: a; also "
+                                                     "cam2 alone: b"));
+  EXPECT_THAT(textOf(f).cure, ::testing::EndsWith("sigma:4; of cam1: mend a"));
+}
+
 TEST(FailureText, ASelectionComesBeforeTheCure) {
   const Failure few{FailureCode::kFocalLengthFree,
                     {{"camera", "cam0"},

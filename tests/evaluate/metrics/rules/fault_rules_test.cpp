@@ -124,6 +124,34 @@ TEST(FaultRules, OfTwoFaultsThatAreNotToldApartTheWorseCounts) {
   EXPECT_EQ(level(), VerdictLevel::kCaution);
 }
 
+// Further causes were tested with the first in the model.
+TEST(FaultRules, ABatchThatDoesNotConvergeNamesAllThatWasFoundInItsOrder) {
+  CameraImuStageResult stage;
+  stage.frames.push_back({0, {0}});
+  FaultTest test;
+  test.fault = UnmodelledFault::kGyroBiasJump;
+  test.estimate = test.std = Eigen::Vector3d::Constant(1e-3);
+  FaultDiagnosis& faults = stage.faults.emplace();
+  faults.causes = {test};
+  EXPECT_THAT(textOf(notConverged(stage)).message,
+              ::testing::HasSubstr("; where it stopped, one fault explains the residuals best: "
+                                   "jump of the gyroscope's bias: "));
+  test.fault = UnmodelledFault::kAccelBiasJump;
+  faults.causes.push_back(test);
+  EXPECT_THAT(textOf(notConverged(stage)).cure, ::testing::StartsWith("look for a sensor that"))
+      << "one cure for both";
+  test.fault = UnmodelledFault::kTargetMoved;
+  faults.causes.push_back(test);
+  const FailureText told = textOf(notConverged(stage));
+  EXPECT_THAT(told.message,
+              ::testing::AllOf(
+                  ::testing::HasSubstr("; where it stopped, 3 faults explain the residuals, each "
+                                       "tested with those before it: (1) jump of the gyroscope's"),
+                  ::testing::HasSubstr("; (2) jump of the accelerometer's bias: "),
+                  ::testing::HasSubstr("; (3) displacement of the target")));
+  EXPECT_THAT(told.cure, ::testing::HasSubstr("; (3) fix the target and record again"));
+}
+
 TEST(FaultRules, GivenCamerasThatDoNotSuitAreNamedAndTheGyroscopeIsNotBlamed) {
   CalibrationRecord record;
   CameraImuStageResult& stage = record.camera_imu.emplace();
