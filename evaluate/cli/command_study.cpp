@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -17,7 +16,7 @@
 #include "evaluate/cli/commands.h"
 #include "evaluate/cli/options/result_options.h"
 #include "evaluate/cli/options/shared_options.h"
-#include "evaluate/cli/options/trajectory_metric_options.h"
+#include "evaluate/cli/options/study_command_options.h"
 #include "evaluate/cli/terminal.h"
 #include "evaluate/results/provenance.h"
 #include "evaluate/study/engine/engines.h"
@@ -41,52 +40,6 @@ struct StudyOptions {
   JsonOption json;
   FailOnOption fail_on;
 };
-
-// What a study decides itself, or what no result depends on.
-void refuseReserved(const std::string& option) {
-  for (const char* name : {"out", "force", "threads", "cache", "no-cache", "target", "target-shape",
-                           "no-report", "json", "fail-on", "session"}) {
-    if (option == name)
-      throw InputError(fmt::format(
-          "--{} is set by the study itself; remove it from the study's options", option));
-  }
-}
-
-/// A line of a command's options after `start`, as CLI11 takes a vector.
-std::vector<std::string> lineOf(std::vector<std::string> start,
-                                const StudyCommandOptions& options) {
-  for (const auto& [option, words] : options) {
-    start.push_back("--" + option);
-    if (!words.empty()) start.push_back(words);
-  }
-  std::reverse(start.begin(), start.end());
-  return start;
-}
-
-/// Options of `plumbline calibrate`, as its own command line takes them: what it would refuse in
-/// the night is refused before it begins.
-void checkCalibrate(const StudyCommandOptions& options) {
-  // Given cameras have their models: the plan gives those of the study to steps without them.
-  StudyCommandOptions models, others;
-  for (const auto& option : options) {
-    refuseReserved(option.first);
-    (option.first == "models" ? models : others).push_back(option);
-  }
-  for (const StudyCommandOptions& together : {models, others}) {
-    checkCalibrateLine(lineOf({"session", "--out", "result"}, together));
-  }
-}
-
-/// How a trajectory's errors are measured, as `plumbline evaluate trajectory` takes it.
-void checkTrajectory(const StudyCommandOptions& options) {
-  CLI::App app;
-  TrajectoryMetricWords metrics;
-  declareTrajectoryMetrics(app, metrics);
-  declareCoverage(app, metrics);
-  parseReversed(app, "evaluate trajectory", lineOf({}, options));
-  // Numbers were checked as they were parsed; words are where they are read.
-  (void)judgedAs(metrics);
-}
 
 std::string timeText(double seconds) {
   // Rounded first: 59.7 s are a minute, and not 60 s.
@@ -139,7 +92,7 @@ NightRequest nightRequest(const StudyOptions& o, const CLI::App& app) {
   NightRequest request;
   request.study = o.study;
   request.out = o.out;
-  request.checks = {checkCalibrate, checkTrajectory};
+  request.checks = {checkCalibrateOptions, checkTrajectoryOptions};
   request.redo_failed = o.redo_failed;
   request.recheck = o.recheck;
   // Whatever the engine: the jobs of a night on Slurm do not hold its lock. The merging job is one.
