@@ -128,9 +128,9 @@ void appendEscaped(std::string& text, std::uint32_t code) {
   } else if (code == '\t') {
     text += "\\t";
   } else if (code < 0x100) {
-    fmt::format_to(std::back_inserter(text), "\\x{:02x}", code);
+    text += fmt::format("\\x{:02x}", code);
   } else {
-    fmt::format_to(std::back_inserter(text), "\\u{:04x}", code);
+    text += fmt::format("\\u{:04x}", code);
   }
 }
 

@@ -2,7 +2,6 @@
 #include "datasets/session/session_writer.h"
 
 #include <algorithm>
-#include <iterator>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -68,7 +67,7 @@ Json jsonOf(const InjectedFault& injected) {
 }
 
 void appendVector(std::string& text, const Eigen::Vector3d& v) {
-  for (const double value : v) fmt::format_to(std::back_inserter(text), ",{:.12g}", value);
+  for (const double value : v) text += fmt::format(",{:.12g}", value);
 }
 
 // Of every view, those without a corner too: by the list the reader knows the frames that saw no
@@ -76,7 +75,7 @@ void appendVector(std::string& text, const Eigen::Vector3d& v) {
 std::string frameList(const CameraStream& camera) {
   std::string text = "#timestamp [ns],filename\n";
   for (const ImageView& view : camera.views) {
-    fmt::format_to(std::back_inserter(text), "{0},{0}.png\n", view.t);
+    text += fmt::format("{0},{0}.png\n", view.t);
   }
   return text;
 }
@@ -88,8 +87,7 @@ std::string cornerList(const CameraStream& camera, const char* id) {
   std::string text = fmt::format("#timestamp [ns],{},u [px],v [px]\n", id);
   for (const ImageView& view : camera.views) {
     for (const Corner& c : view.corners) {
-      fmt::format_to(std::back_inserter(text), "{},{},{:.9f},{:.9f}\n", view.t, c.id, c.uv.x(),
-                     c.uv.y());
+      text += fmt::format("{},{},{:.9f},{:.9f}\n", view.t, c.id, c.uv.x(), c.uv.y());
     }
   }
   return text;
@@ -114,8 +112,8 @@ std::string sampleList(const ImuStream& imu) {
       "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
       "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
   for (const ImuSample& s : imu.samples) {
-    fmt::format_to(std::back_inserter(text), "{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g}\n",
-                   s.t, s.gyro.x(), s.gyro.y(), s.gyro.z(), s.accel.x(), s.accel.y(), s.accel.z());
+    text += fmt::format("{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g}\n", s.t, s.gyro.x(),
+                        s.gyro.y(), s.gyro.z(), s.accel.x(), s.accel.y(), s.accel.z());
   }
   return text;
 }
@@ -175,9 +173,9 @@ std::string trajectoryCsv(const SimulatedSession& simulated) {
     const MotionState m = simulated.motionAtImuTime(samples[i].t);
     const Transform T_WS = T_WF * m.T_FB;
     const Eigen::Quaterniond q = T_WS.quaternion();
-    fmt::format_to(std::back_inserter(text), "{}", samples[i].t);
+    text += fmt::format("{}", samples[i].t);
     appendVector(text, T_WS.t);
-    fmt::format_to(std::back_inserter(text), ",{:.12g}", q.w());
+    text += fmt::format(",{:.12g}", q.w());
     appendVector(text, q.vec());
     appendVector(text, T_WF.R * m.v_F);
     appendVector(text, simulated.biases[i].gyro);

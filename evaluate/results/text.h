@@ -17,10 +17,12 @@ namespace plumbline {
 /// What a summary or a table is written into; fmt::to_string() gives the text.
 using Text = fmt::memory_buffer;
 
-/// Appends; format and arguments as fmt::format() has them.
+/// Appends; format and arguments as fmt::format() has them. Not by fmt::format_to(), for which
+/// fmt's writers of numbers are compiled again in every unit: those of fmt::format() are in its
+/// library.
 template <class... Args>
 void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+  text.append(fmt::format(format, std::forward<Args>(args)...));
 }
 
 /// What stands between blanks and line ends.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <string>
 
 #include <fmt/format.h>
@@ -20,9 +19,9 @@ namespace {
 std::string motionCaptureCsv(const Trajectory& trajectory) {
   std::string text = "#timestamp [ns], p_x [m], p_y [m], p_z [m], q_w [], q_x [], q_y [], q_z []\n";
   for (const StampedPose& pose : trajectory.poses) {
-    fmt::format_to(std::back_inserter(text),
-                   "{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g}\n", pose.t, pose.p.x(),
-                   pose.p.y(), pose.p.z(), pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z());
+    text +=
+        fmt::format("{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g}\n", pose.t, pose.p.x(),
+                    pose.p.y(), pose.p.z(), pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z());
   }
   return text;
 }

@@ -2,7 +2,6 @@
 #include "evaluate/simulation/operated_session.h"
 
 #include <algorithm>
-#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -219,10 +218,9 @@ std::string suggestionsCsv(const std::vector<Suggestion>& suggestions) {
   std::string text = "#t_ns,stage,id,tx [m],ty [m],tz [m],qx,qy,qz,qw,camera\n";
   for (const Suggestion& s : suggestions) {
     const Eigen::Quaterniond q = s.T_FC0.quaternion();
-    fmt::format_to(std::back_inserter(text),
-                   "{},{},{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g},{}\n", s.t,
-                   toString(s.stage), s.id, s.T_FC0.t.x(), s.T_FC0.t.y(), s.T_FC0.t.z(), q.x(),
-                   q.y(), q.z(), q.w(), s.camera);
+    text += fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.12g},{:.12g},{:.12g},{:.12g},{}\n", s.t,
+                        toString(s.stage), s.id, s.T_FC0.t.x(), s.T_FC0.t.y(), s.T_FC0.t.z(), q.x(),
+                        q.y(), q.z(), q.w(), s.camera);
   }
   return text;
 }

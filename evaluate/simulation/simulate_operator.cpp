@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/simulation/simulate_operator.h"
 
-#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -47,9 +46,8 @@ std::string posesCsv(const OperatedSession& made) {
   for (std::size_t k = 0; k < views.size(); ++k) {
     const Transform& T = made.T_FC0[k];
     const Eigen::Quaterniond q = T.quaternion();
-    fmt::format_to(std::back_inserter(text),
-                   "{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g}\n", views[k].t,
-                   T.t.x(), T.t.y(), T.t.z(), q.x(), q.y(), q.z(), q.w());
+    text += fmt::format("{},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g},{:.12g}\n", views[k].t,
+                        T.t.x(), T.t.y(), T.t.z(), q.x(), q.y(), q.z(), q.w());
   }
   return text;
 }

@@ -2,7 +2,6 @@
 #include "evaluate/simulation/simulate_sequence.h"
 
 #include <algorithm>
-#include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
@@ -24,8 +23,7 @@ std::string landmarksCsv(const std::vector<Eigen::Vector3d>& landmarks) {
   std::string text = "#landmark_id,x [m],y [m],z [m]\n";
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Eigen::Vector3d& p = landmarks[i];
-    fmt::format_to(std::back_inserter(text), "{},{:.12g},{:.12g},{:.12g}\n", i, p.x(), p.y(),
-                   p.z());
+    text += fmt::format("{},{:.12g},{:.12g},{:.12g}\n", i, p.x(), p.y(), p.z());
   }
   return text;
 }
@@ -34,7 +32,7 @@ std::string landmarksCsv(const std::vector<Eigen::Vector3d>& landmarks) {
 std::string tracksCsv(const std::vector<int>& landmark_of) {
   std::string text = "#track_id,landmark_id\n";
   for (std::size_t i = 0; i < landmark_of.size(); ++i) {
-    fmt::format_to(std::back_inserter(text), "{},{}\n", i, landmark_of[i]);
+    text += fmt::format("{},{}\n", i, landmark_of[i]);
   }
   return text;
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -139,8 +138,7 @@ std::string studyYaml(const StudySimulationOptions& o, const std::vector<Visit>&
       "sessions:\n",
       o.participants, o.seed, kRig, o.limitS());
   for (const Visit& v : visits) {
-    fmt::format_to(
-        std::back_inserter(text),
+    text += fmt::format(
         "  - {{name: {0}, participant: {1}, method: {2}, period: {3}, path: sessions/{0}, "
         "capture_s: {4}, finished: {5}, stages_s: {{camera: {6}, camera_imu: {7}}}}}\n",
         v.visit->name, v.person->name, v.visit->method, v.visit->period, v.made.capture_s,
