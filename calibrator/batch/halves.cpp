@@ -7,9 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include <boost/math/distributions/chi_squared.hpp>
-
 #include "calibrator/base/parallel.h"
+#include "calibrator/base/statistics/distributions.h"
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/board/target.h"
 #include "calibrator/batch/camera/common_error.h"
@@ -107,9 +106,7 @@ std::array<FrameSegment, 2> halvesOf(std::size_t frames) {
 
 }  // namespace
 
-double chiSquare99(double degrees) {
-  return boost::math::quantile(boost::math::chi_squared(degrees), 0.99);
-}
+double chiSquare99(double degrees) { return chiSquaredQuantile(degrees, 0.99); }
 
 HalvesBlock compareHalves(const HalvesDifference& block) {
   const auto p = static_cast<double>(block.difference.size());

@@ -5,25 +5,22 @@
 #include <cmath>
 #include <limits>
 
-#include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
+#include "calibrator/base/statistics/distributions.h"
 
 namespace plumbline {
 
 double halfWidth95(double std, double dof) {
   if (std::isnan(std) || !(dof > 0)) return std::numeric_limits<double>::quiet_NaN();
   constexpr double kUpper = 0.975;
-  return std * (std::isinf(dof) ? boost::math::quantile(boost::math::normal(), kUpper)
-                                : boost::math::quantile(boost::math::students_t(dof), kUpper));
+  return std * (std::isinf(dof) ? normalQuantile(kUpper) : studentsQuantile(dof, kUpper));
 }
 
 double normalDeviate(double difference, const EstimatedVariance& variance) {
   const double t = std::abs(difference) / std::sqrt(variance.value), dof = variance.dof;
   if (std::isnan(t) || !(dof > 0)) return std::numeric_limits<double>::quiet_NaN();
   if (std::isinf(dof)) return t;
-  const double beyond = boost::math::cdf(boost::math::complement(boost::math::students_t(dof), t));
-  return boost::math::quantile(boost::math::complement(
-      boost::math::normal(), std::max(beyond, std::numeric_limits<double>::min())));
+  const double beyond = studentsTail(dof, t);
+  return normalTailQuantile(std::max(beyond, std::numeric_limits<double>::min()));
 }
 
 double standardError(const std::vector<double>& values) {

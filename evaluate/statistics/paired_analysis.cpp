@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <boost/math/distributions/normal.hpp>
-
 #include "calibrator/base/option_check.h"
+#include "calibrator/base/statistics/distributions.h"
 #include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
@@ -108,14 +107,13 @@ std::optional<BootstrapInterval> bcaInterval(const Groups& groups, const Statist
           *std::max_element(values.begin(), values.end())) {
     return std::nullopt;
   }
-  const boost::math::normal_distribution<double> normal;
   // Efron's z0: how far the estimate is from the median of the resampled ones, in deviations.
-  const double bias = quantile(normal, share);
+  const double bias = normalQuantile(share);
   const double a = acceleration(groups, statistic);
   // Efron's BCa end: the quantile at Phi(z0 + (z0 + z_tail) / (1 - a (z0 + z_tail))).
   const auto end = [&](double tail) {
-    const double z = bias + quantile(normal, tail);
-    return plumbline::quantile(values, cdf(normal, bias + z / (1 - a * z)));
+    const double z = bias + normalQuantile(tail);
+    return quantile(values, normalShare(bias + z / (1 - a * z)));
   };
   const double tail = (1 - options.confidence) / 2;
   return BootstrapInterval{estimate, end(tail), end(1 - tail)};

@@ -7,8 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include <boost/math/distributions/fisher_f.hpp>
-
+#include "calibrator/base/statistics/distributions.h"
 #include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
@@ -167,7 +166,7 @@ QuadeTest quade(const std::vector<std::vector<double>>& blocks) {
     return test;
   }
   test.statistic = (n - 1) * between / (total - between);
-  test.p = cdf(complement(boost::math::fisher_f(test.dof1, test.dof2), test.statistic));
+  test.p = fisherTail(test.dof1, test.dof2, test.statistic);
   return test;
 }
 

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <map>
 
-#include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
 
+#include "calibrator/base/statistics/distributions.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/statistics/study_statistics.h"
@@ -98,14 +98,13 @@ StudySpread spreadOf(const std::string& method, const std::string& parameter, co
     s.farthest = x.sessions[i];
   }
   const auto dof = static_cast<double>(s.sessions - 1);
-  const boost::math::chi_squared distribution(dof);
   s.std = sampleStatistics(x.values, 1).std;
   // The root of the mean variance: what the spread would be on average, were the deviations true.
   s.stated_std = sampleStatistics(x.stated).rmse;
   s.ratio = std::sqrt(chi2 / dof);
   // Of sqrt(chi^2 / dof) under true deviations and normal errors, 95 %.
-  s.low = std::sqrt(boost::math::quantile(distribution, kTail) / dof);
-  s.high = std::sqrt(boost::math::quantile(complement(distribution, kTail)) / dof);
+  s.low = std::sqrt(chiSquaredQuantile(dof, kTail) / dof);
+  s.high = std::sqrt(chiSquaredTailQuantile(dof, kTail) / dof);
   return s;
 }
 

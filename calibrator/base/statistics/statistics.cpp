@@ -5,8 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
+#include "calibrator/base/statistics/distributions.h"
 
 namespace plumbline {
 
@@ -107,8 +106,7 @@ double halfWidth90(double std, double dof) {
   if (std::isnan(std) || !(dof > 0)) return std::numeric_limits<double>::quiet_NaN();
   // Two-sided: 5 % are left at either end.
   constexpr double kUpper = 0.95;
-  return std * (std::isinf(dof) ? boost::math::quantile(boost::math::normal(), kUpper)
-                                : boost::math::quantile(boost::math::students_t(dof), kUpper));
+  return std * (std::isinf(dof) ? normalQuantile(kUpper) : studentsQuantile(dof, kUpper));
 }
 
 std::optional<VectorXd> halfWidths90(const std::optional<VectorXd>& std,

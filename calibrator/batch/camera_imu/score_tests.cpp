@@ -6,9 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include <boost/math/distributions/fisher_f.hpp>
-#include <boost/math/distributions/normal.hpp>
-
+#include "calibrator/base/statistics/distributions.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/information/cluster_robust.h"
 #include "calibrator/linear/dense.h"
@@ -111,9 +109,8 @@ double significanceOf(double chi2, int dof) {
 
 double significanceBound(double deviations, int dof, std::size_t blocks) {
   constexpr double kDispersions = 3;
-  const boost::math::fisher_f chance(dof, kDispersions * (static_cast<double>(blocks) - 1));
-  const double tail = boost::math::cdf(complement(boost::math::normal(), deviations));
-  const double chi2 = dof * boost::math::quantile(complement(chance, tail));
+  const double dispersion_dof = kDispersions * (static_cast<double>(blocks) - 1);
+  const double chi2 = dof * fisherTailQuantile(dof, dispersion_dof, normalTail(deviations));
   return std::max(deviations, significanceOf(chi2, dof));
 }
 

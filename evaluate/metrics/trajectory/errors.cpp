@@ -5,8 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include <boost/math/distributions/chi_squared.hpp>
-
+#include "calibrator/base/statistics/distributions.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/trajectory/association.h"
 
@@ -105,13 +104,12 @@ constexpr double kConfidence = 0.95;
 NeesRecord recordOf(const char* part, int dof, double sum, std::size_t count) {
   const auto n = static_cast<double>(count);
   const double tail = (1 - kConfidence) / 2;
-  const boost::math::chi_squared sum_of_squares(n * dof);
   NeesRecord record;
   record.part = part;
   record.dof = dof;
   record.mean = sum / n;
-  record.lower = boost::math::quantile(sum_of_squares, tail) / n;
-  record.upper = boost::math::quantile(boost::math::complement(sum_of_squares, tail)) / n;
+  record.lower = chiSquaredQuantile(n * dof, tail) / n;
+  record.upper = chiSquaredTailQuantile(n * dof, tail) / n;
   record.confidence = kConfidence;
   if (record.mean > record.upper) record.reading = NeesReading::kOverconfident;
   if (record.mean < record.lower) record.reading = NeesReading::kCautious;

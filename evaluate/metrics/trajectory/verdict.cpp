@@ -11,10 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include <boost/math/distributions/binomial.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
+#include "calibrator/base/statistics/distributions.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/headline.h"
@@ -172,8 +171,8 @@ std::optional<double> sequencesNeeded(const std::vector<double>& means) {
   // A deviation of two differences is no basis to plan by; no difference needs no number.
   if (s.n < 3 || s.mean == 0) return std::nullopt;
   const auto suffices = [&s](double sequences) {
-    const boost::math::students_t t(sequences - 1);
-    const double quantiles = boost::math::quantile(t, 0.975) + boost::math::quantile(t, 0.8);
+    const double dof = sequences - 1;
+    const double quantiles = studentsQuantile(dof, 0.975) + studentsQuantile(dof, 0.8);
     return quantiles * s.std <= std::abs(s.mean) * std::sqrt(sequences);
   };
   // By normal quantiles, which are smaller, it is two sequences less: from there upwards. Of a
@@ -306,9 +305,9 @@ Verdict trajectoryVerdict(const TrajectoryStudy& study) {
 
 double signTest(std::size_t successes, std::size_t n) {
   if (n == 0) return 1;
-  const boost::math::binomial_distribution<double> coin(static_cast<double>(n), 0.5);
   // Twice the smaller tail; the two overlap where successes are half of n.
-  return std::min(1.0, 2 * cdf(coin, static_cast<double>(std::min(successes, n - successes))));
+  const auto fewer = static_cast<double>(std::min(successes, n - successes));
+  return std::min(1.0, 2 * coinShare(static_cast<double>(n), fewer));
 }
 
 std::vector<PairedDifference> pairedDifferences(const std::vector<TrajectoryRun>& runs) {
