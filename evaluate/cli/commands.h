@@ -57,6 +57,9 @@ auto withOptions(void (*declare)(CLI::App&, Options&), Run run) {
   };
 }
 
+/// The program: parses the command line, runs the command that was chosen, returns the exit code.
+int runProgram(int argc, char** argv);
+
 Command simulateCommand();
 Command importCommand();
 Command detectCommand();

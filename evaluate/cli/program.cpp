@@ -164,7 +164,9 @@ int runChosen(const CLI::App& app, const std::function<int()>& chosen) {
 // quarter (127 against 102 MB for both stages of a stereo recording of 72 s).
 void returnFreedArrays() { mallopt(M_MMAP_THRESHOLD, 256 * 1024); }
 
-int run(int argc, char** argv) {
+}  // namespace
+
+int runProgram(int argc, char** argv) {
   returnFreedArrays();
   keepCommandLine({argv, argv + argc});
   // Before any file is opened, which would take the place of a stream that is closed; and the
@@ -196,7 +198,4 @@ int run(int argc, char** argv) {
   return closeOutput() || exit_code != kDone ? exit_code : kFailed;
 }
 
-}  // namespace
 }  // namespace plumbline
-
-int main(int argc, char** argv) { return plumbline::run(argc, argv); }
