@@ -67,12 +67,14 @@ set(PLUMBLINE_COMMON_HEADERS
     ${PLUMBLINE_BASE}/calibration.h ${PLUMBLINE_BASE}/error.h
     ${PLUMBLINE_BASE}/results.h)
 
-# Libraries share two sets: calibrator's (which the sanitizer build optimises), and that above it.
+# Libraries and the tests' helpers share two sets: calibrator's (which the sanitizer build optimises), and that above
+# it, whose branches are counted there. clang++ shares a set between what is optimised, no matter how far.
 function(plumbline_precompile_library target)
   if(NOT PLUMBLINE_PRECOMPILE)
     return()
   endif()
-  if(target STREQUAL "plumbline_calibrator")
+  get_target_property(options ${target} COMPILE_OPTIONS)
+  if(target STREQUAL "plumbline_calibrator" OR (PLUMBLINE_READER_OPTIONS AND NOT "${options}" MATCHES "fuzzer-no-link"))
     set(headers plumbline_calibrator_headers)
     if(NOT TARGET ${headers})
       plumbline_headers(${headers} HEADERS ${PLUMBLINE_COMMON_HEADERS}
