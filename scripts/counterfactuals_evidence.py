@@ -8,7 +8,8 @@ prints the tables of docs/counterfactuals.md.
 
 Outputs are kept in --out, one file per pool, and not made again. --shape is the board's own shape, best
 from another recording (`plumbline calibrate OTHER --target-shape auto` writes it); pools named "bent"
-know it, those named "flat" take the board as target.yaml has it.
+know it, those named "flat" take the board as target.yaml has it. The file's tag_edge is another
+recording's and detector's: set it to 0 where these differ.
 """
 
 import argparse
