@@ -153,7 +153,9 @@ std::optional<HalvesCheck> checkCameraHalves(const Session& session, const Camer
   if (!first || !second) return std::nullopt;
   const Eigen::VectorXd d = cameraDifference(second->estimate, first->estimate);
   // One error of the detector moves both, but each as its own views answer to it.
-  const Eigen::MatrixXd moves = second->moves - first->moves;
+  const bool known = first->moves.cols() > 0 && first->moves.cols() == second->moves.cols();
+  const Eigen::MatrixXd moves =
+      known ? second->moves - first->moves : Eigen::MatrixXd::Zero(d.size(), 0).eval();
   HalvesCheck check;
   check.split = whole.frames[segments[1].first].t;
   for (Place& place : placesOf(whole, CameraLayout(first->estimate))) {

@@ -29,7 +29,9 @@ std::optional<Eigen::MatrixXd> responseTo(const CameraImuStageResult& stage, Eig
 std::optional<RobustDeviations> robustDeviationsOfBothStages(
     const CameraStageResult& camera, const CameraImuStageResult& camera_imu) {
   if (!camera.robust_covariance) return std::nullopt;
-  const RobustCovariance& cameras = *camera.robust_covariance;
+  // The same corners are displaced in both stages, and poses stay where the cameras take the whole
+  // displacement: what that part would add alone is no bound of either side.
+  const RobustCovariance cameras = camera.robust_covariance->withoutCommon();
   const auto J = responseTo(camera_imu, cameras.matrix.rows());
   if (!J || !camera_imu.faults->robust_dof) return std::nullopt;
   const FaultDiagnosis& own = *camera_imu.faults;

@@ -20,9 +20,10 @@ namespace plumbline {
 /// the cameras' parameters, or of these and the board's terms. It adds without cross terms: corners
 /// reach T_SC0 through the poses of the target alone, while cameras and board are estimated from
 /// what poses leave of the same corners, so that white noise in the two is uncorrelated (two-step
-/// estimation: Murphy and Topel 1985). The degrees of freedom are those of such a sum (sumOf()), of
-/// v_2 those of the rows of J as combinations of cameras and board. Empty where either stage has no
-/// robust deviations, or J is empty or of other cameras.
+/// estimation: Murphy and Topel 1985). The corners' common error is not, and is left out. The
+/// degrees of freedom are those of such a sum (sumOf()), of v_2 those of the rows of J as
+/// combinations of cameras and board. Empty where either stage has no robust deviations, or J is
+/// empty or of other cameras.
 std::optional<RobustDeviations> robustDeviationsOfBothStages(
     const CameraStageResult& camera, const CameraImuStageResult& camera_imu);
 

@@ -127,7 +127,6 @@ class SessionStages {
   static Result<CameraStageResult> calibrated(const LoadedSession& loaded, TargetMode mode,
                                               CameraStageOptions options) {
     options.target = mode;
-    options.common_error_share = loaded.common_error_share;
     // As in calibrateSession(): one model named is that of every camera.
     if (options.models.size() == 1) {
       options.models.resize(loaded.session.cameras.size(), options.models.front());

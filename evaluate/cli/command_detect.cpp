@@ -68,7 +68,7 @@ int detect(const DetectOptions& o, const CLI::App& app) {
   }
   writeCornerSession(loaded.session, out.path());
   const std::string document = detectionDocument(loaded);
-  out.write("detection.json", document);
+  out.write(kDetectionFile, document);
   out.commit();
   if (json) json->write(document);
   if (o.json.piped()) {

@@ -154,6 +154,10 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
     loaded.detect_s = detecting.seconds();
     loaded.common_error_share = kDetectorCommonError;
   }
+  // `plumbline detect` leaves its document beside the corners that it found.
+  if (std::filesystem::exists(std::filesystem::path(request.session) / kDetectionFile)) {
+    loaded.common_error_share = kDetectorCommonError;
+  }
   for (const CameraStream& camera : recording.session.cameras) {
     loaded.counts.push_back(countsOf(camera));
   }

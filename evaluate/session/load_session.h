@@ -88,6 +88,9 @@ struct LoadRequest {
   void check() const;
 };
 
+/// Of `plumbline detect`, in the session that it writes.
+inline constexpr char kDetectionFile[] = "detection.json";
+
 struct LoadedSession {
   Session session;
   std::string target_path;           ///< files to name where the data contradict them
@@ -98,7 +101,7 @@ struct LoadedSession {
   std::optional<double> shown_spacing;  ///< of the target, by detectCorners(); empty: unknown
   std::string input_hash;               ///< "algorithm:hex" of the files that were read
   /// CameraStageOptions::common_error_share of its corners: of our own detector where it found some
-  /// of them, now or before (cache); 0 where all were given.
+  /// of them, now or before (cache, kDetectionFile); 0 where all were given.
   double common_error_share = 0;
   double load_s = 0;    ///< wall seconds of reading
   double detect_s = 0;  ///< and of detection

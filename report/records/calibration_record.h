@@ -115,8 +115,8 @@ struct Assumptions {
 void fields(auto& v, Assumptions& a) {
   v("pixel_sigma", a.pixel_sigma_px, "px", "standard deviation of a corner, per axis");
   v.ifSet("common_error_share", a.common_error_share,
-          "amplitude of what the detector does alike in all views, over the corners' noise, which "
-          "`robust_std` contains; absent: corners were given, nothing is known of it");
+          "amplitude of what the detector does alike in all views, over the RMS error of the "
+          "corners, which the camera stage's `robust_std` contains; absent: not counted");
   v("gravity_m_s2", a.gravity_m_s2, "m/s^2", "norm of gravity");
   v("loss", a.loss, "`none` or `cauchy:SCALE`, scale in px");
   v("imu_noise", a.imu_noise, "of the session, with an IMU");

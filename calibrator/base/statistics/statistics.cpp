@@ -138,6 +138,15 @@ EstimatedVariance RobustCovariance::variance(const VectorXd& combination) const 
   return sumOf({along(matrix) - certain, degrees.of(combination)}, {certain});
 }
 
+RobustCovariance RobustCovariance::withoutCommon() const {
+  RobustCovariance out = *this;
+  if (common.size() == 0) return out;
+  out.matrix -= common;
+  out.known -= common;
+  out.common = {};
+  return out;
+}
+
 RobustDeviations RobustCovariance::deviations(Index count) const {
   RobustDeviations out{matrix.diagonal().head(count).cwiseSqrt(), VectorXd(count)};
   for (Index k = 0; k < count; ++k) {

@@ -119,12 +119,16 @@ struct RobustCovariance {
   Eigen::MatrixXd matrix;  ///< in the order of CameraLayout
   /// What of it no block tells: a known board's, the corners' common error; empty: nothing.
   Eigen::MatrixXd known;
+  /// The part of `known` that the corners' common error has; empty: nothing.
+  Eigen::MatrixXd common;
   ClusterDegrees degrees;         ///< of the rest
   int blocks = 0;                 ///< M: the rest has rank M - 1 at most
   double correlation_frames = 1;  ///< correlation length of the scores [frames]
 
   /// Of a combination l' p of the parameters.
   EstimatedVariance variance(const Eigen::VectorXd& combination) const;
+  /// Of what scatters alone: for those who use the same corners again.
+  RobustCovariance withoutCommon() const;
   /// Of the first `count` parameters.
   RobustDeviations deviations(Eigen::Index count) const;
 };

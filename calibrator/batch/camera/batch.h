@@ -80,9 +80,10 @@ struct CameraStageOptions : MeasurementModel {
   /// Remainders of single corners, where degree 4 is kept and unseen frames ask for them too.
   bool target_corners = true;
 
-  /// What the corners' detector does alike in all views, over the corners' noise (RMS per axis,
-  /// after the loss): amplitude of each polynomial of a smooth displacement of a camera's image
-  /// (camera/common_error.h). Deviations that are not formal contain it. 0: nothing is known of it.
+  /// What the corners' detector does alike in all views: amplitude of each polynomial of a smooth
+  /// displacement of a camera's image, over the RMS of the corners' errors (commonErrorMoves() and
+  /// commonErrorPx() in camera/common_error.h). This stage's cluster-robust deviations contain it.
+  /// 0: nothing is known of it.
   double common_error_share = 0;
 
   FrameOptions frames;        ///< how views are paired

@@ -5,6 +5,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -25,19 +28,39 @@ struct Sample {
   CameraEstimate estimate;
 };
 
-Sample sampleOf(const CameraProblem& problem, const CameraEstimate& estimate) {
+/// Frames by the cameras that see them, each kind in order of time: evenly cut, all kinds are there
+/// as often as in the recording, whatever the cameras' rates.
+std::vector<int> framesByKind(const CameraProblem& problem) {
+  std::vector<int> order(problem.frames.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto kind = [&](int f) {
+    std::vector<bool> sees;
+    for (const int view : problem.frames[f].view) sees.push_back(view >= 0);
+    return sees;
+  };
+  std::ranges::stable_sort(order, {}, kind);
+  return order;
+}
+
+Sample sampleOf(const CameraProblem& problem, const CameraEstimate& estimate, int most) {
   Sample out{{}, problem, estimate};
-  const int all = problem.frameCount(), count = std::min(all, kMostFrames);
+  const std::vector<int> order = framesByKind(problem);
+  const int all = problem.frameCount(), count = std::min(all, most);
   out.problem.frames.clear();
   out.problem.weights.clear();
   out.problem.corners = {};
   out.problem.threads = 1;
-  // A share of the frames against the whole prior of the cameras would count that too much.
+  // A part of the frames goes with as much of what is known of the board; of cameras nothing is.
   out.problem.prior = nullptr;
+  if (problem.target) {
+    TargetModel target = *problem.target;
+    target.information *= static_cast<double>(count) / all;
+    out.problem.target = std::make_shared<const TargetModel>(std::move(target));
+  }
   out.estimate.T_C0F.clear();
   std::vector<std::vector<int>> views(problem.corners.size());
   for (int i = 0; i < count; ++i) {
-    const int f = i * all / count;
+    const int f = order[i * all / count];
     Frame frame = problem.frames[f];
     for (std::size_t c = 0; c < views.size(); ++c) {
       if (frame.view[c] < 0) continue;
@@ -71,23 +94,21 @@ FieldBox wholeImage(const Resolution& image) {
   return {centre, half, centre};
 }
 
-}  // namespace
-
-Eigen::MatrixXd commonErrorMoves(const CameraProblem& problem, const CameraEstimate& estimate,
-                                 double px) {
-  assert(px >= 0);
-  if (px == 0) return Eigen::MatrixXd::Zero(CameraLayout(estimate).size, 0);
-  const Sample sample = sampleOf(problem, estimate);
-  // Re-weighted squares (clamp 0): with weights that stay, the gradient is linear in the corners.
+/// For 1 px, of `most` frames; empty where these do not determine the cameras.
+std::optional<Eigen::MatrixXd> movesOf(const CameraProblem& problem, const CameraEstimate& estimate,
+                                       int most) {
+  const Sample sample = sampleOf(problem, estimate, most);
+  // Without loss the gradient is linear in the corners.
   const auto normalsOf = [&](const std::vector<PackedCorners>& corners) {
     CameraProblem at = sample.problem;
     at.corners = corners;
     return normalsAt(at, sample.estimate, {0, 0});
   };
   const CameraNormals as_measured = normalsOf(sample.corners);
+  const auto inverse = covarianceOf(reducedInformation(as_measured));
+  if (!inverse) return std::nullopt;
   const Eigen::VectorXd zero = reducedGradient(as_measured);
-  const int cameras = static_cast<int>(sample.corners.size());
-  const int columns = cameras * 2 * kFieldPolynomials;
+  const int columns = static_cast<int>(sample.corners.size()) * 2 * kFieldPolynomials;
   Eigen::MatrixXd C(zero.size(), columns);
   parallelCalls(columns, problem.threads, [&](int column) {
     const int c = column / (2 * kFieldPolynomials), k = column / 2 % kFieldPolynomials;
@@ -99,9 +120,20 @@ Eigen::MatrixXd commonErrorMoves(const CameraProblem& problem, const CameraEstim
     });
     C.col(column) = reducedGradient(normalsOf(corners)) - zero;
   });
-  const auto inverse = covarianceOf(reducedInformation(as_measured));
-  if (!inverse) return Eigen::MatrixXd::Zero(zero.size(), columns);
-  return -px * (*inverse * C);
+  return -*inverse * C;
+}
+
+}  // namespace
+
+Eigen::MatrixXd commonErrorMoves(const CameraProblem& problem, const CameraEstimate& estimate,
+                                 double px) {
+  assert(px >= 0);
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(CameraLayout(estimate).size, 0);
+  if (px == 0) return none;
+  auto moves = movesOf(problem, estimate, kMostFrames);
+  if (!moves) moves = movesOf(problem, estimate, problem.frameCount());
+  if (!moves) return none;
+  return px * *moves;
 }
 
 double commonErrorPx(const CameraProblem& problem, const CameraEstimate& estimate) {

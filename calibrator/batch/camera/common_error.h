@@ -16,12 +16,14 @@ namespace plumbline {
 /// recordings (M_1 - M_2) (M_1 - M_2)^T that of their difference. No residual shows such an error
 /// as far as the parameters take it, and no block of time or draw of a bootstrap varies it.
 ///
-/// Of at most 30 frames, evenly over the recording: S and C grow alike with the frames. Zero where
-/// these do not determine the cameras; without columns where px is 0.
+/// Without loss, a board's higher terms held. Of 30 frames, evenly over the recording and over the
+/// sets of cameras that see one, for S and C grow alike with frames that are alike; of all frames
+/// where these do not determine the cameras. Without columns where px is 0, or those do not either.
 Eigen::MatrixXd commonErrorMoves(const CameraProblem& problem, const CameraEstimate& estimate,
                                  double px);
 
-/// px by problem.common_error_share of the corners' noise: RMS per axis, after the loss.
+/// px by problem.common_error_share: times the RMS of the corners' errors per axis, after the loss,
+/// of all cameras together (what the lens and the board misfit is in it).
 double commonErrorPx(const CameraProblem& problem, const CameraEstimate& estimate);
 
 }  // namespace plumbline

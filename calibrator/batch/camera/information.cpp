@@ -167,7 +167,8 @@ std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
   if (problem.common_error_share > 0) {
     const Eigen::MatrixXd moves =
         commonErrorMoves(problem, solution.estimate, commonErrorPx(problem, solution.estimate));
-    addKnown(moves * moves.transpose());
+    out.common = moves * moves.transpose();
+    addKnown(out.common);
   }
   return out;
 }

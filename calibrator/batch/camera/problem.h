@@ -89,7 +89,7 @@ struct CameraProblem {
   double pixel_sigma = 1;       ///< [px]
   GramOptions gram{0, 0};       ///< of which the solver chooses triggs_clamp by itself
   int threads = 1;
-  /// Amplitude of an error that all views share, over the corners' noise (robustCovariance()).
+  /// Amplitude of an error that all views share, over their RMS error (robustCovariance()).
   double common_error_share = 0;
   /// The board whose terms the estimate has.
   std::shared_ptr<const TargetModel> target;

@@ -373,11 +373,12 @@ Failure notConverged(const CameraImuStageResult& stage) {
     faults.push_back(sentence(*cause, stage));
     cures.emplace_back(wordsOf(cause->fault).cure);
   }
-  const std::string found =
-      faults.size() == 1
-          ? "one fault explains the residuals best: "
-          : fmt::format("{} faults explain the residuals, each tested with those before it: ",
-                        faults.size());
+  const std::string found = faults.size() == 1
+                                ? "one fault explains the residuals best: "
+                                : fmt::format(
+                                      "{} faults explain the residuals, found one after the other, "
+                                      "each beside those before it: ",
+                                      faults.size());
   const bool one_cure = std::ranges::count(cures, cures.front()) == std::ssize(cures);
   failure.values.insert(
       {{"fault", found + numbered(faults)}, {"cure", one_cure ? cures.front() : numbered(cures)}});

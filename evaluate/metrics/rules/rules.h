@@ -64,8 +64,8 @@ std::string selectionNote(const CalibrationRecord& record, std::optional<int> ca
 std::string adviceOnViews(const CalibrationRecord& record, const char* advice,
                           std::optional<int> camera = {});
 
-/// kCameraImuNotConverged of a stage that did not; with the fault that explains its residuals best,
-/// where one is significant.
+/// kCameraImuNotConverged of a stage that did not; with the faults that explain its
+/// residuals, where some are significant.
 Failure notConverged(const CameraImuStageResult& stage);
 
 /// Whether the recording tests the target's size, by the batch or by the linear fit, at least to

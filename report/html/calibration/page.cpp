@@ -110,17 +110,17 @@ std::string parametersLead(const CalibrationRecord& record) {
   if (record.held) return heldLead(*record.held);
   const auto hasSpread = [](const auto& spread) { return spread && !spread->names.empty(); };
   const bool bootstrap = hasSpread(record.camera_resample) || hasSpread(record.camera_imu_resample);
-  // Of the cameras' corners: with given cameras no stage has estimated any.
-  const bool shared = record.camera && record.assumptions.common_error_share > 0;
+  const bool shared = record.camera && record.camera->summary.robust_std &&
+                      record.assumptions.common_error_share > 0;
   return std::string(
              "Std is cluster-robust where a formal one is listed too: it is computed from the "
              "scores of blocks of the recording, and remains valid where the errors of "
              "neighbouring frames are correlated. ") +
          (shared
               ? fmt::format(
-                    "It includes an error of the detector that is the same in all images: {:g} % "
-                    "of the corners' noise for every smooth component, as measured on rendered "
-                    "images. ",
+                    "That of the camera stage's parameters includes what the detector does alike "
+                    "in all images: smooth shifts of the corners, each of {:g} % of the "
+                    "reprojection error, as measured on rendered images. ",
                     100 * record.assumptions.common_error_share)
               : "It does not include what the detector does alike in all images. ") +
          std::string(

@@ -140,6 +140,34 @@ TEST(CommonError, MakesHalvesThatAllHaveItDifferByNoMoreThanTheirViews) {
   }
 }
 
+/// Standard deviations under 0.01 px.
+Eigen::VectorXd deviationsOf(const Session& session) {
+  const CameraStageResult result = calibrateCameras(session, withoutLoss()).value();
+  const auto corners = usedCorners(session, result.frames, result.residuals);
+  const CameraProblem problem = problemOf(corners, result.frames, withoutLoss());
+  const CameraEstimate estimate = estimateOf(result.cameras, result.T_FC0);
+  return commonErrorMoves(problem, estimate, 0.01).rowwise().norm();
+}
+
+// 120 frames, of which every fourth would be asked: none of those has camera 1.
+TEST(CommonError, IsKnownWhereCamerasHaveUnlikeRates) {
+  const SimulatedSession s = stereoRecording(0.1, 30);
+  Session slow = s.session;
+  auto& views = slow.cameras[1].views;
+  for (std::size_t i = 0; i < views.size(); i += 2) views[i].corners.clear();
+  const Eigen::VectorXd all = deviationsOf(s.session), half = deviationsOf(slow);
+  for (Eigen::Index k = 0; k < all.size(); ++k) EXPECT_NEAR(half[k], all[k], 0.5 * all[k]) << k;
+}
+
+TEST(CommonError, IsKnownOfOneCamera) {
+  const SimulatedSession s = stereoRecording(0.1);
+  Session mono = s.session;
+  mono.cameras.resize(1);
+  const Eigen::VectorXd deviations = deviationsOf(mono);
+  EXPECT_EQ(deviations.size(), 8);
+  EXPECT_GT(deviations.minCoeff(), 0);
+}
+
 TEST(CommonError, DoesNotDependOnThreads) {
   const SimulatedSession s = stereoRecording(0.2);
   const CameraStageResult result = calibrateCameras(s.session, withoutLoss()).value();
