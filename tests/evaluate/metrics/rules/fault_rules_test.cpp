@@ -143,12 +143,14 @@ TEST(FaultRules, ABatchThatDoesNotConvergeNamesAllThatWasFoundInItsOrder) {
   test.fault = UnmodelledFault::kTargetMoved;
   faults.causes.push_back(test);
   const FailureText told = textOf(notConverged(stage));
-  EXPECT_THAT(told.message,
-              ::testing::AllOf(
-                  ::testing::HasSubstr("; where it stopped, 3 faults explain the residuals, each "
-                                       "tested with those before it: (1) jump of the gyroscope's"),
-                  ::testing::HasSubstr("; (2) jump of the accelerometer's bias: "),
-                  ::testing::HasSubstr("; (3) displacement of the target")));
+  EXPECT_THAT(
+      told.message,
+      ::testing::AllOf(
+          ::testing::HasSubstr(
+              "; where it stopped, 3 faults explain the residuals, found one after the other, each "
+              "beside those before it: (1) jump of the gyroscope's"),
+          ::testing::HasSubstr("; (2) jump of the accelerometer's bias: "),
+          ::testing::HasSubstr("; (3) displacement of the target")));
   EXPECT_THAT(told.cure, ::testing::HasSubstr("; (3) fix the target and record again"));
 }
 
