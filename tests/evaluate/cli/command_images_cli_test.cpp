@@ -98,6 +98,27 @@ TEST_F(CommandImages, DetectWritesASessionThatCalibratesTheSame) {
   EXPECT_EQ(plumbline(detect).exit_code, 2);  // never over what is there
 }
 
+// In deviations is what our detector does alike in all images, whenever it found the corners; of
+// corners that anybody may have found nothing is known.
+TEST_F(CommandImages, DetectionsOfOurOwnAreKnownAsSuch) {
+  fs::create_directories(scratch());
+  const fs::path ours = scratch() / "ours", given = scratch() / "given";
+  ASSERT_EQ(
+      plumbline("detect " + images().string() + " --only cam0 --out " + ours.string() + cache())
+          .exit_code,
+      0);
+  fs::copy(ours, given, fs::copy_options::recursive);
+  fs::remove(given / "detection.json");
+  const auto statedOf = [&](const fs::path& session, const std::string& out) {
+    EXPECT_EQ(calibrateCam0(session, out, cache()).exit_code, 0);
+    return read(scratch() / out / "calibration.json");
+  };
+  const auto says_so = HasSubstr("\"common_error_share\": 0.02");
+  EXPECT_THAT(statedOf(images(), "from_images"), says_so);
+  EXPECT_THAT(statedOf(ours, "from_ours"), says_so);
+  EXPECT_THAT(statedOf(given, "from_given"), testing::Not(HasSubstr("common_error_share")));
+}
+
 // Corners need no lens model, and `detect` has no --no-imu to advise.
 TEST_F(CommandImages, DetectTakesEveryModelAndAdvisesNoOptionOfOthers) {
   const fs::path copy = scratch() / "copy";

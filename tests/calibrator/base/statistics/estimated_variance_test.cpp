@@ -66,5 +66,17 @@ TEST(RobustCovariance, WhatIsKnownOfAVarianceRaisesItsDegreesOfFreedom) {
   EXPECT_NEAR(deviations.dof(0), 16, 1e-12);
 }
 
+TEST(RobustCovariance, WithoutTheCommonErrorHasWhatElseIsKnown) {
+  RobustCovariance robust;
+  robust.matrix = Eigen::MatrixXd::Constant(1, 1, 4);
+  EXPECT_EQ(robust.withoutCommon().matrix, robust.matrix);
+  robust.known = Eigen::MatrixXd::Constant(1, 1, 3);
+  robust.common = Eigen::MatrixXd::Constant(1, 1, 2);
+  const RobustCovariance rest = robust.withoutCommon();
+  EXPECT_EQ(rest.matrix(0, 0), 2);
+  EXPECT_EQ(rest.known(0, 0), 1);
+  EXPECT_EQ(rest.common.size(), 0);
+}
+
 }  // namespace
 }  // namespace plumbline
