@@ -13,7 +13,7 @@ scripts/install_dependencies.sh build
 echo "Building ..."
 cmake -S . -B build -G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_BUILD_TYPE=Release \
   -DPLUMBLINE_TESTS=OFF >/dev/null
-build build --target plumbline
+cmake --build build --target plumbline
 
 mkdir -p "$out"
 echo

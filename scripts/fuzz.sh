@@ -17,9 +17,8 @@ case "${1:-}" in
   [0-9]*) limit=(-max_total_time="$1"); shift ;;
 esac
 scripts/install_dependencies.sh build test sanitize
-cmake -S . -B build-sanitized -G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-g1 \
-  -DPLUMBLINE_SANITIZE=ON -DPLUMBLINE_TESTS=ON >/dev/null
-build build-sanitized --target fuzzers
+configure_sanitized
+cmake --build build-sanitized --target fuzzers
 
 folder=$PWD/build-sanitized/fuzz
 scratch=$(mktemp -d -p "$([ -w /dev/shm ] && echo /dev/shm || echo /tmp)")  # each input is a file: in memory

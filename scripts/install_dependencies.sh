@@ -6,7 +6,7 @@
 set -euo pipefail
 
 build_packages=(
-  git ca-certificates clang lld cmake ninja-build ccache pkg-config
+  git ca-certificates clang lld cmake ninja-build ccache libjemalloc2 pkg-config
   libboost-dev libeigen3-dev libsuitesparse-dev
   libapriltag-dev libvtk9-dev
   libpng-dev libjpeg62-turbo-dev libcairo2-dev libxxhash-dev zlib1g-dev liblz4-dev libzstd-dev

@@ -13,7 +13,7 @@ scripts/test_sanitized.sh "$@"
 
 cmake -S . -B build -G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_BUILD_TYPE=Release -DPLUMBLINE_TESTS=ON \
   -DPLUMBLINE_LIBRARY_TESTS=OFF -DPLUMBLINE_SHARED_DATA="$data" >/dev/null
-build build
+cmake --build build
 
 left_out=()
 if [ ! -d "$data" ]; then

@@ -6,9 +6,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/build_environment.sh
 scripts/install_dependencies.sh build test sanitize
-cmake -S . -B build-sanitized -G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-g1 \
-  -DPLUMBLINE_SANITIZE=ON -DPLUMBLINE_TESTS=ON >/dev/null
-build build-sanitized --target calibrator_test datasets_test fuzz_test
+configure_sanitized
+cmake --build build-sanitized --target calibrator_test datasets_test fuzz_test
 # The leak checker is off where a debugger or container forbids ptrace; faults still abort.
 LSAN_OPTIONS=suppressions=$PWD/tests/leaks.supp:print_suppressions=0 \
   ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1} UBSAN_OPTIONS=print_stacktrace=1 \
