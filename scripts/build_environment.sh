@@ -4,7 +4,8 @@
 # cameras and a sixth faster for camera-IMU (docs/benchmarks.md). CC and CXX choose otherwise; a folder
 # keeps the compiler it was made with.
 export CC=${CC:-clang} CXX=${CXX:-clang++}
-# Two clones share what ccache keeps. What it does not know yet is not preprocessed first (an eighth of the time).
+# A clone in the same place finds what ccache keeps (one elsewhere finds little: sources compiled as one name their
+# folders). What it does not know yet is not preprocessed first (an eighth of the time).
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 
 # The build with AddressSanitizer and UBSan, in build-sanitized. Its reports name functions, those of UBSan lines, too;

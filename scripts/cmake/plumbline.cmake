@@ -54,7 +54,7 @@ function(plumbline_headers name)
   add_library(${name} OBJECT ${source})
   target_link_libraries(${name} PRIVATE plumbline_flags ${ARG_PRIVATE})
   target_compile_options(${name} PRIVATE ${ARG_OPTIONS})
-  # The time of a header is not part of what is precompiled, so that clones share what ccache keeps.
+  # The time of a header is not part of what is precompiled, so that a new clone finds what ccache keeps.
   target_compile_options(${name} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")
   target_precompile_headers(${name} PRIVATE ${ARG_HEADERS})
 endfunction()

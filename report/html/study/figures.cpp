@@ -186,7 +186,7 @@ Figure offsetFigure(const StudyRecord& record) {
   std::vector<double> ends;
   for (const StudySession& s : record.sessions) {
     if (!s.time_offset_s || !std::isfinite(*s.time_offset_s)) continue;
-    const auto x = static_cast<double>(plot.points.size());
+    const auto x = static_cast<double>(plot.points.size() + 1);
     const double ms = 1e3 * *s.time_offset_s, std_ms = 1e3 * s.time_offset_std_s.value_or(0);
     // One past the last for a method that the study does not list: a point without a line.
     const std::size_t k = placeOf(record.methods, s.method);
@@ -201,7 +201,7 @@ Figure offsetFigure(const StudyRecord& record) {
   if (plot.points.empty()) return {};
   plot.frame = {
       "Time offset of every session",
-      {"session, in the study's order", Range{-0.7, static_cast<double>(plot.points.size()) - 0.3}},
+      {"session, in the study's order", Range{0.3, static_cast<double>(plot.points.size()) + 0.7}},
       {"t_d [ms]", rangeOf({&ends}, 0.06)},
       960,
       320};
