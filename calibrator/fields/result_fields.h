@@ -217,7 +217,8 @@ void fields(auto& v, ImuNoiseChecks& c) {
   v("gyro_bias", c.gyro_bias, "random walk of the gyroscope's bias");
   v("accel_bias", c.accel_bias, "random walk of the accelerometer's bias");
   v("pose_pixel_sigma", c.pose_pixel_sigma, "px",
-    "standard deviation of a corner, per axis, that explains the noise of the poses");
+    "standard deviation of a corner, per axis, that explains the noise of the poses; 0 where they "
+    "do not tell it");
 }
 
 void fields(auto& v, ImuResidualSummary& s) {

@@ -35,7 +35,7 @@ std::optional<StageNoise> noiseOf(const Session& session,
   const auto found = calibrateCameraImu(session, cameras, options);
   if (!found || !found->summary.converged) return std::nullopt;
   const ImuNoiseChecks& checks = found->imu_summary.noise;
-  if (!(checks.pose_pixel_sigma > 0)) return std::nullopt;  // the check found nothing
+  if (!(checks.gyro.redundancy > 0)) return std::nullopt;  // the check found nothing
   const SolvedCameraImu batch = solvedBatch(session, *found, options);
   const ImuReprojection use(cameras);
   const auto expected = [&](const NoiseFactors& noise) {

@@ -62,7 +62,7 @@ struct ImuNoiseChecks {
   ImuNoiseCheck gyro_bias;   ///< random walk
   ImuNoiseCheck accel_bias;  ///< random walk
   /// Standard deviation of a corner, per axis, that explains the poses' noise [px]: above that of
-  /// the reprojection errors where a view's corners err together.
+  /// the reprojection errors where a view's corners err together. 0 where the poses do not tell it.
   double pose_pixel_sigma = 0;
 };
 

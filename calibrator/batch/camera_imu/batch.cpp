@@ -283,8 +283,11 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
   if (found) addDiagnosis(std::move(*found), result.value());
   // Last: the check takes problem and solution over.
   if (options.noise_check) {
-    result.value().frame_errors = frameErrors(problem, solution.estimate);
-    result.value().imu_summary.noise = checkImuNoise(std::move(problem), std::move(solution));
+    const FrameErrors errors = frameErrors(problem, solution.estimate);
+    result.value().frame_errors = errors;
+    result.value().imu_summary.noise =
+        checkImuNoise(std::move(problem), std::move(solution),
+                      errors.free_rmse_px / std::sqrt(2.0));  // of one coordinate
   }
   seconds.checks += watch.lap();
   seconds.total = total.seconds();

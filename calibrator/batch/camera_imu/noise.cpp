@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "calibrator/base/parallel.h"
+#include "calibrator/base/statistics/distributions.h"
 #include "calibrator/batch/camera_imu/stage.h"
 
 namespace plumbline {
@@ -20,6 +21,7 @@ constexpr double kMostFactor = 1e3;
 // it would have; from the other it may move to see where it leads.
 constexpr double kLeastRedundancy = 10;
 constexpr double kTriedRedundancy = 1;
+constexpr double kChance = 1e-3;  // that squares are as large without a cause
 // Most recordings need fewer than eight. Beside a noisy IMU poses have little redundancy, and the
 // corners' factor moves by a third a round: from 1 px to corners of 0.009 px that takes twenty.
 constexpr int kMostRounds = 40;
@@ -215,13 +217,16 @@ class VarianceComponents {
     return sum;
   }
 
-  /// Standard deviation of the corners that the poses show, in units of pixel_sigma. The poses have
-  /// 6 rows a frame, and all redundancies add up to the number of rows less that of unknowns. What
-  /// is freed of the cameras does not count: it takes its own from what corners leave beside poses.
+  /// Of the poses: they have 6 rows a frame, and all redundancies add up to the number of rows less
+  /// that of unknowns. What is freed of the cameras does not count: it takes its own from what
+  /// corners leave beside poses.
+  double poseRedundancy(const VarianceSums& e) const {
+    return (e.rows - e.redundancy).sum() - (kChainBlock - 6.0) * cameras_.blocks() -
+           BorderLayout::kFixed;
+  }
+  /// Standard deviation of the corners that the poses show, in units of pixel_sigma.
   double pixelFactor(const VarianceSums& e) const {
-    const double redundancy = (e.rows - e.redundancy).sum() -
-                              (kChainBlock - 6.0) * cameras_.blocks() - BorderLayout::kFixed;
-    return std::clamp(std::sqrt(e.pose_squares / std::max(redundancy, 1.0)), kLeastFactor,
+    return std::clamp(std::sqrt(e.pose_squares / std::max(poseRedundancy(e), 1.0)), kLeastFactor,
                       kMostFactor);
   }
 
@@ -324,9 +329,22 @@ std::optional<VarianceFit> fitVariances(const VarianceComponents& components,
   return holds ? chosen : fit;
 }
 
+/// Whether poses whose corners have this noise, in units of pixel_sigma, show what theirs is: they
+/// have the redundancy, or the squares of all rows are more than chance makes of theirs.
+bool posesTellTheirNoise(const VarianceComponents& components, const Groups& imu, double pixel) {
+  const double assumed = std::clamp(pixel, kLeastFactor, kMostFactor);
+  const auto at = components.at({assumed, imu});
+  if (!at) return false;
+  const double of_poses = std::max(components.poseRedundancy(*at), 0.0);
+  if (of_poses >= kLeastRedundancy) return true;
+  const double squares = at->squares.sum() + at->pose_squares / (assumed * assumed);
+  return squares > chiSquaredTailQuantile(at->redundancy.sum() + of_poses, kChance);
+}
+
 }  // namespace
 
-ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution) {
+ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
+                             double corner_sigma_px) {
   solution.normals = CameraImuNormals();  // large, and not needed here
   keepOnly(spreadFrames(problem.frameCount(), kMostNoiseFrames), problem, solution);
   auto cameras = cameraInformationAt(problem, solution.estimate);
@@ -337,7 +355,10 @@ ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solutio
   const auto fit = assumed ? fitVariances(components, *assumed) : std::nullopt;
   if (!fit) return {};
   const auto check = [&](int group) { return checkOf(group, *assumed, fit->at, fit->factors.imu); };
-  return {check(0), check(1), check(2), check(3), fit->factors.pixel * problem.pixel_sigma};
+  const bool told =
+      posesTellTheirNoise(components, fit->factors.imu, corner_sigma_px / problem.pixel_sigma);
+  return {check(0), check(1), check(2), check(3),
+          told ? fit->factors.pixel * problem.pixel_sigma : 0};
 }
 
 }  // namespace plumbline

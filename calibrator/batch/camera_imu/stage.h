@@ -207,8 +207,15 @@ inline constexpr int kMostNoiseFrames = 300;
 /// To be trusted where the redundancy is large: a factor's relative deviation is 1 / sqrt(2
 /// redundancy) or somewhat more. Vibration, scale and alignment errors of the IMU and distortion of
 /// the integration count as noise of the IMU. Redundancies are 0 where the system has no inverse.
+///
+/// The redundancy of the poses grows with the noise that they are taken to have: it is counted at
+/// `corner_sigma_px`, that of the corners about each frame's own pose, per axis. Where it is below
+/// 10 (quiet corners beside a noisy IMU, which poses follow little), and the squares of all rows
+/// under that noise and the densities found are within chi-square's 99.9 %, pose_pixel_sigma is not
+/// told, 0. Jitter of stamps is beyond it: 0.5 ms by 300 where chance makes 150.
 /// Takes over problem and solution, which are large: move them in where they are needed no more.
-ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution);
+ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
+                             double corner_sigma_px);
 
 /// True standard deviations of the noise over those that a batch's weights assume.
 struct NoiseFactors {

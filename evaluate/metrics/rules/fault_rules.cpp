@@ -228,8 +228,8 @@ std::string sentence(const FaultTest& test, const CameraImuStageResult& stage) {
 std::string firstCause(const FaultDiagnosis& diagnosis, const CameraImuStageResult& stage) {
   const std::string text = sentence(diagnosis.causes.front(), stage);
   if (!diagnosis.alternative) return text;
-  return text + "; alternatively " + sentence(*diagnosis.alternative, stage) +
-         ": this recording does not distinguish the two";
+  return text + " (alternatively " + sentence(*diagnosis.alternative, stage) +
+         "; this recording does not distinguish the two)";
 }
 
 /// What mends it: of two that are not told apart each one's, as the other's would do harm.

@@ -147,7 +147,7 @@ Findings judgeIsolatedResiduals(const CameraImuStageResult& stage, const Verdict
 Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresholds& t);
 /// The corners' deviation that explains the noise of single frames' poses under the densities that
 /// fit best (ImuNoiseChecks::pose_pixel_sigma), over that of the corners about each frame's own
-/// pose: 1 and less where frames and IMU agree.
+/// pose: 1 and less where frames and IMU agree. Not judged where the poses do not tell it.
 Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresholds& t);
 /// RMS of the whitened residuals of the whole chain over what the noise check, which cuts it into
 /// segments with biases of their own, expects of them: above 1 where the segments do not fit

@@ -157,7 +157,16 @@ Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresh
 
 Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresholds& t) {
   const double of_poses = stage.imu_summary.noise.pose_pixel_sigma;
-  if (!stage.frame_errors || !(stage.frame_errors->free_rmse_px > 0) || !(of_poses > 0)) return {};
+  const Rule rule{
+      "Frames against the IMU", "times", t.frames_against_imu,
+      "Frames' poses and the IMU's motion contradict each other by more than the noise of both: "
+      "see the rules on stamps, faults and noise densities; T_SC0 and the time offset are less "
+      "certain than their standard deviations state."};
+  if (!stage.frame_errors || !(stage.frame_errors->free_rmse_px > 0)) return {};
+  if (!(of_poses > 0)) {
+    if (!(stage.imu_summary.noise.gyro.redundancy > 0)) return {};  // not checked
+    return {notJudged(rule, "the IMU's noise hides that of single frames' poses")};
+  }
   // free_rmse_px is of both coordinates together, pose_pixel_sigma of one.
   const double of_corners = stage.frame_errors->free_rmse_px / std::sqrt(2.0);
   // No detector is better: beside corners without noise, as of a simulation, the poses would show
@@ -165,11 +174,7 @@ Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresho
   constexpr double kLeastNoise_px = 0.01;
   const double ratio = of_poses / std::max(of_corners, kLeastNoise_px);
   return {above(
-      {"Frames against the IMU", "times", t.frames_against_imu,
-       "Frames' poses and the IMU's motion contradict each other by more than the noise of both: "
-       "see the rules on stamps, faults and noise densities; T_SC0 and the time offset are less "
-       "certain than their standard deviations state."},
-      ratio,
+      rule, ratio,
       fmt::format(
           "the errors of single frames' poses correspond to {:.3f} px of corner noise, "
           "while corners have {:.3f} px with a free pose for each frame{}: {:.2f} times",

@@ -181,8 +181,10 @@ std::vector<std::string> noiseRemarks(const ImuNoiseChecks& noise, const Verdict
           // No rule judges the walks.
           densityRemark("Gyroscope bias walk", noise.gyro_bias, nullptr),
           densityRemark("Accelerometer bias walk", noise.accel_bias, nullptr),
-          fmt::format("The noise of the poses corresponds to a corner noise of {:.2f} px.",
-                      noise.pose_pixel_sigma)};
+          noise.pose_pixel_sigma > 0
+              ? fmt::format("The noise of the poses corresponds to a corner noise of {:.2f} px.",
+                            noise.pose_pixel_sigma)
+              : "The IMU's noise hides that of the poses."};
 }
 
 std::vector<Block> residualFigures(const CameraImuStageResult& stage, TimeNs origin) {

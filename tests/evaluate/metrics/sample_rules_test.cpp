@@ -172,6 +172,15 @@ TEST(SampleRules, FramesThatContradictTheImuAreNotGood) {
   EXPECT_EQ(levelOf(2.1), VerdictLevel::kBad);
 }
 
+TEST(SampleRules, PosesThatDoNotTellTheirNoiseAreNotJudged) {
+  CameraImuStageResult stage;
+  stage.frame_errors = FrameErrors{0.3, std::sqrt(2.0) * 0.009, 1, 1, 0, 0};
+  stage.imu_summary.noise.gyro.redundancy = 600;
+  const Finding f = judgeFramePoses(stage, {}).front();
+  EXPECT_EQ(f.level, VerdictLevel::kGood);
+  EXPECT_TRUE(f.evidence.starts_with("not judged")) << f.evidence;
+}
+
 // As of a simulation: the ratio is to what a detector reaches, and the text says so.
 TEST(SampleRules, CornersWithoutNoiseCountAsThoseOfAGoodDetector) {
   CameraImuStageResult stage;
