@@ -212,7 +212,9 @@ inline constexpr int kMostNoiseFrames = 300;
 /// `corner_sigma_px`, that of the corners about each frame's own pose, per axis. Where it is below
 /// 10 (quiet corners beside a noisy IMU, which poses follow little), and the squares of all rows
 /// under that noise and the densities found are within chi-square's 99.9 %, pose_pixel_sigma is not
-/// told, 0. Jitter of stamps is beyond it: 0.5 ms by 300 where chance makes 150.
+/// told, 0. (Rig d435i, 20 s, corners of 0.009 px: clean recordings had -2 to 44 more than their
+/// redundancy of 1176, with stamps jittered by 0.5 ms 317 and 437 more; the bound is about 155.)
+///
 /// Takes over problem and solution, which are large: move them in where they are needed no more.
 ImuNoiseChecks checkImuNoise(CameraImuProblem problem, CameraImuSolution solution,
                              double corner_sigma_px);
