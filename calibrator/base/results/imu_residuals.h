@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
 #include "calibrator/base/time.h"
 #include "calibrator/base/transform.h"
@@ -89,6 +90,9 @@ struct FrameErrors {
   double across = 0;  ///< that each of the other five directions takes, mean [px^2]
   double neighbours = 0;  ///< correlation of the shifts of frames that follow each other
   double jitter_s = 0;    ///< RMS of the shifts, less what directions take by chance
+
+  /// Standard deviation of a corner about its frame's own pose, per axis [px].
+  double freeSigma() const { return free_rmse_px / std::sqrt(2.0); }
 };
 
 }  // namespace plumbline

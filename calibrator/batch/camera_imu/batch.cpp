@@ -286,8 +286,7 @@ Result<CameraImuStageResult> calibrateCameraImu(const Session& session,
     const FrameErrors errors = frameErrors(problem, solution.estimate);
     result.value().frame_errors = errors;
     result.value().imu_summary.noise =
-        checkImuNoise(std::move(problem), std::move(solution),
-                      errors.free_rmse_px / std::sqrt(2.0));  // of one coordinate
+        checkImuNoise(std::move(problem), std::move(solution), errors.freeSigma());
   }
   seconds.checks += watch.lap();
   seconds.total = total.seconds();

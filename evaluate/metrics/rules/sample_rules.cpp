@@ -167,8 +167,7 @@ Findings judgeFramePoses(const CameraImuStageResult& stage, const VerdictThresho
     if (!(stage.imu_summary.noise.gyro.redundancy > 0)) return {};  // not checked
     return {notJudged(rule, "the IMU's noise hides that of single frames' poses")};
   }
-  // free_rmse_px is of both coordinates together, pose_pixel_sigma of one.
-  const double of_corners = stage.frame_errors->free_rmse_px / std::sqrt(2.0);
+  const double of_corners = stage.frame_errors->freeSigma();
   // No detector is better: beside corners without noise, as of a simulation, the poses would show
   // how the samples are integrated.
   constexpr double kLeastNoise_px = 0.01;
