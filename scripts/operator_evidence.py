@@ -20,6 +20,7 @@ import fnmatch
 import json
 import math
 import pathlib
+import random
 import shutil
 import subprocess
 import sys
@@ -40,6 +41,7 @@ METHODS = {"guided, mi": ["guided", "--criterion", "mi"],
            "dance": ["dance"]}
 BARS = {"cameras": 0.6, "camera_imu": 0.7}  # guided over unguided
 STOP = 0.15
+BOOTSTRAPS = 2000
 
 
 def quantile(values, p):
@@ -97,6 +99,23 @@ def quartiles(values, digits=1):
     return " / ".join(text(quantile(values, p), digits) for p in (0.25, 0.5, 0.75))
 
 
+def ratio(guided, unguided):
+    """Of the medians."""
+    a, b = quantile(guided, 0.5), quantile(unguided, 0.5)
+    return a / b if b < math.inf else math.nan if a == math.inf else 0
+
+
+def interval(guided, unguided):
+    """95 % of the ratio of medians, by a bootstrap over the persons, who are the same in both."""
+    chance = random.Random(1)
+    drawn = []
+    for _ in range(BOOTSTRAPS):
+        persons = chance.choices(range(len(guided)), k=len(guided))
+        drawn.append(ratio([guided[p] for p in persons], [unguided[p] for p in persons]))
+    drawn = [r for r in drawn if not math.isnan(r)]
+    return quantile(drawn, 0.025), quantile(drawn, 0.975)
+
+
 def table(options):
     found = {name: read(options, name) for name in METHODS if fnmatch.fnmatch(name, options.only)}
     found = {name: documents for name, documents in found.items() if documents}
@@ -113,13 +132,14 @@ def table(options):
         print(f"| {name} | {quartiles(cameras)} | {quartiles(views, 0)} | {sum(c < math.inf for c in cameras)} "
               f"| {quartiles(imu)} | {sum(c < math.inf for c in imu)} "
               f"| {quartiles([a + b for a, b in zip(cameras, imu)])} |")
-    print("\n| guided over unguided | cameras | bar | T_SC0 | bar |\n|---|---|---|---|---|")
+    print("\n| guided over unguided (95 %) | cameras | bar | T_SC0 | bar |\n|---|---|---|---|---|")
     for guided in (n for n in found if n.startswith("guided")):
         for other in (n for n in ("free", "dance") if n in found):
             cells = []
             for stage, bar in BARS.items():
-                a, b = (quantile([needed(found[n][p], stage) for p in persons], 0.5) for n in (guided, other))
-                cells += [text(a / b if b < math.inf else math.nan if a == math.inf else 0, 2), f"{bar}"]
+                a, b = ([needed(found[n][p], stage) for p in sorted(persons)] for n in (guided, other))
+                low, high = interval(a, b)
+                cells += [f"{text(ratio(a, b), 2)} ({text(low, 2)} to {text(high, 2)})", f"{bar}"]
             print(f"| {guided} / {other} | " + " | ".join(cells) + " |")
     stop_table(found, sorted(persons))
     imu_stop_table(found, sorted(persons))

@@ -80,7 +80,8 @@ struct Suggestion {
   double mi_nats = 0;                ///< predicted gain; 0: asked for before any could be scored
   /// Predicted error in later use with it [px]; empty before it is known.
   std::optional<double> error_px;
-  /// Predicted time until it is reached [s]; empty where nothing is known of the operator's pace.
+  /// Predicted time until it is reached, by OperatorPace [s]; empty: the camera's pose is not
+  /// known.
   std::optional<double> reach_s;
 };
 

@@ -88,7 +88,9 @@ void CameraGuide::State::look(const GuideFrame& frame, Decision& d) {
     kept.clear();
   }
   gate.work(frame.t, options.latency.camera_frame_s);
+  const std::string asked = open ? open->suggestion().candidate : std::string();
   follow(frame, d);
+  if (d.event == SuggestionEvent::kReached) judge.reached(asked);
   const FrameCorners corners = usableViews(frame, rig.cameras.size(), options.views.min_corners);
   if (!gate.hasTarget(!seesNothing(corners), d)) return;
   if (window) {
@@ -274,10 +276,7 @@ void CameraGuide::State::findNextView(Decision& d) {
 std::size_t CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
   const auto best = static_cast<std::size_t>(round.best);
   if (!options.pace.isKnown()) return best;
-  for (const Transform& T : round.T_FC0) {
-    // To get there and to hold it: both are the operator's time.
-    round.reach_s.push_back(options.pace.secondsTo(*d.T_FC0, T) + options.views.reached_s);
-  }
+  for (const Transform& T : round.T_FC0) round.reach_s.push_back(secondsTo(T, options.views, d));
   const auto worthwhile = byGainPerSecond(judge.worthwhileGains(round), round.reach_s);
   for (const std::size_t i : worthwhile) {
     if (judge.seesTargetBetween(*d.T_FC0, round.T_FC0[i])) return i;
@@ -298,7 +297,7 @@ void CameraGuide::State::openSuggestion(const CandidateRound& round, std::size_t
   s.T_FC0 = round.T_FC0[asked];
   s.mi_nats = round.mi_nats[asked];
   if (!round.error_px.empty()) s.error_px = round.error_px[asked];
-  if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
+  s.reach_s = secondsTo(s.T_FC0, options.views, d);
   show(std::move(s), judge.predictedCorners(camera, round.T_FC0[asked]), options.views, d);
 }
 

@@ -246,7 +246,7 @@ std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, const Decisio
   std::vector<double> gains, seconds;
   for (std::size_t i = 0; i < round.names.size(); ++i) {
     gains.push_back(worth(round, i));
-    round.reach_s.push_back(options.pace.secondsTo(*d.T_FC0, round.T_FC0[i]) + stage().reached_s);
+    round.reach_s.push_back(secondsTo(round.T_FC0[i], stage(), d));
     seconds.push_back(round.reach_s.back() + evaluator->scorer().trajectories()[i].durationS());
   }
   return byGainPerSecond(gains, seconds).front();
@@ -257,26 +257,19 @@ void CameraImuGuide::State::openAsked(const CandidateRound& round, std::size_t a
   s.mi_nats = round.mi_nats[asked];
   // What could not be predicted stays empty, not NaN.
   if (!std::isnan(round.error_px[asked])) s.error_px = round.error_px[asked];
-  if (!round.reach_s.empty()) s.reach_s = round.reach_s[asked];
   show(std::move(s), evaluator->scorer().trajectories()[asked], d);
 }
 
 /// Before anything is known of the IMU, with the sensor taken to be where the camera is: the frames
 /// that start the estimate are then of a motion that tells something.
-void CameraImuGuide::State::openFirst(Decision& d) {
-  Suggestion s;
-  if (options.pace.isKnown() && d.T_FC0) {
-    s.reach_s =
-        options.pace.secondsTo(*d.T_FC0, first_trajectory.cameraAt(0).T_FB) + stage().reached_s;
-  }
-  show(std::move(s), first_trajectory, d);
-}
+void CameraImuGuide::State::openFirst(Decision& d) { show(Suggestion(), first_trajectory, d); }
 
 void CameraImuGuide::State::show(Suggestion s, const LissajousTrajectory& trajectory, Decision& d) {
   s.t = d.t;
   s.candidate = trajectory.name();
   s.path = trajectory.path(kPathPoints);
   s.T_FC0 = s.path.front();
+  if (d.T_FC0) s.reach_s = secondsTo(s.T_FC0, stage(), d);
   s.duration_s = trajectory.durationS();
   // Its start is matched by corners, as a view is; what follows is left to the clock (follow()).
   SimulationOptions seen;

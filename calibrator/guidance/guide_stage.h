@@ -26,6 +26,10 @@ struct StageState {
 
   /// Opens a suggestion whose id and stage are not written yet; `corners`: see OpenSuggestion.
   void show(Suggestion s, std::vector<Corner> corners, const ReachRule& rule, Decision& d);
+  /// Predicted time from d.T_FC0 to a pose, and to hold it: both are the operator's [s].
+  double secondsTo(const Transform& T_FC0, const ReachRule& rule, const Decision& d) const {
+    return options.pace.secondsTo(*d.T_FC0, T_FC0) + rule.reached_s;
+  }
   /// Progress towards the suggestion that is open, with every frame, target or not.
   void follow(const GuideFrame& frame, Decision& d);
   /// The suggestion that is open is taken back.

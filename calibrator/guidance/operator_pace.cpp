@@ -34,7 +34,7 @@ void OperatorPace::check() const {
 }
 
 double OperatorPace::secondsTo(const Transform& from, const Transform& to) const {
-  const double walk_s = (to.t - from.t).norm() / speed_m_s;
+  const double walk_s = (to.t - from.t).norm() / (isKnown() ? speed_m_s : kUsualSpeed);
   const double turn_s = rotationAngle(to.R * from.R.transpose()) / turn_rad_s;
   // A hand turns while it goes.
   return reaction_s + std::max(walk_s, turn_s);

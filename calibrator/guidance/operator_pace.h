@@ -11,7 +11,9 @@ namespace plumbline {
 /// How fast the operator is taken to move the rig. Where it is known suggestions are chosen by what
 /// they gain per second.
 struct OperatorPace {
-  double speed_m_s = 0;  ///< of the hand [m/s]; 0: not known, the way does not count
+  static constexpr double kUsualSpeed = 0.35;  ///< of the hand, where nothing is known [m/s]
+  /// Of the hand [m/s]; 0: not known, the way does not count, and times are those of kUsualSpeed.
+  double speed_m_s = 0;
   double turn_rad_s = 0.8;
   double reaction_s = 0.5;  ///< before anything moves [s]
 

@@ -14,10 +14,11 @@ struct ConvergenceOptions {
   double projection_px = 0.1;            ///< of the worst camera
   double translation_m = 1e-3;           ///< of T_SC0
   double rotation_rad = 0.05 * kDegree;  ///< likewise
-  int in_a_row = 3;       ///< calibrations within the bars, from the first of which it is right
-  double first_s = 2;     ///< unguided, and for the IMU: calibrated first after so long ...
-  double growth = 1.1;    ///< ... and then after so many times the time (or views) before
-  double stride_s = 0.2;  ///< unguided, cameras are calibrated on frames so far apart
+  int in_a_row = 3;     ///< calibrations within the bars, from the first of which it is right
+  double first_s = 2;   ///< unguided, and for the IMU: calibrated first after so long ...
+  double growth = 1.1;  ///< ... and then after so many times the time (or views) before
+  /// Unguided, cameras are calibrated on frames so far apart; 0: on all, as many as a guide sees.
+  double stride_s = 0;
 
   /// Throws InputError naming the field that is out of its range.
   void check() const;

@@ -103,7 +103,9 @@ std::vector<int> selectByError(const CameraProblem& problem, const CameraEstimat
   while (!left.empty()) {
     kept.push_back(takeBest(error, terms, left));
     error.add(terms[kept.back()]);
-    const bool enough = static_cast<int>(kept.size()) >= options.least_views;
+    // Before views tell b from tau, E stands on an even split of the misfit that is assumed.
+    const bool enough =
+        components.told_apart && static_cast<int>(kept.size()) >= options.least_views;
     if (enough && relativeExcess(error.value(), components) <= options.stop_excess) break;
   }
   // As keepFrames() takes them: the frames stay in the order of time, of which blocks are made

@@ -50,6 +50,7 @@ void ViewJudge::forget() {
   projection_px_.reset();
   scorer_.reset();
   errors_ = ViewErrorTracker(target_, options_);
+  reached_.clear();
 }
 
 void ViewJudge::refresh(const CameraWindow& window, const Eigen::MatrixXd& information) {
@@ -96,8 +97,7 @@ bool ViewJudge::isEnough() const {
   }
   // Before the views tell b from tau, E stands on an even split of the misfit that is merely
   // assumed.
-  return enough && byError() && errors_.components().told_apart &&
-         errors_.excess() <= options_.stop_excess;
+  return enough && byError() && tellsMisfitApart() && errors_.excess() <= options_.stop_excess;
 }
 
 CandidateRound ViewJudge::scored(const std::vector<CandidateView>& views) const {
@@ -116,17 +116,22 @@ CandidateRound ViewJudge::scored(const std::vector<CandidateView>& views) const 
   if (byError()) {
     for (std::size_t i = 0; i < scores.size(); ++i) scores[i] = -round.error_px[i];
   }
-  round.best = bestCandidate(scores);
+  std::vector<double> unreached = scores;
+  for (std::size_t i = 0; i < unreached.size(); ++i) {
+    if (reached_.contains(round.names[i])) unreached[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+  round.best = bestCandidate(unreached);
+  if (round.best < 0) round.best = bestCandidate(scores);
   return round;
 }
 
 bool ViewJudge::isWorthAsking(const CandidateRound& round, std::size_t i) const {
   // The goal is in pixels: as long as it is not reached no gain is too small to ask for.
   if (options_.stop_projection_px > 0) return !std::isnan(round.mi_nats[i]);
+  if (reached_.contains(round.names[i])) return false;
   if (!byError()) return round.mi_nats[i] >= options_.threshold_nats;
   if (std::isnan(round.error_px[i])) return false;
-  // So few views may miss parts of the misfit, and predict too little to gain.
-  if (errors_.keptCount() < options_.stop_views) return true;
+  if (mayMissMisfit()) return true;
   const double E = round.error_px[i] * round.error_px[i];
   return E <= (1 - options_.least_lowering) * errors_.predicted();
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "calibrator/guidance/views/candidate_views.h"
@@ -22,7 +24,13 @@ class ViewJudge {
   void forget();
   /// A frame with a plausible pose; a view that entered the window.
   void see(const FrameCorners& corners, const Transform& T_FC0) { errors_.see(corners, T_FC0); }
-  void keep(const FrameCorners& corners, const Transform& T_FC0) { errors_.keep(corners, T_FC0); }
+  void keep(const FrameCorners& corners, const Transform& T_FC0) {
+    errors_.keep(corners, T_FC0);
+    reached_.clear();
+  }
+  /// The operator was at a candidate. Until a view is kept it gains what the frames there gained,
+  /// however much is predicted of it: it is not asked for again.
+  void reached(const std::string& candidate) { reached_.insert(candidate); }
   /// After every change of the window; `information`: its own.
   void refresh(const CameraWindow& window, const Eigen::MatrixXd& information);
 
@@ -32,10 +40,13 @@ class ViewJudge {
   bool isWorthKeeping(const Decision& d) const;
   /// By predicted error, whether the last frame of an estimate, that took part in it, fits there.
   bool fits(const CameraEstimate& estimate, const FrameCorners& corners) const;
+  /// Whether the views kept tell the misfit that all share from each one's own (ErrorComponents).
+  bool tellsMisfitApart() const { return errors_.components().told_apart; }
   /// The stopping rule in pixels: of predicted error, or `stop_projection_px`.
   bool isEnough() const;
 
-  /// Scores candidates at the estimate of the last refresh().
+  /// Scores candidates at the estimate of the last refresh(). The best is one that was not reached,
+  /// as long as there is one.
   CandidateRound scored(const std::vector<CandidateView>& views) const;
   /// Whether a candidate of a round would be kept.
   bool isWorthAsking(const CandidateRound& round, std::size_t candidate) const;
@@ -55,6 +66,11 @@ class ViewJudge {
     return options_.criterion == ViewCriterion::kPredictedError && errors_.isKnown();
   }
 
+  /// Whether the views kept may miss parts of the misfit, so that too little is predicted to gain.
+  bool mayMissMisfit() const {
+    return errors_.keptCount() < options_.stop_views || !tellsMisfitApart();
+  }
+
   AprilGrid target_;
   ViewGuideOptions options_;
   int threads_;
@@ -62,6 +78,7 @@ class ViewJudge {
   std::optional<double> projection_px_;
   std::optional<ViewScorer> scorer_;
   ViewErrorTracker errors_;
+  std::set<std::string> reached_;  // candidates, since the last view that was kept
 };
 
 }  // namespace plumbline

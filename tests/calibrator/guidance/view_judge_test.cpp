@@ -2,6 +2,9 @@
 #include "calibrator/guidance/views/view_judge.h"
 
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -32,6 +35,71 @@ TEST(ViewJudge, AnErrorThatIsNoNumberIsNotPredictedAsNone) {
   EXPECT_GT(*px, 0.01);
   EXPECT_NEAR(*half / *px, 0.5, 1e-9);
   EXPECT_FALSE(projectionPxOf(frames, std::numeric_limits<double>::quiet_NaN()));
+}
+
+/// A judge after the first `kept` frames, all of them kept, and the views that it may ask for.
+struct JudgedFrames {
+  test::StereoFrames frames;
+  CameraWindow window;
+  ViewJudge judge;
+  std::vector<CandidateView> views;
+
+  JudgedFrames(test::StereoFrames of, std::size_t kept, const ViewGuideOptions& options)
+      : frames(std::move(of)),
+        window(frames.simulated.session.target, frames.simulated.truth.cameras),
+        judge(frames.simulated.session.target, options, 1),
+        views(candidateViews(window.cameras(), frames.simulated.session.target)) {
+    for (std::size_t f = 0; f < kept; ++f) keep(f);
+  }
+  void keep(std::size_t f) {
+    window.add(frames.corners[f], frames.T_FC0[f]);
+    judge.see(frames.corners[f], frames.T_FC0[f]);
+    judge.keep(frames.corners[f], frames.T_FC0[f]);
+    judge.refresh(window, window.information());
+  }
+};
+
+// A candidate promises what its view would gain in full. Whoever was there without a frame worth
+// keeping was asked for the same view again, and once more.
+TEST(ViewJudge, AsksForNoViewTwiceUntilOneIsKept) {
+  JudgedFrames now(test::stereoFrames(1, 4, 2, 0.2), 5, {});
+  const CandidateRound first = now.judge.scored(now.views);
+  const auto best = static_cast<std::size_t>(first.best);
+  ASSERT_TRUE(now.judge.isWorthAsking(first, best));
+  now.judge.reached(first.names[best]);
+  const CandidateRound next = now.judge.scored(now.views);
+  EXPECT_NE(next.best, first.best);
+  EXPECT_EQ(next.mi_nats, first.mi_nats) << "the scores say what they said";
+  EXPECT_FALSE(now.judge.isWorthAsking(next, best));
+  EXPECT_TRUE(now.judge.isWorthAsking(next, static_cast<std::size_t>(next.best)));
+  for (const std::string& name : first.names) now.judge.reached(name);
+  EXPECT_EQ(now.judge.scored(now.views).best, first.best) << "where all were, the best of them";
+  now.keep(5);
+  const CandidateRound after = now.judge.scored(now.views);
+  EXPECT_TRUE(now.judge.isWorthAsking(after, static_cast<std::size_t>(after.best)));
+}
+
+// Before views tell the misfit that all share from that of each by itself the predicted error
+// stands on an even split of both: no reason to say that nothing is left to gain.
+TEST(ViewJudge, DoesNotEndBeforeTheMisfitCanBeSeen) {
+  ViewGuideOptions options;
+  options.criterion = ViewCriterion::kPredictedError;
+  options.stop_views = 2;
+  options.least_lowering = 0.99;  // what no view does
+  int apart = 0, together = 0;
+  JudgedFrames now(test::stereoFrames(1, 8, 2, 0.2), 0, options);
+  for (std::size_t f = 0; f < 14; ++f) {
+    now.keep(f);
+    Decision d;
+    now.judge.tell(d);
+    if (!d.error_px || f < 2) continue;
+    const CandidateRound round = now.judge.scored(now.views);
+    const bool asks = now.judge.isWorthAsking(round, static_cast<std::size_t>(round.best));
+    EXPECT_EQ(asks, !now.judge.tellsMisfitApart()) << f;
+    ++(asks ? together : apart);
+  }
+  EXPECT_GT(together, 0);
+  EXPECT_GT(apart, 0);
 }
 
 TEST(ViewErrorTracker, RefusesOptionsOutOfRange) {
