@@ -81,6 +81,13 @@ Played playBothStages(const ReplayRequest& request, const GuideRig& rig,
   return again.guide.cameraBatch().ok() ? std::move(again) : std::move(played);
 }
 
+GuideRule ruleOf(const ViewGuideOptions& views) {
+  GuideRule rule{toString(views.criterion), {}};
+  const bool by_error = views.criterion == ViewCriterion::kPredictedError;
+  if (by_error && !(views.stop_projection_px > 0)) rule.stop_excess = views.stop_excess;
+  return rule;
+}
+
 /// What both stages left behind, and what is made of it.
 class Judge {
  public:
@@ -237,6 +244,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
   record.target = session.target;
   record.assumptions = assumptionsOf(request.camera, request.camera_imu, &session);
   record.begin = played.guide.since();
+  record.rule = ruleOf(request.guide.views);
   record.decisions = std::move(played.decisions);
   for (const GuideFrame& frame : frames) record.frames.push_back({frame.t, frame.corners, {}});
   if (request.images) {

@@ -246,12 +246,25 @@ void fields(auto& v, Counterfactuals& c) {
   v.ifSet("problem", c.problem, "why there are no curves");
 }
 
+/// By what the guide chose, and when it stopped.
+struct GuideRule {
+  std::string criterion;
+  std::optional<double> stop_excess;  ///< of the camera stage; empty: it stopped by something else
+};
+
+void fields(auto& v, GuideRule& r) {
+  v("criterion", r.criterion, "`mi` or `predicted-error`");
+  v("stop_excess", r.stop_excess, "1",
+    "`excess` at which the camera stage finishes; absent: it finishes by something else");
+}
+
 /// A replay: every decision of the guide on a recording, and how good they were.
 struct ReplayRecord {
   std::string name;
   Provenance provenance;
   Assumptions assumptions;
   Verdict verdict;
+  std::optional<GuideRule> rule;  ///< empty: the record is older than this field
   AprilGrid target;
   std::vector<CameraCalibration> cameras;
   std::vector<ReplayFrame> frames;
@@ -263,6 +276,11 @@ struct ReplayRecord {
   std::vector<StopAudit> stop_audits;
   std::optional<Counterfactuals> counterfactuals;
 };
+
+/// Whether predicted errors decided, and not gains.
+inline bool decidedByError(const ReplayRecord& record) {
+  return record.rule && record.rule->criterion == "predicted-error";
+}
 
 /// Where times into the recording count from; a record that kept no frames has decisions.
 inline TimeNs beginOf(const ReplayRecord& record) {
@@ -279,6 +297,7 @@ void fields(auto& v, ReplayRecord& r) {
   v("begin_ns", r.begin,
     "stamp of the first frame, or of the one that replaced a first frame with a wrong stamp: "
     "where times into the recording count from");
+  v("rule", r.rule, "by what the guide chose views and trajectories, and stopped");
   v("stages", r.stages, "each stage in figures");
   v("stop_audits", r.stop_audits,
     "stopping rule: was the guide's \"finish\" right? By the held-out error");

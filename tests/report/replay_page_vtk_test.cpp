@@ -126,6 +126,27 @@ TEST(ReplayPage, SaysWhichSuggestionsTheFinishWithdrew) {
   EXPECT_THAT(page, HasSubstr(">Predicted gain [bits]</th>")) << "both units are too wide";
 }
 
+TEST(ReplayPage, ShowsPredictedErrorsWhereTheyDecided) {
+  const std::string by_gain = renderReplayPage(replay());
+  const std::string by_error = renderReplayPage(test::syntheticReplay({.by_error = true}));
+  for (const char* label : {">Predicted error [px]</th>", ">Redundant by mutual information</th>",
+                            ">Missed by mutual information</th>", "</i>bound "}) {
+    EXPECT_THAT(by_error, HasSubstr(label));
+    EXPECT_THAT(by_gain, Not(HasSubstr(label)));
+  }
+  EXPECT_THAT(by_error, HasSubstr(">Predicted gain [bits]</th>")) << "beside the error";
+  EXPECT_THAT(by_error, HasSubstr("the best would leave an error of"));
+  EXPECT_THAT(by_gain, HasSubstr("the best would gain"));
+}
+
+TEST(ReplayPage, OfAnOlderRecordTakesGainsToHaveDecided) {
+  ReplayRecord record = replay();
+  record.rule.reset();
+  const auto json = dataOf(record);
+  EXPECT_EQ(json["by_error"], false);
+  EXPECT_TRUE(json["stop_excess"].is_null());
+}
+
 TEST(ReplayPage, SaysWhyThereAreNoCounterfactuals) {
   ReplayRecord record;
   record.counterfactuals = Counterfactuals();

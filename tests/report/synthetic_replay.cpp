@@ -15,7 +15,10 @@ namespace {
 class Play {
  public:
   Play(const SyntheticReplayOptions& options, ReplayRecord& record)
-      : n_(options.frames), rig_(record.target, record.cameras), record_(record) {
+      : n_(options.frames),
+        by_error_(options.by_error),
+        rig_(record.target, record.cameras),
+        record_(record) {
     imu_from_ = 3 * n_ / 5;
   }
 
@@ -83,7 +86,7 @@ class Play {
     }
     d.mi_nats = f == 5 ? std::numeric_limits<double>::infinity()
                        : 3 * std::exp(-8.0 * f / n_) * (0.15 + 0.85 * std::abs(std::sin(0.9 * f)));
-    const bool tells = *d.mi_nats >= d.threshold_nats;
+    const bool tells = by_error_ && f != 5 ? scoreByError(d) : *d.mi_nats >= d.threshold_nats;
     d = with(d, GuideMode::kCollecting,
              tells ? GuideReason::kInformative : GuideReason::kNotInformative, tells);
     if (f == imu_from_ - 1) finish(d, rig_.views(f, 0.09));
@@ -99,6 +102,7 @@ class Play {
     d.entropy_nats = -31.0 - 1e-2 * f;
     d.rmse_px = 0.3 + 0.01 * std::cos(0.3 * f);
     d.mi_nats = 0.4 / (1 + 0.1 * f) * (1 + 0.3 * std::sin(f));
+    if (by_error_) d.error_px = 1.5 / (1 + 0.02 * f);
     const GuideReason reason = f == n_ / 30   ? GuideReason::kInitialised
                                : f == n_ / 15 ? GuideReason::kImuGap
                                               : GuideReason::kUsed;
@@ -110,6 +114,7 @@ class Play {
   void finish(Decision& d, CandidateRound round) {
     d.mode = GuideMode::kFinished;
     round.asked = round.answered = d.t;
+    if (d.error_px) addErrors(d, round);
     d.round = std::move(round);
     if (open_ < 0) return;
     SuggestionOutcome& o = record_.suggestions[static_cast<std::size_t>(open_)];
@@ -137,8 +142,10 @@ class Play {
     const bool view = d.stage == GuideStage::kCamera;
     d.round = view ? rig_.views(d.frame, 2.5) : rig_.trajectories(d.frame, 3.1);
     d.round->asked = d.round->answered = d.t;
+    if (d.error_px) addErrors(d, *d.round);
     SuggestionOutcome o;
     o.suggestion = rig_.suggest(open_, d, *d.round);
+    if (!d.round->error_px.empty()) o.suggestion.error_px = 0.5 * *d.error_px;
     o.overlay = rig_.seenFrom(o.suggestion.T_FC0);
     d.opened = o.suggestion;
     d.event = SuggestionEvent::kOpened;
@@ -168,7 +175,28 @@ class Play {
     since_ = 0;
   }
 
-  int n_, imu_from_ = 0, kept_ = 0, since_ = 0;
+  /// Frames that gain much may be rejected, and others kept. True: the frame is kept.
+  bool scoreByError(Decision& d) const {
+    d.error_px = 0.9 * std::exp(-2.0 * d.frame / n_);
+    d.excess = 2.5 * *d.error_px;
+    d.error_bound_px = 0.97 * *d.error_px;
+    d.error_with_px = *d.error_px * (0.93 + 0.1 * std::abs(std::sin(0.3 * d.frame)));
+    return *d.error_with_px <= *d.error_bound_px;
+  }
+
+  void addErrors(const Decision& d, CandidateRound& round) const {
+    if (!by_error_) return;
+    for (std::size_t i = 0; i < round.mi_nats.size(); ++i) {
+      round.error_px.push_back(std::isnan(round.mi_nats[i])
+                                   ? round.mi_nats[i]
+                                   : *d.error_px * (0.95 - 0.003 * static_cast<double>(i)));
+    }
+    round.error_px[static_cast<std::size_t>(round.best)] = 0.5 * *d.error_px;
+  }
+
+  int n_;
+  bool by_error_;
+  int imu_from_ = 0, kept_ = 0, since_ = 0;
   int open_ = -1, opened_at_ = 0;  // the suggestion that is open
   SyntheticRig rig_;
   ReplayRecord& record_;
@@ -200,6 +228,8 @@ ReplayRecord syntheticReplay(const SyntheticReplayOptions& options) {
       "0.1.0",         "plumbline replay <a> & b", "session",
       "sha256:0f3a9c", "2026-01-02T03:04:05Z",     {{"threads", "2"}, {"threshold-bits", "0.2"}}};
   record.target.cols = options.columns;
+  record.rule = GuideRule{options.by_error ? "predicted-error" : "mi", {}};
+  if (options.by_error) record.rule->stop_excess = 0.02;
   record.cameras = syntheticStereo();
   record.frames = framesOf(options, record);
   Play(options, record).run();

@@ -10,6 +10,7 @@ struct SyntheticReplayOptions {
   bool images = false;  ///< small JPEGs of what the corners show
   /// Columns of tags, of six rows: 6 give 144 corners.
   int columns = 6;
+  bool by_error = false;  ///< predicted errors decide, and not gains
 };
 
 /// A replay of both stages as a guide could have played it, made up frame by frame: a stereo camera

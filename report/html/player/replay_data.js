@@ -118,6 +118,8 @@ window.plumblineReplay = {};
     const suggestions = json.suggestions.map((s) => ({...s, overlay: s.overlay.map(overlayOf)}));
     const byId = new Map(suggestions.map((s) => [s.id, s]));
     return {
+      // Whether predicted errors decided, and not gains; the excess at which the camera stage stops, or null.
+      byError: json.by_error, stopExcess: json.stop_excess,
       frames, table, words: json.words, target: {...json.target, points: typed(Float32Array, json.target.points)},
       start: BigInt(json.times.start), offsets, play: playTimes(offsets), details: new Map(json.details),
       cameras: json.cameras.map((c) => ({...c, corners: new Corners(c.corners, json.target.corners, frames)})),

@@ -31,6 +31,16 @@
     return `${error[f].toFixed(4)} px${known(excess[f]) ? ` (+${(100 * excess[f]).toFixed(1)} %)` : ''}`;
   };
 
+  /** Whether the gain is what a frame was judged by. */
+  const gainDecides = (f) => !data.byError || (data.word('stage', f) === 'camera' && (!known(data.table.error_bound[f]) || data.table.mi[f] === Infinity));
+  const errorWithText = (f) => {
+    const {error_with: withIt, error_bound: bound} = data.table;
+    if (!known(withIt[f])) return NONE;
+    if (!known(bound[f])) return fixed(withIt[f], 4, 'px');
+    const [error, bar] = apart(withIt[f], bound[f], 4);
+    return `${error} px (bound ${bar} px)`;
+  };
+
   /** Two numbers with as many digits as tell them apart, `digits` at least. */
   const apart = (a, b, digits) => {
     let n = digits;
@@ -83,9 +93,10 @@
     reason: (f) => [data.word('reason', f) || NONE, data.stays(f) ? 'good' : ''],
     corners: (f) => [known(data.table.corners[f]) ? `${data.table.corners[f]}` : NONE],
     kept: (f) => [known(data.table.kept[f]) ? `${data.table.kept[f]} (${data.table.without[f]} since)` : NONE],
-    mi: (f) => [gainText(data.table.mi[f]), data.table.mi[f] >= data.table.threshold[f] ? 'good' : ''],
+    mi: (f) => [gainText(data.table.mi[f]), gainDecides(f) && data.table.mi[f] >= data.table.threshold[f] ? 'good' : ''],
     entropy: (f) => [entropyText(data.table.entropy[f])],
     error: (f) => [errorText(f)],
+    error_with: (f) => [errorWithText(f), !gainDecides(f) && data.table.error_with[f] <= data.table.error_bound[f] ? 'good' : ''],
     why: (f) => [whyText(f), data.stays(f) ? 'good' : ''],
     rmse: (f) => [fixed(data.table.rmse[f], 3, 'px')],
     suggestion: (f) => [askedText(f), known(data.table.suggestion[f]) ? 'warn' : ''],
@@ -95,7 +106,7 @@
   };
   /** Names of values that mean something else in each stage. */
   const names = {error: (f) => (data.word('stage', f) === 'camera-imu' ? 'Points by the IMU, expected' : 'Predicted error in later use')};
-  const cells = Object.keys(fields).map((name) => {
+  const cells = Object.keys(fields).filter((name) => root.querySelector(`[data-field="${name}"]`)).map((name) => {
     const cell = root.querySelector(`[data-field="${name}"]`);
     return {name, cell, label: cell.querySelector('b'), text: cell.querySelector('span'), base: cell.className};
   });

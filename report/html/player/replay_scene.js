@@ -171,14 +171,14 @@
 
     drawCandidates(ctx, round) {
       this.spots = [];
-      const most = Math.max(1e-9, ...[...round.mi].filter(Number.isFinite));
+      const most = Math.max(1e-9, ...round.poses.map((_, i) => this.worth(round, i)).filter(Number.isFinite));
       const order = round.poses.map((T, i) => ({i, shape: this.candidateShape(round, i), at: this.eye.project(frustum(T, this.cameraOf(round.names[i]).frustum, 0)[0])}))
         .filter((c) => c.at).sort((a, b) => b.at[2] - a.at[2]);
       for (const {i, shape, at} of order) {
         this.spots.push({x: at[0], y: at[1], text: `${round.names[i]}: ${this.score(round, i)}`});
         if (i === round.best) continue;
-        const scored = !Number.isNaN(round.mi[i]);
-        const colour = scored ? ramp(round.mi[i] / most) : UNSCORED;
+        const worth = this.worth(round, i), scored = !Number.isNaN(worth);
+        const colour = scored ? ramp(worth / most) : UNSCORED;
         this.stroke(ctx, colour, scored ? 1.3 : 0.8, () => this.frustumLines(ctx, shape));
       }
       if (round.best < 0) return most;
@@ -206,10 +206,19 @@
       }
     }
 
-    /** Bits, and the predicted error with it where that is known. */
+    /** Whether the round's candidates were compared by their predicted errors. */
+    byError(round) { return this.data.byError && Number.isFinite(round.error_before) && round.error.length > 0; }
+
+    /** By the criterion: what a candidate lowers the predicted error by [px], or its gain [nats]; NaN: not scored. */
+    worth(round, i) { return this.byError(round) ? round.error_before - round.error[i] : round.mi[i]; }
+
+    worthText(round, worth) { return this.byError(round) ? `${worth.toFixed(3)} px` : this.gain(worth); }
+
+    /** Bits, and the predicted error with it where that is known: first by what was decided. */
     score(round, i) {
-      const px = round.error[i];
-      return this.gain(round.mi[i]) + (Number.isFinite(px) ? `, error ${px.toFixed(3)} px` : '');
+      const px = round.error[i], bits = this.gain(round.mi[i]);
+      if (!Number.isFinite(px)) return bits;
+      return this.byError(round) ? `error ${px.toFixed(3)} px, ${bits}` : `${bits}, error ${px.toFixed(3)} px`;
     }
 
     gain(nats) {
@@ -242,7 +251,7 @@
         `<span style="color:#14794f">kept: ${this.data.table.kept[this.frame] || 0}</span>`];
       if (suggestion) parts.push('<span style="color:#b4600a">suggested: dashed</span>');
       if (round && round.poses.length && !this.isListed(round)) {
-        parts.push(`<span>candidates <i class="ramp"></i>0 to ${this.gain(most)}</span><span>grey: not scored</span><span style="color:${BEST}">best: ring</span>`);
+        parts.push(`<span>candidates${this.byError(round) ? ' lower the error by' : ''} <i class="ramp"></i>0 to ${this.worthText(round, most)}</span><span>grey: not scored</span><span style="color:${BEST}">best: ring</span>`);
       }
       if (legend.innerHTML !== parts.join('')) legend.innerHTML = parts.join('');
       this.list(round);

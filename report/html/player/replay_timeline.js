@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gain and entropy over the recording. The abscissa counts frames, labelled with their times, so that
+// Over the recording: each frame's score by the criterion, and what the stages stop by or their entropy. The abscissa counts frames, labelled with their times, so that
 // it runs as the slider does; stamps that jump stay readable.
 (() => {
   const LEFT = 46, RIGHT = 10, TOP = 15, BOTTOM = 16;
@@ -13,6 +13,39 @@
     const raw = span / most, power = 10 ** Math.floor(Math.log10(raw));
     return power * ([1, 2, 5].find((m) => m * power >= raw) || 10);
   };
+
+  const linear = {
+    to: (v) => v,
+    /** Values with a label, about `most` of them. */
+    ticks(low, high, most) {
+      const step = roundStep(high - low, most), values = [];
+      for (let v = step * Math.ceil(low / step); v <= high + 1e-9; v += step) values.push(v);
+      return values;
+    },
+  };
+  const logarithmic = {
+    to: Math.log10,
+    /** 1, 2, 5, 10, ...; powers of ten alone where these are too many. */
+    ticks(low, high, most) {
+      const of = (mantissas) => {
+        const values = [];
+        for (let e = Math.floor(Math.log10(low)); e <= Math.ceil(Math.log10(high)); ++e) values.push(...mantissas.map((m) => m * 10 ** e));
+        return values.filter((v) => v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9));
+      };
+      const fine = of([1, 2, 5]);
+      return fine.length > most ? of([1]) : fine;
+    },
+  };
+  /** From values to 0 ... 1 with a margin; `to`: linear or logarithmic. */
+  const scaleOf = (kind, values) => {
+    let low = values.reduce((a, b) => Math.min(a, b), Infinity), high = values.reduce((a, b) => Math.max(a, b), -Infinity);
+    const [least, most] = [low, high];
+    [low, high] = [kind.to(low), kind.to(high)];
+    if (high - low < 1e-6) { low -= 0.5; high += 0.5; }
+    const margin = 0.08 * (high - low);
+    return {low: least, high: most, unit: (v) => (kind.to(v) - low + margin) / (high - low + 2 * margin)};
+  };
+  const percent = (share) => `${+(100 * share).toPrecision(3)} %`;
 
   /** Stretches of frames of one stage: {stage, from, to}. */
   const stretches = (data) => {
@@ -157,11 +190,23 @@
       ctx.fill();
     }
 
+    /** What values are compared with. */
+    dashed(ctx, paint) {
+      ctx.strokeStyle = inks.bad;
+      ctx.setLineDash([5, 4]);
+      ctx.lineWidth = 1.2;
+      ctx.beginPath();
+      paint();
+      ctx.stroke();
+      ctx.setLineDash([]);
+    }
+
     /** Smaller where frames lie close together. */
     dotSize() { return Math.min(2.6, Math.max(1.3, 2 * (this.x(1) - this.x(0)))); }
 
-    /** In a narrow chart without what stands behind the last comma or equals sign. */
+    /** What the chart shows; in a narrow one without what stands behind the last comma or equals sign. */
     name(ctx, text) {
+      this.canvas.setAttribute('aria-label', `${text}; click to jump`);
       while (LEFT + ctx.measureText(text).width > this.width && /[,=]/.test(text)) text = text.replace(/\s*[,=][^,=]*$/, '');
       ctx.fillStyle = inks.ink;
       ctx.textAlign = 'left';
@@ -170,95 +215,156 @@
     }
   }
 
-  /** Gain of every frame in bits, logarithmic. */
-  class GainLine extends Line {
+  /** A score of every frame, logarithmic. */
+  class ScoreLine extends Line {
+    /** `at`: the height of a frame's score; NaN: it has none. */
+    drawScores(ctx, at) {
+      const size = this.dotSize();
+      for (const round of [0, 1]) {  // what was kept lies on top
+        for (let f = 0; f < this.data.frames; ++f) {
+          const accepted = this.data.stays(f);
+          if (Boolean(round) !== accepted) continue;
+          if (this.data.table.reason[f] === this.busy) { ctx.fillStyle = inks.dropped; ctx.fillRect(this.x(f) - 0.5, this.y(0) - 4, 1.2, 4); }
+          const unit = at(f);
+          if (!Number.isNaN(unit)) this.dot(ctx, f, unit, accepted ? inks.kept : inks.not, accepted ? size : 0.65 * size);
+        }
+      }
+    }
+  }
+
+  /** Gain of every frame in bits. */
+  class GainLine extends ScoreLine {
     drawValues(ctx) {
-      const {table, frames} = this.data;
+      const {table} = this.data;
       const known = [...table.mi].filter((v) => Number.isFinite(v) && v > 0).map((v) => Math.log10(v / Math.LN2));
       const low = Math.max(-3, Math.floor(Math.min(-1, ...known))), high = Math.max(1, Math.ceil(Math.max(-9, ...known)));
       this.unit = (bits) => (bits === Infinity ? 1 : Math.min(1, Math.max(0, (Math.log10(Math.max(bits, 1e-12)) - low) / (high - low))));
       const step = this.height < 90 ? 2 : 1;
-      const size = this.dotSize();
       for (let e = high; e >= low; e -= step) this.tick(ctx, this.unit(10 ** e), `${+(10 ** e).toPrecision(1)}`, LEFT, this.width - RIGHT);
       this.drawThreshold(ctx);
-      for (const round of [0, 1]) {  // what was kept lies on top
-        for (let f = 0; f < frames; ++f) {
-          const accepted = this.data.stays(f);
-          if (Boolean(round) !== accepted) continue;
-          if (table.reason[f] === this.busy) { ctx.fillStyle = inks.dropped; ctx.fillRect(this.x(f) - 0.5, this.y(0) - 4, 1.2, 4); }
-          if (!Number.isNaN(table.mi[f])) this.dot(ctx, f, this.unit(table.mi[f] / Math.LN2), accepted ? inks.kept : inks.not, accepted ? size : 0.65 * size);
-        }
-      }
+      this.drawScores(ctx, (f) => (Number.isNaN(table.mi[f]) ? NaN : this.unit(table.mi[f] / Math.LN2)));
       const nats = table.threshold.find((v) => v > 0);
       this.name(ctx, `Gain of each frame [bits]${nats ? `, threshold ${(nats / Math.LN2).toFixed(2)} bits = ${nats.toFixed(3)} nats` : ''}`);
     }
 
     drawThreshold(ctx) {
-      const {table} = this.data;
-      ctx.strokeStyle = inks.bad;
-      ctx.setLineDash([5, 4]);
-      ctx.lineWidth = 1.2;
       for (const part of this.parts) {
-        const threshold = table.threshold[part.from] / Math.LN2;
+        const threshold = this.data.table.threshold[part.from] / Math.LN2;
         if (!(threshold > 0)) continue;
-        ctx.beginPath();
-        ctx.moveTo(this.x(part.from), this.y(this.unit(threshold)));
-        ctx.lineTo(this.x(part.to), this.y(this.unit(threshold)));
-        ctx.stroke();
+        this.dashed(ctx, () => {
+          ctx.moveTo(this.x(part.from), this.y(this.unit(threshold)));
+          ctx.lineTo(this.x(part.to), this.y(this.unit(threshold)));
+        });
       }
-      ctx.setLineDash([]);
     }
   }
 
-  /** Entropy in nats; each stage has its own parameters and its own scale. */
-  class EntropyLine extends Line {
+  /** Predicted error in px: with each frame; in the camera-IMU stage, which keeps every frame, after it. */
+  class ErrorLine extends ScoreLine {
+    drawValues(ctx) {
+      const {table, frames, word} = this.data;
+      const imu = (f) => word('stage', f) === 'camera-imu';
+      const error = (f) => (imu(f) ? table.error[f] : table.error_with[f]);
+      const known = [];
+      for (let f = 0; f < frames; ++f) known.push(error(f), table.error_bound[f]);
+      const values = known.filter((v) => v > 0 && Number.isFinite(v));
+      this.name(ctx, 'Predicted error with each frame [px], dashed: bound');
+      if (!values.length) return;
+      const scale = scaleOf(logarithmic, values);
+      for (const v of logarithmic.ticks(scale.low, scale.high, this.height / 18)) this.tick(ctx, scale.unit(v), `${+v.toPrecision(1)}`, LEFT, this.width - RIGHT);
+      this.drawBound(ctx, scale);  // below the scores, which are close to it
+      this.drawScores(ctx, (f) => (error(f) > 0 ? scale.unit(error(f)) : NaN));
+      const part = this.parts.find((p) => imu(p.from));
+      if (part) this.noteAbove(ctx, part, 'camera-imu: expected of points by the IMU');
+    }
+
+    /** At the part's end, where errors have fallen. */
+    noteAbove(ctx, part, text) {
+      ctx.fillStyle = inks.ink;
+      ctx.textAlign = 'right';
+      this.halo(ctx, text, this.x(part.to) - 5, TOP + 12);
+    }
+
+    drawBound(ctx, scale) {
+      const {error_bound: bound} = this.data.table;
+      this.dashed(ctx, () => {
+        let stage = NaN;  // of the frame before that has a bound
+        for (let f = 0; f < this.data.frames; ++f) {
+          if (!(bound[f] > 0)) continue;
+          const y = this.y(scale.unit(bound[f]));
+          if (stage === this.data.table.stage[f]) ctx.lineTo(this.x(f), y); else ctx.moveTo(this.x(f), y);
+          stage = this.data.table.stage[f];
+        }
+      });
+    }
+  }
+
+  /** A quantity over each stage on the stage's own scale: entropy, or the excess that it stops by. */
+  class CourseLine extends Line {
     drawValues(ctx) {
       this.parts.forEach((part, k) => this.drawPart(ctx, part, k));
-      this.name(ctx, 'Entropy [nats]');
+      this.name(ctx, this.courseOf(this.parts[0]).title);
+    }
+
+    courseOf(part) {
+      const {table, byError, stopExcess} = this.data;
+      const excess = table.excess.subarray(part.from, part.to + 1).some((v) => v > 0 && Number.isFinite(v));
+      if (!byError || !excess) return {title: 'Entropy [nats]', kind: linear, value: (f) => table.entropy[f]};
+      const stop = stopExcess === null ? '' : `, stop at ${percent(stopExcess)}`;
+      return {title: `Predicted excess over a corner's error [%]${stop}`, kind: logarithmic, stop: 100 * (stopExcess === null ? NaN : stopExcess),
+        value: (f) => (table.excess[f] > 0 ? 100 * table.excess[f] : NaN)};
+    }
+
+    /** Named in the chart: what a later stage shows otherwise. */
+    note(ctx, part, text) {
+      ctx.fillStyle = inks.ink;
+      ctx.textAlign = 'left';
+      this.halo(ctx, text, this.x(part.from) + 5, this.height - BOTTOM - 5);
     }
 
     drawPart(ctx, part, k) {
-      const {table} = this.data;
-      const values = [...table.entropy.subarray(part.from, part.to + 1)].filter(Number.isFinite);
-      if (!values.length) return;
-      let low = Math.min(...values), high = Math.max(...values);
-      if (high - low < 1e-6) { low -= 0.5; high += 0.5; }
-      const margin = 0.08 * (high - low);
-      const unit = (v) => (v - low + margin) / (high - low + 2 * margin);
-      this.drawTicks(ctx, part, k, {low, high, unit});
+      const {kind, value, stop, title} = this.courseOf(part);
+      const values = [];
+      for (let f = part.from; f <= part.to; ++f) values.push(value(f));
+      const known = [...values, stop].filter(Number.isFinite);
+      if (!values.some(Number.isFinite)) return;
+      const scale = scaleOf(kind, known);
+      this.drawTicks(ctx, part, k, {...scale, ticks: kind.ticks});
+      if (k > 0) this.note(ctx, part, `${this.data.words.stage[part.stage]}${this.data.byError ? `: ${title.toLowerCase()}` : ''}, own scale`);
+      if (Number.isFinite(stop)) this.dashed(ctx, () => { ctx.moveTo(this.x(part.from), this.y(scale.unit(stop))); ctx.lineTo(this.x(part.to), this.y(scale.unit(stop))); });
       ctx.strokeStyle = inks.kept;
       ctx.lineWidth = 1.6;
       ctx.beginPath();
       let pen = false;
       for (let f = part.from; f <= part.to; ++f) {
-        const v = table.entropy[f];
+        const v = value(f);
         if (!Number.isFinite(v)) continue;
-        if (pen) ctx.lineTo(this.x(f), this.y(unit(v))); else ctx.moveTo(this.x(f), this.y(unit(v)));
+        const y = this.y(scale.unit(v));
+        if (pen) ctx.lineTo(this.x(f), y); else ctx.moveTo(this.x(f), y);
         pen = true;
       }
       ctx.stroke();
       const size = this.dotSize();
       for (let f = part.from; k === 0 && f <= part.to; ++f) {
-        if (this.data.stays(f) && Number.isFinite(table.entropy[f])) this.dot(ctx, f, unit(table.entropy[f]), inks.kept, 0.8 * size);
+        if (this.data.stays(f) && Number.isFinite(value(f))) this.dot(ctx, f, scale.unit(value(f)), inks.kept, 0.8 * size);
       }
     }
 
     drawTicks(ctx, part, k, scale) {
-      const step = roundStep(scale.high - scale.low, Math.max(2.5, this.height / 22));
-      for (let v = step * Math.ceil(scale.low / step); v <= scale.high + 1e-9; v += step) {
+      for (const v of scale.ticks(scale.low, scale.high, Math.max(2.5, this.height / 22))) {
         const label = `${+v.toPrecision(6)}`;
         if (k === 0) { this.tick(ctx, scale.unit(v), label, this.x(part.from), this.x(part.to)); continue; }
         ctx.fillStyle = inks.soft;
         ctx.textAlign = 'right';
         this.halo(ctx, label, this.x(part.to) - 3, this.y(scale.unit(v)) + 4);
       }
-      if (k > 0) { ctx.fillStyle = inks.ink; ctx.textAlign = 'left'; this.halo(ctx, `${this.data.words.stage[part.stage]}, own scale`, this.x(part.from) + 5, this.height - BOTTOM - 5); }
     }
   }
 
   window.plumblineReplay.timeline = (box, data, jump) => {
-    const lines = [new GainLine(box.querySelector('[data-line="mi"]'), data, jump),
-      new EntropyLine(box.querySelector('[data-line="entropy"]'), data, jump)];
+    const Scores = data.byError ? ErrorLine : GainLine;
+    const lines = [new Scores(box.querySelector('[data-line="scores"]'), data, jump),
+      new CourseLine(box.querySelector('[data-line="course"]'), data, jump)];
     return {
       layout() { lines.forEach((l) => l.layout()); },
       draw(frame) { lines.forEach((l) => l.draw(frame)); },

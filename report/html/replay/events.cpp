@@ -38,7 +38,7 @@ std::string initialisedText(const Decision& d) {
 
 /// By what the guide stopped: of the quantities that it may stop by, a decision has only those that
 /// were asked for.
-std::string finishedText(const Decision& d) {
+std::string finishedText(const Decision& d, bool by_error) {
   std::string text = fmt::format("{} stage finished, {} kept", toString(d.stage), d.views_kept);
   if (d.projection_px) {
     return text + fmt::format(": predicted projection error {:.3f} px", *d.projection_px);
@@ -53,15 +53,28 @@ std::string finishedText(const Decision& d) {
   }
   if (d.round && d.round->best >= 0) {
     const auto i = static_cast<std::size_t>(d.round->best);
-    // By the gain or by the error, as the criterion was: the decision does not say which.
-    text += fmt::format(
-        ": no candidate was worth it; the best would gain {:.3f} bits (threshold {:.3f})",
-        d.round->mi_nats[i] / std::numbers::ln2, d.threshold_nats / std::numbers::ln2);
-    if (i < d.round->error_px.size() && std::isfinite(d.round->error_px[i])) {
-      text += fmt::format(" and leave an error of {:.3f} px", d.round->error_px[i]);
+    text += ": no candidate was worth it; the best would ";
+    const bool known = i < d.round->error_px.size() && std::isfinite(d.round->error_px[i]);
+    const std::string error =
+        known ? fmt::format("leave an error of {:.3f} px", d.round->error_px[i]) : std::string();
+    if (by_error && known) {
+      return text + error +
+             (d.error_px ? fmt::format(", without it {:.3f} px", *d.error_px) : std::string());
     }
+    text +=
+        fmt::format("gain {:.3f} bits (threshold {:.3f})", d.round->mi_nats[i] / std::numbers::ln2,
+                    d.threshold_nats / std::numbers::ln2);
+    if (known) text += " and " + error;
   }
   return text;
+}
+
+/// First that by which it was chosen.
+std::string scoreText(const Suggestion& s, bool by_error) {
+  const std::string gain = s.mi_nats != 0 ? bits(s.mi_nats) : "not scored";
+  if (!s.error_px) return gain;
+  const std::string error = fmt::format("error {:.3f} px", *s.error_px);
+  return by_error ? error + ", " + gain : gain + ", " + error;
 }
 
 std::string endedText(const Decision& d) {
@@ -73,7 +86,7 @@ class Events {
  public:
   std::vector<ReplayEvent> events;
 
-  explicit Events(const ReplayRecord& record) {
+  explicit Events(const ReplayRecord& record) : by_error_(decidedByError(record)) {
     for (const ReplayStageSummary& s : record.stages) {
       if (s.ended) ended_.insert(s.stage);
     }
@@ -86,7 +99,7 @@ class Events {
     if (d.reason == GuideReason::kInitialised) push(d, "initialised", initialisedText(d));
     addSuggestion(d);
     if (d.mode == GuideMode::kFinished && finished_.insert(d.stage).second) {
-      push(d, "finished", ended_.contains(d.stage) ? endedText(d) : finishedText(d));
+      push(d, "finished", ended_.contains(d.stage) ? endedText(d) : finishedText(d, by_error_));
     }
   }
 
@@ -120,8 +133,7 @@ class Events {
       opened_[d.opened->id] = d.t;
       push(d, "opened",
            fmt::format("#{} suggested: {}, {}", d.opened->id, d.opened->candidate,
-                       d.opened->mi_nats != 0 ? bits(d.opened->mi_nats) : "not scored") +
-               (d.opened->error_px ? fmt::format(", error {:.3f} px", *d.opened->error_px) : ""));
+                       scoreText(*d.opened, by_error_)));
     }
     if (!d.suggestion) return;
     if (d.event == SuggestionEvent::kNone || d.event == SuggestionEvent::kOpened) return;
@@ -133,6 +145,7 @@ class Events {
     push(d, toString(d.event).c_str(), std::move(text));
   }
 
+  bool by_error_;
   std::set<GuideStage> finished_, ended_;
   std::map<int, TimeNs> opened_;
   GuideReason problem_ = GuideReason::kInitialising;

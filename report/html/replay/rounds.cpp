@@ -47,7 +47,17 @@ struct RoundValues {
   OnceEach<RoundPose> poses;
 };
 
-Json roundJson(const Decision& d, RoundValues& tables) {
+/// Predicted error after the frame on whose estimate a round's scores are based [px].
+std::optional<double> errorBefore(const ReplayRecord& record, const Decision& d) {
+  const auto found = std::ranges::find_if(record.decisions, [&](const Decision& asked) {
+    return asked.t == d.round->asked && asked.stage == d.stage;
+  });
+  return found == record.decisions.end() ? std::nullopt : found->error_px;
+}
+
+Json numberOrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json roundJson(const ReplayRecord& record, const Decision& d, RoundValues& tables) {
   const CandidateRound& round = *d.round;
   std::vector<std::uint32_t> names, poses;
   for (const std::string& name : round.names) names.push_back(tables.names.place(name));
@@ -62,7 +72,8 @@ Json roundJson(const Decision& d, RoundValues& tables) {
           {"names", base64(names)},
           {"poses", base64(poses)},
           {"mi", base64(mi)},
-          {"error", base64(error)}};
+          {"error", base64(error)},
+          {"error_before", numberOrNull(errorBefore(record, d))}};
 }
 
 /// Between which frames a suggestion was open.
@@ -132,8 +143,6 @@ Json overlayJson(const std::vector<std::vector<Corner>>& overlay) {
   return cameras;
 }
 
-Json numberOrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
 Json suggestionJson(const SuggestionOutcome& o, const Band& band) {
   const Suggestion& s = o.suggestion;
   return {{"id", s.id},
@@ -155,7 +164,7 @@ Json roundsJson(const ReplayRecord& record) {
   RoundValues tables;
   Json rounds = Json::array();
   for (const Decision& d : record.decisions) {
-    if (d.round) rounds.push_back(roundJson(d, tables));
+    if (d.round) rounds.push_back(roundJson(record, d, tables));
   }
   return {
       {"rounds", rounds}, {"names", tables.names.values}, {"poses", base64(tables.poses.values)}};

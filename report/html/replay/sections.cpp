@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/html/replay/sections.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -49,9 +50,12 @@ std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary&
 }
 
 Table stageTable(const ReplayRecord& record) {
+  // Hindsight is of gains, whatever the guide went by.
+  const std::string by = decidedByError(record) ? " by mutual information" : "";
   Table table{{words("Stage"), number("Offered"), number("Dropped"), number("Used"),
-               number("Redundant"), number("Missed"), number("Suggested"), number("Reached"),
-               number("Started [s]"), number("Finish [s]"), number("Gained after it")}};
+               number("Redundant" + by), number("Missed" + by), number("Suggested"),
+               number("Reached"), number("Started [s]"), number("Finish [s]"),
+               number("Gained after it")}};
   for (const ReplayStageSummary& s : record.stages) table.rows.push_back(stageRow(record, s));
   return table;
 }
@@ -92,6 +96,9 @@ std::optional<VerdictLevel> levelOf(SuggestionEvent end) {
   return end == SuggestionEvent::kExpired ? VerdictLevel::kBad : VerdictLevel::kCaution;
 }
 
+// Of the suggestions' table.
+constexpr int kGainColumn = 3, kTimeColumn = 7;
+
 std::string bitsText(double nats) {
   return std::isinf(nats) ? "unbounded" : fmt::format("{:.3f}", nats / std::numbers::ln2);
 }
@@ -116,12 +123,33 @@ std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome
           orDash(o.closest_rad, kDegrees, "{:.1f}")};
 }
 
+bool anyHas(const std::vector<SuggestionOutcome>& outcomes,
+            std::optional<double> Suggestion::*value) {
+  return std::ranges::any_of(
+      outcomes, [value](const SuggestionOutcome& o) { return (o.suggestion.*value).has_value(); });
+}
+
+/// Before the gains.
+void insertErrors(Table& table, const std::vector<SuggestionOutcome>& outcomes) {
+  table.columns.insert(table.columns.begin() + kGainColumn, number("Predicted error [px]"));
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    std::vector<Cell>& row = table.rows[i];
+    row.insert(row.begin() + kGainColumn, orDash(outcomes[i].suggestion.error_px, 1, "{:.3f}"));
+  }
+}
+
 Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutcome>& outcomes) {
   Table table{{number("#"), words("Stage"), words("Suggestion"), number("Predicted gain [bits]"),
                number("Shown [s]"), number("Open [s]"), words("End"), number("Predicted time [s]"),
                number("Reached after [s]"), number("Closest [px]"), number("Mean [px]"),
                number("Position [mm]"), number("Rotation [\u00b0]")}};
   for (const SuggestionOutcome& o : outcomes) table.rows.push_back(outcomeRow(record, o));
+  // Suggestions of another guide, read from a file, have none.
+  if (decidedByError(record) && anyHas(outcomes, &Suggestion::error_px)) {
+    // Thirteen columns fit.
+    if (!anyHas(outcomes, &Suggestion::reach_s)) eraseColumns(table, kTimeColumn);
+    insertErrors(table, outcomes);
+  }
   return table;
 }
 
@@ -161,8 +189,9 @@ std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
 Section replayStagesSection(const ReplayRecord& record) {
   Section section{
       "stages", "Stages",
-      "Used: in the estimate. Redundant: used, but in hindsight below the threshold; missed: not "
-      "used, but in hindsight above it. Started: with the first estimate of the stage. Times count "
+      "Used: in the estimate. Redundant: used, but in hindsight below the threshold of mutual "
+      "information; missed: not used, but in hindsight above it. Started: with the first estimate "
+      "of the stage. Times count "
       "from the first frame, of which a wrong stamp does not count. Gained after \"finish\": "
       "information that the rest of the recording would "
       "have added."};

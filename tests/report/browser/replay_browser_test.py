@@ -117,8 +117,8 @@ slide(2);
 result.withdrawn = [data.keptBy(3).includes(2), data.keptBy(4).includes(2), data.stays(2), data.stays(3), field('detail')];
 result.whys = wanted.whys.map((f) => { slide(f); return [field('why'), document.querySelector('[data-field="error"] b').textContent]; });
 result.events = [...document.querySelectorAll('.player-events button')].map((b) => { b.click(); return [b.className, frame(), b.textContent]; });
-const line = document.querySelector('[data-line="mi"]').getBoundingClientRect();
-send(document.querySelector('[data-line="mi"]'), 'pointerdown', line.left + 46 + (line.width - 56) / 2, line.top + 30, 1);
+const line = document.querySelector('[data-line="scores"]').getBoundingClientRect();
+send(document.querySelector('[data-line="scores"]'), 'pointerdown', line.left + 46 + (line.width - 56) / 2, line.top + 30, 1);
 result.line = frame();
 result.playing = await playing();
 result.note = (document.querySelector('.player-note') || {textContent: ''}).textContent;
@@ -308,6 +308,48 @@ def check_bare(browser, write_page, folder):
     print("without decisions: the corners are shown; without frames: the page says so")
 
 
+ERROR_PROBE = """
+const field = (name) => document.querySelector(`[data-field="${name}"]`);
+const slide = (f) => { const s = document.querySelector('[data-part="slider"]'); s.value = f; s.dispatchEvent(new Event('input', {bubbles: true})); };
+const {data, scene} = window.plumblineReplay.player;
+const frames = [...Array(data.frames).keys()].filter((f) => data.table.error_bound[f] > 0);
+const log = frames.map((f) => { slide(f); return {kept: data.stays(f), gains: data.table.mi[f] >= data.table.threshold[f],
+  green: ['mi', 'error_with', 'why'].map((n) => field(n).classList.contains('good')), px: field('error_with').innerText, why: field('why').innerText}; });
+const round = data.rounds[0];
+slide(round.frame);
+const worth = [...round.error].map((px, i) => [scene.worth(round, i), round.error_before - px]).filter((w) => !Number.isNaN(w[0]));
+return {errors: pageErrors, log, worth, legend: document.querySelector('[data-part="legend"]').textContent,
+  key: document.querySelector('.player-key').textContent, bottom: document.getElementById('player').getBoundingClientRect().bottom + scrollY,
+  height: innerHeight, lines: [...document.querySelectorAll('.player-lines canvas')].map((c) => c.getAttribute('aria-label'))};
+"""
+
+
+def check_by_error(browser, write_page, folder):
+    """Where predicted errors decided, they are what is drawn, coloured and compared."""
+    page = os.path.join(folder, "errors.html")
+    subprocess.run([write_page, page, "300", "6", "errors"], check=True)
+    browser.open(page, 1366, 740)
+    result = browser.run(ERROR_PROBE)
+    if result["errors"]:
+        fail("by predicted error: script errors: %s" % result["errors"][:5])
+    log = result["log"]
+    if not any(d["gains"] and not d["kept"] for d in log):
+        fail("by predicted error: no rejected frame gains more than the threshold")
+    for d in log:
+        if d["green"] != [False, d["kept"], d["kept"]] or "px (bound" not in d["px"] or "bound of" not in d["why"]:
+            fail("by predicted error: a frame is shown as %s" % d)
+    scores, course = result["lines"]
+    if "[px]" not in scores or "bits" in scores or "[%]" not in course or "stop at 2 %" not in course:
+        fail("by predicted error: the charts are %s" % result["lines"])
+    if any(abs(shown - lowered) > 1e-6 for shown, lowered in result["worth"]) or len(result["worth"]) < 50:
+        fail("by predicted error: candidates are coloured by %s" % result["worth"][:5])
+    if "lower the error" not in result["legend"] or "bits" in result["legend"] or "bound" not in result["key"]:
+        fail("by predicted error: legends '%s', '%s'" % (result["legend"], result["key"]))
+    if result["bottom"] > result["height"]:
+        fail("by predicted error: the player ends at %d px" % result["bottom"])
+    print("by predicted error: %d frames are shown in px against their bounds" % len(log))
+
+
 def check_static_part(browser, write_page, tool, folder):
     """The static part, as the pages of studies are looked at."""
     page = os.path.join(folder, "figures.html")
@@ -328,6 +370,7 @@ def main():
                  ("1,500 frames, images", {"frames": 1500, "columns": 12, "images": 1, "step": 11}))
         for name, options in pages:
             check_page(browser, name, write_page, folder, options)
+        check_by_error(browser, write_page, folder)
         check_bare(browser, write_page, folder)
         check_static_part(browser, write_page, tool, folder)
 

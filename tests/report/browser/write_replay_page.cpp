@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes the page of a synthetic replay, and beside it FILE.decisions with what its log must say:
-// write_replay_page FILE FRAMES COLUMNS_OF_TAGS [images|bare]; without frames the record is empty,
-// "bare" leaves it nothing but its corners.
+// write_replay_page FILE FRAMES COLUMNS_OF_TAGS [images|errors|bare]; without frames the record is
+// empty, "bare" leaves it nothing but its corners, with "errors" predicted errors decide.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -53,7 +53,8 @@ void writeDecisions(const plumbline::ReplayRecord& record, const std::string& pa
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    std::fprintf(stderr, "usage: write_replay_page FILE FRAMES COLUMNS_OF_TAGS [images|bare]\n");
+    std::fprintf(stderr,
+                 "usage: write_replay_page FILE FRAMES COLUMNS_OF_TAGS [images|errors|bare]\n");
     return 2;
   }
   plumbline::test::SyntheticReplayOptions options;
@@ -61,6 +62,7 @@ int main(int argc, char** argv) {
   options.columns = std::atoi(argv[3]);
   const std::string with = argc > 4 ? argv[4] : "";
   options.images = with == "images";
+  options.by_error = with == "errors";
   plumbline::ReplayRecord record;
   if (options.frames > 0) record = plumbline::test::syntheticReplay(options);
   if (with == "bare") {
