@@ -139,6 +139,16 @@ TEST(ReplayPage, ShowsPredictedErrorsWhereTheyDecided) {
   EXPECT_THAT(by_gain, HasSubstr("the best would gain"));
 }
 
+TEST(ReplayPage, SaysThatAStageWithoutAMeasuredErrorDidNotStop) {
+  ReplayRecord record = replay();
+  EXPECT_THAT(renderReplayPage(record), Not(HasSubstr(">did not stop</td>")));
+  StopAudit& audit = record.stop_audits[1];
+  audit.verdict = StopAudit::Verdict::kNeverStopped;
+  audit.finished.reset();
+  audit.measured_px.reset();
+  EXPECT_EQ(count(renderReplayPage(record), ">did not stop</td>"), 1U);
+}
+
 TEST(ReplayPage, OfAnOlderRecordTakesGainsToHaveDecided) {
   ReplayRecord record = replay();
   record.rule.reset();

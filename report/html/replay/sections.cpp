@@ -165,6 +165,12 @@ Cell verdictCell(StopAudit::Verdict verdict) {
   return {text, Cell::Kind::kTight, level};
 }
 
+/// Measured is what a stage had when it stopped.
+Cell measuredCell(const StopAudit& a) {
+  const bool never = a.predicted_px && !a.measured_px && !a.finished;
+  return never ? tight("did not stop") : orDash(a.measured_px, 1, "{:.3f}");
+}
+
 /// An entropy of 0 is one that is not known.
 std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
   return {
@@ -177,7 +183,7 @@ std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
       orDash(a.predicted_excess, 100, "{:.1f}"),
       orDash(a.measured_excess, 100, "{:.1f}"),
       orDash(a.predicted_px, 1, "{:.3f}"),
-      orDash(a.measured_px, 1, "{:.3f}"),
+      measuredCell(a),
       number(a.finished && a.entropy_at_finish_nats != 0
                  ? fmt::format("{:.3f}", a.entropy_at_finish_nats)
                  : kDash),
