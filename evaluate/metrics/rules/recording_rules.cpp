@@ -75,6 +75,21 @@ Finding bentBoard(const CameraStageResult& stage, Rule rule, double rms_mm) {
                  found);
 }
 
+/// What makes the views of a camera more: a recording that has enough needs no others.
+std::string adviceOnFewViews(const CalibrationRecord& record, int camera, const Bound& views) {
+  const std::string note = selectionNote(record, camera);
+  const bool recorded =
+      !note.empty() && record.counts[static_cast<std::size_t>(camera)].views_with_corners >=
+                           static_cast<int>(views.caution);
+  if (!recorded) {
+    return adviceOnViews(record, "Record more views, differing in distance, tilt and position.",
+                         camera);
+  }
+  return note +
+         " Standard deviations from residuals, and the comparison of halves, are uncertain of so "
+         "few views.";
+}
+
 }  // namespace
 
 Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) {
@@ -94,11 +109,9 @@ Findings judgeData(const CalibrationRecord& record, const VerdictThresholds& t) 
              index)},
         coverage, fmt::format("corners in {:.0f} % of the image regions", 100 * coverage)));
     const int views = usedViews(stage, index);
-    findings.push_back(
-        below({fmt::format("Views of {}", camera.name), "1", t.views,
-               adviceOnViews(record, "Record more views, differing in distance, tilt and position.",
-                             index)},
-              static_cast<double>(views), fmt::format("{} views used", views)));
+    findings.push_back(below({fmt::format("Views of {}", camera.name), "1", t.views,
+                              adviceOnFewViews(record, index, t.views)},
+                             static_cast<double>(views), fmt::format("{} views used", views)));
   }
   // The 90 % quantile: a tenth of the views has to be tilted, not a single one.
   const double tilt = kDegrees * quantile(viewTilts(stage.T_FC0), 0.9);

@@ -112,14 +112,15 @@ std::string selectionNote(const CalibrationRecord& record, std::optional<int> ca
   // Not all of the others need be the selection's: --min-corners and --outliers leave out as well.
   if (used >= views) return "";
   return fmt::format(
-      "Of {} views with corners {} are used; a smaller value of --select-views may leave more.",
+      "Of {} views with corners {} are used; a smaller value of --select-views, or none, takes "
+      "more.",
       views, used);
 }
 
 std::string adviceOnViews(const CalibrationRecord& record, const char* advice,
                           std::optional<int> camera) {
   const std::string note = selectionNote(record, camera);
-  return note.empty() ? advice : note + " " + advice;
+  return note.empty() ? advice : note + " Where that does not help: " + advice;
 }
 
 }  // namespace plumbline

@@ -60,7 +60,8 @@ int usedViews(const CameraStageResult& stage, int camera);
 /// of all: a sentence that says so; otherwise empty.
 std::string selectionNote(const CalibrationRecord& record, std::optional<int> camera = {});
 
-/// `advice` to record other views, of a camera or of all; behind selectionNote().
+/// `advice` to record other views, of a camera or of all; behind selectionNote(), since the views
+/// that it left out come first.
 std::string adviceOnViews(const CalibrationRecord& record, const char* advice,
                           std::optional<int> camera = {});
 

@@ -15,6 +15,8 @@
 namespace plumbline {
 namespace {
 
+using ::testing::EndsWith;
+
 using test::cameraRecord;
 using test::findingOf;
 using test::levelOf;
@@ -58,8 +60,17 @@ TEST(Verdict, OfSelectedViewsTheSelectionIsNamed) {
   record.counts.resize(1);
   record.counts[0].views_with_corners = 1416;
   const std::string note =
-      "Of 1416 views with corners 5 are used; a smaller value of --select-views may leave more.";
-  EXPECT_EQ(advice(), note + " Record more views, differing in distance, tilt and position.");
+      "Of 1416 views with corners 5 are used; a smaller value of --select-views, or none, takes "
+      "more.";
+  EXPECT_EQ(advice(), note +
+                          " Standard deviations from residuals, and the comparison of halves, are "
+                          "uncertain of so few views.");
+  EXPECT_EQ(levelOf(judge(record), "Views of cam0"), VerdictLevel::kBad) << "few all the same";
+  record.counts[0].views_with_corners = 12;
+  EXPECT_THAT(advice(), EndsWith("Where that does not help: Record more views, differing in "
+                                 "distance, tilt and position."))
+      << "all of them are few, too";
+  record.counts[0].views_with_corners = 1416;
   EXPECT_EQ(advice("Tilt of the views"),
             "Tilt the rig (or the target) by 30 to 45 degrees: frontal views do not separate focal "
             "length from distance. " +
