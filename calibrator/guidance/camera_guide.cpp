@@ -31,6 +31,7 @@ struct CameraGuide::State : StageState {
   int until_round = options.views.patience;  // frames without a view until candidates are scored
   int posed = 0;                             // frames with a plausible pose since the start
   int unposed = 0;                           // in a row without
+  bool coverage_told = false;                // that it holds the stop back
 
   void look(const GuideFrame& frame, Decision& d);
   void initialise(const FrameCorners& corners, Decision& d);
@@ -39,6 +40,7 @@ struct CameraGuide::State : StageState {
   void startWasWrong(Decision& d, const std::string& why);
   void consider(const GuideFrame& frame, const FrameCorners& corners, Decision& d);
   void finish(Decision& d) { StageState::finish(options.latency.camera_batch_s, d); }
+  void tellCoverage(Decision& d);
   bool accept(const FrameCorners& corners, Decision& d);
   void windowChanged();
   void findNextView(Decision& d);
@@ -169,6 +171,7 @@ void CameraGuide::State::startWasWrong(Decision& d, const std::string& why) {
   rmse.reset();
   start_check.forget();
   posed = unposed = frames_without_view = 0;
+  coverage_told = false;
   until_round = options.views.patience;
   next_start = static_cast<std::size_t>(options.views.start_frames);
 }
@@ -204,11 +207,23 @@ void CameraGuide::State::consider(const GuideFrame& frame, const FrameCorners& c
     until_round = options.views.patience;
     // Only a view that was kept changes what is known.
     if (judge.isEnough()) finish(d);
+    tellCoverage(d);
     return;
   }
   ++frames_without_view;
   --until_round;
   if (!open && d.event == SuggestionEvent::kNone && until_round <= 0) findNextView(d);
+}
+
+/// Once: why the stage does not stop although the predicted error is small enough.
+void CameraGuide::State::tellCoverage(Decision& d) {
+  if (coverage_told || !judge.lacksCoverage()) return;
+  coverage_told = true;
+  note(d,
+       fmt::format("the predicted error is small enough where the frames so far had corners, but "
+                   "these are in {:.0f} % of the image regions of a camera: no stop before "
+                   "{:.0f} %",
+                   100 * judge.coverage(), 100 * kLeastCoverage));
 }
 
 /// Takes the frame into the window; false where the window does not solve with it.

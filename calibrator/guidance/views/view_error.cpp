@@ -2,6 +2,7 @@
 #include "calibrator/guidance/views/view_error.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cassert>
 #include <limits>
 #include <utility>
@@ -19,6 +20,24 @@ namespace {
 constexpr double kPoseTolerance = 1e-3;  // standard deviations
 constexpr int kPoseIterations = 10;
 constexpr int kSeenUntilRefresh = 25;
+
+/// See ViewErrorTracker::coverage().
+double leastCoverage(const std::vector<RigView>& frames, const CameraEstimate& cameras) {
+  double least = 1;
+  for (std::size_t c = 0; c < cameras.intrinsics.size(); ++c) {
+    std::bitset<CornerCells::kCount> seen;
+    for (const RigView& frame : frames) {
+      const PackedView& view = frame.views[c];
+      for (int k = 0; k < view.count; ++k) {
+        const int cell =
+            CornerCells::cellOf(view.u[k], view.v[k], cameras.intrinsics[c].resolution);
+        seen.set(static_cast<std::size_t>(cell));
+      }
+    }
+    least = std::min(least, static_cast<double>(seen.count()) / CornerCells::kCount);
+  }
+  return least;
+}
 
 }  // namespace
 
@@ -111,6 +130,7 @@ void ViewErrorTracker::refresh(const CameraEstimate& estimate,
   }
   std::vector<RigView> frames;
   for (const Held& frame : *use) frames.push_back(frame.view());
+  if (options_.later_use == LaterUseKind::kSeen) coverage_ = leastCoverage(frames, cameras_);
   model_ = errorModel(frames, cameras_, options_.cauchy_px, options_.later_use, threads);
   // Later use that does not determine the cameras predicts nothing.
   if (!model_ || kept_.empty()) return model_.reset();

@@ -14,6 +14,10 @@ namespace plumbline {
 /// A view whose RMSE is more than so many times the median of the others' does not fit them.
 inline constexpr double kWorstView = 3;
 
+/// Of the regions of an image (CornerCells), this share must have been seen before frames seen can
+/// stand for later use (docs/counterfactuals.md, "In the guide").
+inline constexpr double kLeastCoverage = 0.9;
+
 /// With so many views, how many more until the estimate is made anew: that costs the more the more
 /// views there are, and one view changes the estimate the less.
 int viewsUntilRefresh(int views);
@@ -47,6 +51,9 @@ class ViewErrorTracker {
   double excess() const { return relativeExcess(predicted(), components_); }
   int keptCount() const { return static_cast<int>(kept_.size()); }
   const ErrorComponents& components() const { return components_; }
+  /// Share of the regions of an image, of the camera with the least, in which later use has
+  /// corners; of kImage 1, as it is made to cover the image.
+  double coverage() const { return coverage_; }
 
   /// E with a frame that was seen [px^2].
   double seenWith(const FrameCorners& corners, const Transform& T_FC0) const;
@@ -80,6 +87,7 @@ class ViewErrorTracker {
   std::optional<ErrorModel> model_;
   std::optional<PredictedError> error_;
   ErrorComponents components_;
+  double coverage_ = 1;
 };
 
 }  // namespace plumbline

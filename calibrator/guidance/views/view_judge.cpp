@@ -90,14 +90,22 @@ bool ViewJudge::fits(const CameraEstimate& estimate, const FrameCorners& corners
 }
 
 bool ViewJudge::isEnough() const {
-  const bool enough = errors_.keptCount() >= std::max(options_.stop_views, options_.min_views);
+  // Asked for in pixels, neither gains nor predicted errors end the stage.
   if (options_.stop_projection_px > 0) {
-    // Asked for in pixels, neither gains nor predicted errors end the stage.
-    return enough && projection_px_ && *projection_px_ <= options_.stop_projection_px;
+    return hasLeastViews() && projection_px_ && *projection_px_ <= options_.stop_projection_px;
   }
+  return meetsExcess() && coversImages();
+}
+
+bool ViewJudge::hasLeastViews() const {
+  return errors_.keptCount() >= std::max(options_.stop_views, options_.min_views);
+}
+
+bool ViewJudge::meetsExcess() const {
   // Before the views tell b from tau, E stands on an even split of the misfit that is merely
   // assumed.
-  return enough && byError() && tellsMisfitApart() && errors_.excess() <= options_.stop_excess;
+  return !(options_.stop_projection_px > 0) && hasLeastViews() && byError() && tellsMisfitApart() &&
+         errors_.excess() <= options_.stop_excess;
 }
 
 CandidateRound ViewJudge::scored(const std::vector<CandidateView>& views) const {
@@ -128,12 +136,13 @@ CandidateRound ViewJudge::scored(const std::vector<CandidateView>& views) const 
 bool ViewJudge::isWorthAsking(const CandidateRound& round, std::size_t i) const {
   // The goal is in pixels: as long as it is not reached no gain is too small to ask for.
   if (options_.stop_projection_px > 0) return !std::isnan(round.mi_nats[i]);
-  if (reached_.contains(round.names[i])) return false;
-  if (!byError()) return round.mi_nats[i] >= options_.threshold_nats;
+  const bool reached = reached_.contains(round.names[i]);
+  if (!byError()) return !reached && round.mi_nats[i] >= options_.threshold_nats;
   if (std::isnan(round.error_px[i])) return false;
-  if (mayMissMisfit()) return true;
+  // Where little of the images has been seen, later use hardly asks for the rest.
+  if (mayMissMisfit() || !coversImages()) return true;
   const double E = round.error_px[i] * round.error_px[i];
-  return E <= (1 - options_.least_lowering) * errors_.predicted();
+  return !reached && E <= (1 - options_.least_lowering) * errors_.predicted();
 }
 
 std::vector<double> ViewJudge::worthwhileGains(const CandidateRound& round) const {
@@ -142,7 +151,8 @@ std::vector<double> ViewJudge::worthwhileGains(const CandidateRound& round) cons
     // Logarithms of ratios, as gains in nats are: both add up over views.
     const double gain =
         byError() ? std::log(std::sqrt(errors_.predicted()) / round.error_px[i]) : round.mi_nats[i];
-    gains.push_back(isWorthAsking(round, i) ? gain : std::numeric_limits<double>::quiet_NaN());
+    const bool asks = isWorthAsking(round, i) && !reached_.contains(round.names[i]);
+    gains.push_back(asks ? gain : std::numeric_limits<double>::quiet_NaN());
   }
   return gains;
 }

@@ -44,6 +44,9 @@ class ViewJudge {
   bool tellsMisfitApart() const { return errors_.components().told_apart; }
   /// The stopping rule in pixels: of predicted error, or `stop_projection_px`.
   bool isEnough() const;
+  /// Whether the predicted error would be enough if frames seen covered the images.
+  bool lacksCoverage() const { return meetsExcess() && !coversImages(); }
+  double coverage() const { return errors_.coverage(); }
 
   /// Scores candidates at the estimate of the last refresh(). The best is one that was not reached,
   /// as long as there is one.
@@ -65,6 +68,9 @@ class ViewJudge {
   bool byError() const {
     return options_.criterion == ViewCriterion::kPredictedError && errors_.isKnown();
   }
+  bool hasLeastViews() const;
+  bool meetsExcess() const;
+  bool coversImages() const { return errors_.coverage() >= kLeastCoverage; }
 
   /// Whether the views kept may miss parts of the misfit, so that too little is predicted to gain.
   bool mayMissMisfit() const {
