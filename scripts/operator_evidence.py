@@ -27,6 +27,7 @@ import sys
 import tempfile
 
 METHODS = {"guided, mi": ["guided", "--criterion", "mi"],
+           "guided, mi, asked at once": ["guided", "--criterion", "mi", "--patience", "0"],
            "guided, predicted-error": ["guided", "--criterion", "predicted-error"],
            "guided, mi, to 0.1 px": ["guided", "--criterion", "mi", "--stop-projection-px", "0.1"],
            "guided, predicted-error, to 0.1 px": ["guided", "--criterion", "predicted-error",

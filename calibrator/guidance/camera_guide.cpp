@@ -208,11 +208,11 @@ void CameraGuide::State::consider(const GuideFrame& frame, const FrameCorners& c
     // Only a view that was kept changes what is known.
     if (judge.isEnough()) finish(d);
     tellCoverage(d);
-    return;
+  } else {
+    ++frames_without_view;
+    --until_round;
   }
-  ++frames_without_view;
-  --until_round;
-  if (!open && d.event == SuggestionEvent::kNone && until_round <= 0) findNextView(d);
+  if (!finished && !open && d.event == SuggestionEvent::kNone && until_round <= 0) findNextView(d);
 }
 
 /// Once: why the stage does not stop although the predicted error is small enough.

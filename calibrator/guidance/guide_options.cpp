@@ -36,7 +36,7 @@ void ViewGuideOptions::check() const {
   requireOption(stop_views >= 2, "views.stop_views", stop_views, "2 or more");
   requireOption(stop_projection_px >= 0, "views.stop_projection_px", stop_projection_px,
                 "0 (not asked for) or more");
-  requireOption(patience >= 1, "views.patience", patience, "1 or more");
+  requireOption(patience >= 0, "views.patience", patience, "0 or more");
   ReachRule::check("views.");
   requireOption(min_views >= 0, "views.min_views", min_views, "0 or more");
 }

@@ -94,9 +94,6 @@ void declareViews(CLI::App& app, ViewGuideOptions& o) {
       ->check(numberFrom(1));
   addWithDefault(app, "--window", o.window, "Views in the camera stage's window")
       ->check(numberFrom(1));
-  addWithDefault(app, "--patience", o.patience,
-                 "Frames below the threshold before a next-best view is computed")
-      ->check(numberFrom(1));
   addWithDefault(app, "--reached-px", o.reached_px,
                  "A suggested view is reached at this mean distance of the corners [px] ...")
       ->check(positiveNumber());

@@ -61,10 +61,11 @@ constexpr SkillFigure kFigures[] = {
 };
 
 /// Options of the guide that `replay` has under the same names.
-constexpr const char* kGuideOptions[] = {
-    "--criterion",        "--stop-projection-px",   "--stop-reprojection-px",
-    "--trajectory-s",     "--trajectory-amplitude", "--trajectory-held-s",
-    "--first-trajectory", "--operator-speed"};
+constexpr const char* kGuideOptions[] = {"--criterion",          "--patience",
+                                         "--stop-projection-px", "--stop-reprojection-px",
+                                         "--trajectory-s",       "--trajectory-amplitude",
+                                         "--trajectory-held-s",  "--first-trajectory",
+                                         "--operator-speed"};
 
 struct SimulateOperatorOptions {
   OutputOptions output;

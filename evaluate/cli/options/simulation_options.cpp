@@ -128,6 +128,10 @@ void declareSimulatedBoard(CLI::App& app, double& corner_sigma_px, double& board
 
 void declareTrajectoriesAndStops(CLI::App& app, GuideOptions& guide,
                                  std::string& first_trajectory) {
+  addWithDefault(app, "--patience", guide.views.patience,
+                 "Frames below the threshold before a next-best view is computed; 0: whenever none "
+                 "is asked for")
+      ->check(numberFrom(0));
   addWithDefault(app, "--stop-projection-px", guide.views.stop_projection_px,
                  "Finish the camera stage exactly when the predicted projection error over the "
                  "image (RMS) is at most this [px] (0: use the criterion)")

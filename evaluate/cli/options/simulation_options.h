@@ -41,8 +41,8 @@ std::string targetShapeExample();
 void declareSimulatedBoard(CLI::App& app, double& corner_sigma_px, double& board_bend_mm,
                            std::string& guide_board);
 
-/// When a guide stops, its trajectories and the operator's speed: of `replay` and `simulate
-/// operator`. `first_trajectory`: a word of FirstTrajectory.
+/// When a guide asks for a view and stops, its trajectories and the operator's speed: of `replay`
+/// and `simulate operator`. `first_trajectory`: a word of FirstTrajectory.
 void declareTrajectoriesAndStops(CLI::App& app, GuideOptions& guide, std::string& first_trajectory);
 
 }  // namespace plumbline

@@ -2,6 +2,8 @@
 // The camera stage over whole recordings: where it ends, and that a right start is never given up.
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -39,6 +41,26 @@ TEST(CameraGuide, FinishesAGuidedRecordingWithinItsCovarianceOfTheTruth) {
     EXPECT_LT(nees, 50.51) << name;
     EXPECT_EQ(guide.step(rig.frame(9999, 1e4, rig.wandering(0))).reason, GuideReason::kFinished);
   }
+}
+
+/// When the first view is asked for [s after the start].
+double firstAskedAfter(int patience) {
+  const LiveRig rig("euroc", 3, 0.2);
+  GuideOptions options;
+  options.views.patience = patience;
+  CameraGuide guide(rig.guideRig(), options);
+  std::optional<TimeNs> started;
+  for (const Decision& d : test::playGuided(guide, rig, 600)) {
+    if (d.reason == GuideReason::kInitialised) started = d.t;
+    if (d.opened && started) return secondsBetween(*started, d.t);
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+// The operator's own motion is informative for seconds; whoever is asked at once need not wait.
+TEST(CameraGuide, AsksAtOnceWhereItHasNoPatience) {
+  EXPECT_LE(firstAskedAfter(0), 0.11) << "two frames of 20 a second";
+  EXPECT_GT(firstAskedAfter(3), 0.5);
 }
 
 TEST(CameraGuide, DoesNotStartAnewWhereTheStartWasRight) {

@@ -32,6 +32,9 @@ TEST(GuideOptions, NameTheFieldAndTheRule) {
               HasSubstr("trajectories.start_frames is 20; expected more than trajectories.window"));
   EXPECT_THAT(refusalOf<GuideOptions>([](GuideOptions& o) { o.latency.imu_frame_s = 61; }),
               HasSubstr("latency"));
+  EXPECT_EQ(refusalOf<GuideOptions>([](GuideOptions& o) { o.views.patience = 0; }), "");
+  EXPECT_EQ(refusalOf<GuideOptions>([](GuideOptions& o) { o.views.patience = -1; }),
+            "views.patience is -1; expected 0 or more");
   EXPECT_THAT(refusalOf<GuideOptions>([](GuideOptions& o) { o.threads = 0; }),
               HasSubstr("threads is 0"));
 }
