@@ -137,7 +137,7 @@ void GuideOptionSet::declare(CLI::App& app) {
       ->check(positiveNumber());
   declareViews(app, guide.views);
   declareTrajectories(app, guide.trajectories);
-  declareTrajectoriesAndStops(app, guide, first_trajectory);
+  declareAskingAndStops(app, guide, first_trajectory);
   addWithDefault(app, "--max-rate", max_rate_deg_s, "Angular-rate limit of a trajectory [deg/s]")
       ->check(positiveNumber());
   addWithDefault(app, "--max-acceleration", max_acceleration_g,

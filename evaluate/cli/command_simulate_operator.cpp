@@ -95,7 +95,7 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
     app.add_option(figure.option, o.figures[i], figure.text)
         ->check(numberWithin(figure.least, figure.most));
   }
-  declareTrajectoriesAndStops(app, s.guide, o.first_trajectory);
+  declareAskingAndStops(app, s.guide, o.first_trajectory);
   addWithDefault(app, "--duration", s.duration_s,
                  "Length of an unguided recording, and limit of a guided one [s]")
       ->check(numberWithin(5, 3600));

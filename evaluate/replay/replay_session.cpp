@@ -82,9 +82,8 @@ Played playBothStages(const ReplayRequest& request, const GuideRig& rig,
 }
 
 GuideRule ruleOf(const ViewGuideOptions& views) {
-  GuideRule rule{toString(views.criterion), {}};
-  const bool by_error = views.criterion == ViewCriterion::kPredictedError;
-  if (by_error && !(views.stop_projection_px > 0)) rule.stop_excess = views.stop_excess;
+  GuideRule rule{views.criterion == ViewCriterion::kPredictedError, {}};
+  if (rule.by_error && !(views.stop_projection_px > 0)) rule.stop_excess = views.stop_excess;
   return rule;
 }
 

@@ -33,8 +33,8 @@ void addStage(Text& text, const ReplayRecord& record, const ReplayStageSummary& 
   add(text, "{} stage: {} of {} frames used", toString(s.stage), s.views_used, s.frames_offered);
   // Hindsight is of the camera stage alone.
   if (s.stage == GuideStage::kCamera && s.kept_batch) {
-    add(text, " ({}{} redundant, {} missed)",
-        decidedByError(record) ? "by mutual information " : "", s.views_redundant, s.views_missed);
+    add(text, " ({}{} redundant, {} missed)", record.rule.by_error ? "by mutual information " : "",
+        s.views_redundant, s.views_missed);
   }
   if (s.frames_dropped > 0) add(text, ", {} dropped", s.frames_dropped);
   add(text, "; {} suggestions, {} reached", s.suggestions, s.reached);

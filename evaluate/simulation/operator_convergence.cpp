@@ -32,7 +32,7 @@ class Judge {
                       [&](const auto& session, auto& point) { camerasAt(session, point); });
     // Without cameras there is nothing to calibrate the IMU against.
     if (!cameras_.empty()) {
-      c.camera_imu = stage(evenly(GuideStage::kCameraImu, 0),
+      c.camera_imu = stage(everyFrame(GuideStage::kCameraImu),
                            [&](const auto& session, auto& point) { imuAt(session, point); });
     }
     for (const Decision& d : operated_.decisions) {
@@ -83,7 +83,7 @@ class Judge {
 
   /// Of a guided recording: after views that the guide kept.
   std::vector<Checkpoint> cameraCheckpoints() const {
-    if (operated_.decisions.empty()) return evenly(GuideStage::kCamera, options_.stride_s);
+    if (operated_.decisions.empty()) return everyFrame(GuideStage::kCamera);
     std::vector<Checkpoint> all;
     const std::vector<KeptViews> kept = keptViews(operated_);
     double next = 0;
@@ -101,19 +101,18 @@ class Judge {
     return all;
   }
 
-  /// Frames of a stage at least `apart_s` apart, for times that grow geometrically.
-  std::vector<Checkpoint> evenly(GuideStage stage, double apart_s) const {
+  /// All frames of a stage up to times that grow geometrically.
+  std::vector<Checkpoint> everyFrame(GuideStage stage) const {
     const double begin = beginOf(stage), half = halfPeriod();
     const double end = stage == GuideStage::kCamera ? operated_.camera_s
                                                     : operated_.camera_s + operated_.camera_imu_s;
     std::vector<Checkpoint> all;
     std::vector<int> taken;
-    double next_s = options_.first_s, last_s = -std::numeric_limits<double>::infinity();
+    double next_s = options_.first_s;
     for (int k = 0; k < frames(); ++k) {
       const double t_s = secondsAt(k);
       if (t_s < begin - half || t_s >= end - half) continue;
-      // A microsecond for stamps that are rounded to nanoseconds.
-      if (t_s >= last_s + apart_s - 1e-6) taken.push_back(k), last_s = t_s;
+      taken.push_back(k);
       if (t_s - begin < next_s) continue;
       all.push_back({t_s - begin, taken});
       // Geometric: a recording of any length takes some dozens of calibrations.
@@ -189,7 +188,6 @@ void ConvergenceOptions::check() const {
   requireWithin(1, 100, "in_a_row", in_a_row);
   requireWithin(0.1, 1e3, "first_s", first_s);
   requireWithin(1.01, 10, "growth", growth);
-  requireWithin(0, 10, "stride_s", stride_s);
 }
 
 std::vector<KeptViews> keptViews(const OperatedSession& operated, GuideStage stage) {

@@ -17,8 +17,6 @@ struct ConvergenceOptions {
   int in_a_row = 3;     ///< calibrations within the bars, from the first of which it is right
   double first_s = 2;   ///< unguided, and for the IMU: calibrated first after so long ...
   double growth = 1.1;  ///< ... and then after so many times the time (or views) before
-  /// Unguided, cameras are calibrated on frames so far apart; 0: on all, as many as a guide sees.
-  double stride_s = 0;
 
   /// Throws InputError naming the field that is out of its range.
   void check() const;
@@ -95,7 +93,7 @@ std::vector<KeptViews> keptViews(const OperatedSession& operated,
                                  GuideStage stage = GuideStage::kCamera);
 
 /// From when on a recording calibrates its rig. The cameras: of a guided recording the frames that
-/// the guide had kept by then, of another every frame so far, `stride_s` apart; the IMU: all frames
+/// the guide had kept by then, of another every frame so far; the IMU: all frames
 /// of its own part, under the cameras that the first part gave, with the options' board
 /// (guide_shape) throughout. Right is what stays right for `in_a_row` calibrations.
 OperatedConvergence convergenceOf(const OperatedSession& operated, const OperatedOptions& made,

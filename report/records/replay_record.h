@@ -248,12 +248,12 @@ void fields(auto& v, Counterfactuals& c) {
 
 /// By what the guide chose, and when it stopped.
 struct GuideRule {
-  std::string criterion;
+  bool by_error = false;              ///< predicted errors decided, and not gains
   std::optional<double> stop_excess;  ///< of the camera stage; empty: it stopped by something else
 };
 
 void fields(auto& v, GuideRule& r) {
-  v("criterion", r.criterion, "`mi` or `predicted-error`");
+  v("by_error", r.by_error, "whether predicted errors decided, and not mutual information");
   v("stop_excess", r.stop_excess, "1",
     "`excess` at which the camera stage finishes; absent: it finishes by something else");
 }
@@ -264,7 +264,7 @@ struct ReplayRecord {
   Provenance provenance;
   Assumptions assumptions;
   Verdict verdict;
-  std::optional<GuideRule> rule;  ///< empty: the record is older than this field
+  GuideRule rule;
   AprilGrid target;
   std::vector<CameraCalibration> cameras;
   std::vector<ReplayFrame> frames;
@@ -276,11 +276,6 @@ struct ReplayRecord {
   std::vector<StopAudit> stop_audits;
   std::optional<Counterfactuals> counterfactuals;
 };
-
-/// Whether predicted errors decided, and not gains.
-inline bool decidedByError(const ReplayRecord& record) {
-  return record.rule && record.rule->criterion == "predicted-error";
-}
 
 /// Where times into the recording count from; a record that kept no frames has decisions.
 inline TimeNs beginOf(const ReplayRecord& record) {

@@ -228,8 +228,7 @@ ReplayRecord syntheticReplay(const SyntheticReplayOptions& options) {
       "0.1.0",         "plumbline replay <a> & b", "session",
       "sha256:0f3a9c", "2026-01-02T03:04:05Z",     {{"threads", "2"}, {"threshold-bits", "0.2"}}};
   record.target.cols = options.columns;
-  record.rule = GuideRule{options.by_error ? "predicted-error" : "mi", {}};
-  if (options.by_error) record.rule->stop_excess = 0.02;
+  if (options.by_error) record.rule = {true, 0.02};
   record.cameras = syntheticStereo();
   record.frames = framesOf(options, record);
   Play(options, record).run();

@@ -126,8 +126,7 @@ void declareSimulatedBoard(CLI::App& app, double& corner_sigma_px, double& board
       ->check(CLI::IsMember({"measured", "flat"}));
 }
 
-void declareTrajectoriesAndStops(CLI::App& app, GuideOptions& guide,
-                                 std::string& first_trajectory) {
+void declareAskingAndStops(CLI::App& app, GuideOptions& guide, std::string& first_trajectory) {
   addWithDefault(app, "--patience", guide.views.patience,
                  "Frames below the threshold before a next-best view is computed; 0: whenever none "
                  "is asked for")

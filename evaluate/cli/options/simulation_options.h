@@ -43,6 +43,6 @@ void declareSimulatedBoard(CLI::App& app, double& corner_sigma_px, double& board
 
 /// When a guide asks for a view and stops, its trajectories and the operator's speed: of `replay`
 /// and `simulate operator`. `first_trajectory`: a word of FirstTrajectory.
-void declareTrajectoriesAndStops(CLI::App& app, GuideOptions& guide, std::string& first_trajectory);
+void declareAskingAndStops(CLI::App& app, GuideOptions& guide, std::string& first_trajectory);
 
 }  // namespace plumbline

@@ -261,11 +261,11 @@ std::size_t frameCount(const ReplayRecord& record) {
 
 ReplayData replayData(const ReplayRecord& record, std::size_t image_bytes, std::size_t bytes) {
   const ByFrame decisions = byFrame(record);
-  const bool by_error = decidedByError(record);
+  const bool by_error = record.rule.by_error;
   Json json = {{"times", timesJson(record, decisions)},
                {"by_error", by_error},
                {"stop_excess",
-                by_error && record.rule->stop_excess ? Json(*record.rule->stop_excess) : Json()},
+                by_error && record.rule.stop_excess ? Json(*record.rule.stop_excess) : Json()},
                // The columns of an enumeration hold places in its words.
                {"words",
                 {{"stage", enumWords(GuideStage())},

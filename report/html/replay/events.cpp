@@ -86,7 +86,7 @@ class Events {
  public:
   std::vector<ReplayEvent> events;
 
-  explicit Events(const ReplayRecord& record) : by_error_(decidedByError(record)) {
+  explicit Events(const ReplayRecord& record) : by_error_(record.rule.by_error) {
     for (const ReplayStageSummary& s : record.stages) {
       if (s.ended) ended_.insert(s.stage);
     }

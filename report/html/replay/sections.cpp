@@ -28,7 +28,7 @@ std::string titleOf(GuideStage stage) {
 /// Seconds of a stage's stop, or of its end without one.
 std::string endText(const ReplayRecord& record, std::optional<TimeNs> finished,
                     std::optional<TimeNs> ended) {
-  return ended ? "ended at " + secondsText(record, ended) : secondsText(record, finished);
+  return ended ? "ended " + secondsText(record, ended) : secondsText(record, finished);
 }
 
 /// Times count from beginOf().
@@ -51,7 +51,7 @@ std::vector<Cell> stageRow(const ReplayRecord& record, const ReplayStageSummary&
 
 Table stageTable(const ReplayRecord& record) {
   // Hindsight is of gains, whatever the guide went by.
-  const std::string by = decidedByError(record) ? " by mutual information" : "";
+  const std::string by = record.rule.by_error ? " by mutual information" : "";
   Table table{{words("Stage"), number("Offered"), number("Dropped"), number("Used"),
                number("Redundant" + by), number("Missed" + by), number("Suggested"),
                number("Reached"), number("Started [s]"), number("Finish [s]"),
@@ -85,7 +85,7 @@ Table batchTable(const ReplayRecord& record) {
 }
 
 std::string endText(const SuggestionOutcome& o) {
-  return o.end == SuggestionEvent::kNone ? "open at the end" : toString(o.end);
+  return o.end == SuggestionEvent::kNone ? "still open" : toString(o.end);
 }
 
 // Only a suggestion that nobody reached in its time is bad; one that the recording's end cut off
@@ -97,7 +97,7 @@ std::optional<VerdictLevel> levelOf(SuggestionEvent end) {
 }
 
 // Of the suggestions' table.
-constexpr int kGainColumn = 3, kTimeColumn = 7;
+constexpr int kGainColumn = 3, kOpenColumn = 5;
 
 std::string bitsText(double nats) {
   return std::isinf(nats) ? "unbounded" : fmt::format("{:.3f}", nats / std::numbers::ln2);
@@ -123,10 +123,9 @@ std::vector<Cell> outcomeRow(const ReplayRecord& record, const SuggestionOutcome
           orDash(o.closest_rad, kDegrees, "{:.1f}")};
 }
 
-bool anyHas(const std::vector<SuggestionOutcome>& outcomes,
-            std::optional<double> Suggestion::*value) {
+bool haveErrors(const std::vector<SuggestionOutcome>& outcomes) {
   return std::ranges::any_of(
-      outcomes, [value](const SuggestionOutcome& o) { return (o.suggestion.*value).has_value(); });
+      outcomes, [](const SuggestionOutcome& o) { return o.suggestion.error_px.has_value(); });
 }
 
 /// Before the gains.
@@ -145,9 +144,9 @@ Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutco
                number("Position [mm]"), number("Rotation [\u00b0]")}};
   for (const SuggestionOutcome& o : outcomes) table.rows.push_back(outcomeRow(record, o));
   // Suggestions of another guide, read from a file, have none.
-  if (decidedByError(record) && anyHas(outcomes, &Suggestion::error_px)) {
-    // Thirteen columns fit.
-    if (!anyHas(outcomes, &Suggestion::reach_s)) eraseColumns(table, kTimeColumn);
+  if (record.rule.by_error && haveErrors(outcomes)) {
+    // Thirteen columns fit: how long it was open follows from its end, nearly always.
+    eraseColumns(table, kOpenColumn);
     insertErrors(table, outcomes);
   }
   return table;
@@ -168,7 +167,7 @@ Cell verdictCell(StopAudit::Verdict verdict) {
 /// Measured is what a stage had when it stopped.
 Cell measuredCell(const StopAudit& a) {
   const bool never = a.predicted_px && !a.measured_px && !a.finished;
-  return never ? tight("did not stop") : orDash(a.measured_px, 1, "{:.3f}");
+  return never ? tight("no stop") : orDash(a.measured_px, 1, "{:.3f}");
 }
 
 /// An entropy of 0 is one that is not known.
