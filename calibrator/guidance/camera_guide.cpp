@@ -128,6 +128,8 @@ void CameraGuide::State::tryStart(Decision& d) {
   }
   d.reason = GuideReason::kInitialised;
   beginWindow(*start, d);
+  // From where it stands, which the start may not have found out.
+  if (until_round <= 0 && d.T_FC0) findNextView(d);
 }
 
 /// The window on the frames that the start's batch gave a pose; the others leave.
@@ -286,15 +288,25 @@ void CameraGuide::State::findNextView(Decision& d) {
   d.round = std::move(round);
 }
 
-/// The best candidate; where the operator's pace is known, the one that gains most per second of
-/// those on whose way the target stays in view.
+/// Of those on whose way the target stays in view the best candidate; where the operator's pace is
+/// known, the one that gains most per second.
 std::size_t CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
   const auto best = static_cast<std::size_t>(round.best);
-  if (!options.pace.isKnown()) return best;
-  for (const Transform& T : round.T_FC0) round.reach_s.push_back(secondsTo(T, options.views, d));
-  const auto worthwhile = byGainPerSecond(judge.worthwhileGains(round), round.reach_s);
+  const auto isFollowable = [&](std::size_t i) {
+    return seesAlongWay(*d.T_FC0, round.T_FC0[i],
+                        [&](const Transform& T_FC0) { return judge.seesTarget(T_FC0); });
+  };
+  if (!options.pace.isKnown() && isFollowable(best)) return best;
+  std::vector<double> seconds(round.names.size(), 1);  // unknown: alike
+  if (options.pace.isKnown()) {
+    for (std::size_t i = 0; i < seconds.size(); ++i) {
+      seconds[i] = secondsTo(round.T_FC0[i], options.views, d);
+    }
+    round.reach_s = seconds;
+  }
+  const auto worthwhile = byGainPerSecond(judge.worthwhileGains(round), seconds);
   for (const std::size_t i : worthwhile) {
-    if (judge.seesTargetBetween(*d.T_FC0, round.T_FC0[i])) return i;
+    if (isFollowable(i)) return i;
   }
   // With fewer than min_views kept, one that is not worth asking for is asked for as well.
   if (worthwhile.empty()) return best;

@@ -54,7 +54,9 @@ struct CameraImuGuide::State : StageState {
   double worth(const CandidateRound& round, std::size_t i) const;
   void judge(CandidateRound round, Decision& d);
   void finish(Decision& d) { StageState::finish(options.latency.imu_batch_s, d); }
-  std::size_t askedFor(CandidateRound& round, const Decision& d);
+  bool seesTarget(const Transform& T_FC0) const;
+  bool isFollowable(const Transform& start, const Decision& d) const;
+  std::size_t askedFor(CandidateRound& round, Decision& d);
   void openAsked(const CandidateRound& round, std::size_t asked, Decision& d);
   void openFirst(Decision& d);
   void show(Suggestion s, const LissajousTrajectory& trajectory, Decision& d);
@@ -239,17 +241,39 @@ void CameraImuGuide::State::judge(CandidateRound round, Decision& d) {
   d.round = std::move(round);
 }
 
-/// The best trajectory; where the operator's pace is known, the one that gains most per second of
-/// the way to its start and of itself.
-std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, const Decision& d) {
-  if (!options.pace.isKnown() || !d.T_FC0) return static_cast<std::size_t>(round.best);
-  std::vector<double> gains, seconds;
+bool CameraImuGuide::State::seesTarget(const Transform& T_FC0) const {
+  SimulationOptions seen;
+  seen.target = rig.target;
+  for (const CameraCalibration& camera : cameras) {
+    const auto corners = visibleCorners(camera.intrinsics, T_FC0 * camera.T_C0Ci, seen).size();
+    if (static_cast<int>(corners) >= stage().min_corners) return true;
+  }
+  return false;
+}
+
+/// Whether the target stays in view on the way from d.T_FC0.
+bool CameraImuGuide::State::isFollowable(const Transform& start, const Decision& d) const {
+  return seesAlongWay(*d.T_FC0, start, [&](const Transform& T_FC0) { return seesTarget(T_FC0); });
+}
+
+/// Of those to whose start the target stays in view the best trajectory; where the operator's pace
+/// is known, the one that gains most per second of the way to its start and of itself.
+std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, Decision& d) {
+  const auto best = static_cast<std::size_t>(round.best);
+  if (!d.T_FC0 || (!options.pace.isKnown() && isFollowable(round.T_FC0[best], d))) return best;
+  std::vector<double> gains, seconds(round.names.size(), 1);  // unknown: alike
   for (std::size_t i = 0; i < round.names.size(); ++i) {
     gains.push_back(worth(round, i));
+    if (!options.pace.isKnown()) continue;
     round.reach_s.push_back(secondsTo(round.T_FC0[i], stage(), d));
-    seconds.push_back(round.reach_s.back() + evaluator->scorer().trajectories()[i].durationS());
+    seconds[i] = round.reach_s.back() + evaluator->scorer().trajectories()[i].durationS();
   }
-  return byGainPerSecond(gains, seconds).front();
+  const auto order = byGainPerSecond(gains, seconds);
+  for (const std::size_t i : order) {
+    if (isFollowable(round.T_FC0[i], d)) return i;
+  }
+  note(d, "the target goes out of view on the path to every trajectory: the best one is suggested");
+  return order.front();
 }
 
 void CameraImuGuide::State::openAsked(const CandidateRound& round, std::size_t asked, Decision& d) {
@@ -322,7 +346,7 @@ void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
     if (auto round = evaluator->answerAt(d.t)) judge(std::move(*round), d);
   }
   if (stage().first == FirstTrajectory::kAtOnce && next_suggestion == first_suggestion &&
-      d.accepted && !finished) {
+      d.accepted && !finished && isFollowable(first_trajectory.cameraAt(0).T_FB, d)) {
     openFirst(d);
   }
 }

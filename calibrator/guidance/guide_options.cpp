@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/guidance/guide_options.h"
 
+#include <numbers>
+
 #include "calibrator/base/option_check.h"
 
 namespace plumbline {
@@ -42,6 +44,8 @@ void ViewGuideOptions::check() const {
 }
 
 void LissajousOptions::check(const std::string& of) const {
+  requireOption(roll_rad >= 0 && roll_rad <= std::numbers::pi, (of + "roll_rad").c_str(), roll_rad,
+                "an angle from 0 to pi");
   requirePositive((of + "amplitude").c_str(), amplitude);
   requirePositive((of + "distance_ratio").c_str(), distance_ratio);
   requirePositive((of + "duration_s").c_str(), duration_s);
@@ -68,20 +72,24 @@ void TrajectoryGuideOptions::check() const {
   LissajousOptions::check("trajectories.");
 }
 
-TrajectoryGuideOptions TrajectoryGuideOptions::patient() {
-  TrajectoryGuideOptions o;
-  o.first = FirstTrajectory::kScored;
-  o.reached_s = 1;
-  o.amplitude = 1;
-  o.duration_s = 5;
-  return o;
-}
-
 void GuideLatency::check() const {
   for (const double s : {camera_start_s, camera_frame_s, next_view_s, camera_batch_s, imu_start_s,
                          imu_frame_s, trajectories_s, imu_batch_s}) {
     requireWithin(0, 60, "latency of a step [s]", s);
   }
+}
+
+GuideOptions GuideOptions::patient() {
+  GuideOptions o;
+  o.views.patience = 3;
+  o.views.reached_px = 15;
+  o.views.reached_s = 0.5;
+  o.trajectories.first = FirstTrajectory::kScored;
+  o.trajectories.reached_s = 1;
+  o.trajectories.roll_rad = 0;
+  o.trajectories.amplitude = 1;
+  o.trajectories.duration_s = 5;
+  return o;
 }
 
 void GuideOptions::check() const {

@@ -11,6 +11,7 @@
 #include "calibrator/base/enum_words.h"
 #include "calibrator/base/guide_decision.h"
 #include "calibrator/base/session.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/view_terms.h"
 #include "calibrator/guidance/operator_pace.h"
@@ -23,8 +24,8 @@ inline constexpr double kGuideThresholdNats = 0.2 * 0.693147180559945309;
 
 /// When a suggestion counts as reached, and when it is given up.
 struct ReachRule {
-  double reached_px = 15;  ///< within this mean corner distance [px] ...
-  double reached_s = 0.5;  ///< ... held for so long [s]
+  double reached_px = 30;  ///< within this mean corner distance [px] ...
+  double reached_s = 0.3;  ///< ... held for so long [s]
   double expires_s = 10;   ///< not reached by then: it counts as not followed [s]
 
   /// Of a guide's options, whose part `of` names (OpenSuggestion also takes one that never
@@ -71,7 +72,8 @@ struct ViewGuideOptions : ViewErrorOptions, ReachRule {
   /// the worst camera are predicted to be off by no more than this (Decision::projection_px)
   /// [px].
   double stop_projection_px = 0;
-  int patience = 3;   ///< frames without a new view until a next best view is looked for
+  /// Frames without a new view until a next best view is looked for; 0: whenever none is open.
+  int patience = 0;
   int min_views = 0;  ///< never finish with fewer views
 
   void check() const;
@@ -90,6 +92,7 @@ constexpr std::array<const char*, 2> enumWords(FirstTrajectory /*of*/) {
 
 /// How the curves of LissajousShape are run along.
 struct LissajousOptions {
+  double roll_rad = 0;   ///< turned about the line of sight by so much to either side [rad]
   double amplitude = 1;  ///< multiplies A and B; both shrink where the curve would come within
                          ///< 15 degrees of the target's plane
   double distance_ratio = 1.2;  ///< R over the target's longer side
@@ -103,7 +106,7 @@ struct LissajousOptions {
 };
 
 /// Next best trajectory of the paper. The defaults make operators fast
-/// (docs/counterfactuals.md); patient() is closer to the paper's program.
+/// (docs/counterfactuals.md); GuideOptions::patient() is closer to the paper's program.
 struct TrajectoryGuideOptions : MeasurementModel, LissajousOptions, ReachRule {
   int start_frames = 20;  ///< frames that start the estimate, more than window; more as it takes
   int window = 3;         ///< states in the fixed-lag window
@@ -122,11 +125,8 @@ struct TrajectoryGuideOptions : MeasurementModel, LissajousOptions, ReachRule {
 
   /// A start is reached on the way through it.
   TrajectoryGuideOptions()
-      : LissajousOptions{.amplitude = 1.5, .duration_s = 2},
+      : LissajousOptions{.roll_rad = 60 * kDegree, .amplitude = 1.5, .duration_s = 2},
         ReachRule{.reached_px = 50, .reached_s = 0.1} {}
-  /// As the paper's program has it, and the defaults were once: scores before the first trajectory,
-  /// a second at each one's start, its own size; and 5 s for it (the program: 3 s).
-  static TrajectoryGuideOptions patient();
 
   void check() const;
 };
@@ -159,6 +159,12 @@ struct GuideOptions {
   double lost_target_s = 2;    ///< without the target for longer: said in the log [s]
   double max_frame_gap_s = 1;  ///< a pause between frames longer than this is a jump [s]
   int threads = 1;             ///< decisions do not depend on it
+
+  /// As the paper's program has it, and the defaults were once. Views: asked for where three frames
+  /// in a row gained too little, and held for half a second within 15 px. Trajectories: scored
+  /// before the first one, a second at each one's start, of their own size and without roll; and 5
+  /// s for each (the program: 3 s).
+  static GuideOptions patient();
 
   /// Throws InputError naming the field that is out of its range; of every part.
   void check() const;

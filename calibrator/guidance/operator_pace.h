@@ -25,6 +25,18 @@ struct OperatorPace {
   void check() const;
 };
 
+/// Whether `sees` is true of T_FC0 all along the way between two poses as secondsTo() takes it,
+/// straight and turning evenly, its ends aside.
+template <class Sees>
+bool seesAlongWay(const Transform& from, const Transform& to, const Sees& sees) {
+  constexpr int kParts = 5;  // at whose ends it is asked
+  const Vector6d way = boxminus(to, from);
+  for (int k = 1; k < kParts; ++k) {
+    if (!sees(boxplus(from, Vector6d(way * k / kParts)))) return false;
+  }
+  return true;
+}
+
 /// Index of the highest score; of scores that are as good as equal, of the first. Those that are
 /// not a number do not count; -1 where none is one.
 int bestCandidate(const std::vector<double>& scores);

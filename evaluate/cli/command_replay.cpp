@@ -39,7 +39,7 @@ struct GuideOptionSet {
   std::vector<std::string> latencies;  ///< "camera-frame=5"
   double arrival_ms = 50;
   std::string criterion = toString(ViewCriterion::kMutualInformation);
-  std::string first_trajectory = toString(TrajectoryGuideOptions().first);
+  TrajectoryWords trajectories;
   std::string later_use = toString(ViewGuideOptions().later_use);
   double stop_excess_percent = 100 * ViewGuideOptions().stop_excess;
 
@@ -137,7 +137,7 @@ void GuideOptionSet::declare(CLI::App& app) {
       ->check(positiveNumber());
   declareViews(app, guide.views);
   declareTrajectories(app, guide.trajectories);
-  declareAskingAndStops(app, guide, first_trajectory);
+  declareAskingAndStops(app, guide, trajectories);
   addWithDefault(app, "--max-rate", max_rate_deg_s, "Angular-rate limit of a trajectory [deg/s]")
       ->check(positiveNumber());
   addWithDefault(app, "--max-acceleration", max_acceleration_g,
@@ -161,7 +161,7 @@ GuideOptions GuideOptionSet::options(const CameraStageOptions& camera) const {
   o.views.threshold_nats = o.trajectories.threshold_nats = threshold_bits * std::numbers::ln2;
   o.views.criterion = o.trajectories.criterion = enumValue<ViewCriterion>("--criterion", criterion);
   o.views.later_use = enumValue<LaterUseKind>("--later-use", later_use);
-  o.trajectories.first = enumValue<FirstTrajectory>("--first-trajectory", first_trajectory);
+  trajectories.writeTo(o.trajectories);
   o.views.stop_excess = stop_excess_percent / 100;
   // One option for the suggestions of both stages.
   o.trajectories.expires_s = o.views.expires_s;

@@ -64,15 +64,15 @@ constexpr SkillFigure kFigures[] = {
 constexpr const char* kGuideOptions[] = {"--criterion",          "--patience",
                                          "--stop-projection-px", "--stop-reprojection-px",
                                          "--trajectory-s",       "--trajectory-amplitude",
-                                         "--trajectory-held-s",  "--first-trajectory",
-                                         "--operator-speed"};
+                                         "--trajectory-roll",    "--trajectory-held-s",
+                                         "--first-trajectory",   "--operator-speed"};
 
 struct SimulateOperatorOptions {
   OutputOptions output;
   std::string skill = "practised";
   std::string method = toString(OperatorMethod::kGuided);
   std::string criterion = toString(ViewCriterion::kMutualInformation);
-  std::string first_trajectory = toString(TrajectoryGuideOptions().first);
+  TrajectoryWords trajectories;
   std::string guide_board = toString(GuideBoard::kMeasured);
   std::array<std::optional<double>, std::size(kFigures)> figures;
   OperatorSimulationOptions simulation;
@@ -95,7 +95,7 @@ void declareSimulateOperator(CLI::App& app, SimulateOperatorOptions& o) {
     app.add_option(figure.option, o.figures[i], figure.text)
         ->check(numberWithin(figure.least, figure.most));
   }
-  declareAskingAndStops(app, s.guide, o.first_trajectory);
+  declareAskingAndStops(app, s.guide, o.trajectories);
   addWithDefault(app, "--duration", s.duration_s,
                  "Length of an unguided recording, and limit of a guided one [s]")
       ->check(numberWithin(5, 3600));
@@ -142,7 +142,7 @@ OperatorSimulationOptions simulationOf(const SimulateOperatorOptions& o, const C
   s.guide_board = *enumFrom<GuideBoard>(o.guide_board);
   s.guide.views.criterion = s.guide.trajectories.criterion =
       enumValue<ViewCriterion>("--criterion", o.criterion);
-  s.guide.trajectories.first = enumValue<FirstTrajectory>("--first-trajectory", o.first_trajectory);
+  o.trajectories.writeTo(s.guide.trajectories);
   s.skill = skillFrom(o.skill);
   for (std::size_t i = 0; i < std::size(kFigures); ++i) {
     // After the skill's word, of which they change single values.

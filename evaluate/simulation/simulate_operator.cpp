@@ -89,6 +89,7 @@ Json optionsOf(const OperatorSimulationOptions& o, const OperatedOptions& operat
           {"first_trajectory", toString(o.guide.trajectories.first)},
           {"trajectory_s", o.guide.trajectories.duration_s},
           {"trajectory_amplitude", o.guide.trajectories.amplitude},
+          {"trajectory_roll_rad", o.guide.trajectories.roll_rad},
           {"trajectory_held_s", o.guide.trajectories.reached_s},
           {"skill", toJson(operated.skill)}};
 }

@@ -64,7 +64,7 @@ OperatedSession operated(const SimulatedRig& rig, const StudySimulationOptions& 
   options.operator_seed = visit.seed;
   options.trajectories = o.trajectories();
   // As in the paper's study, whose program this is nearest to.
-  options.guide.trajectories = TrajectoryGuideOptions::patient();
+  options.guide = GuideOptions::patient();
   // Else flat: nobody has measured the board for the guide.
   if (o.guide_board == GuideBoard::kMeasured) options.guide_shape = bentBoard(o.board_bend_mm);
   return visit.method == "guided" ? recordGuided(rig, options) : recordFreely(rig, options);

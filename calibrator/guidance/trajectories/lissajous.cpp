@@ -83,6 +83,7 @@ LissajousTrajectory::LissajousTrajectory(LissajousShape shape, const AprilGrid& 
       A_(shape_.a == 0 ? 0 : options.amplitude * shape_.width_ratio * target.width()),
       B_(shape_.b == 0 ? 0 : options.amplitude * shape_.height_ratio * target.height()),
       R_(options.distance_ratio * std::max(target.width(), target.height())),
+      roll_(options.roll_rad),
       duration_s_(options.duration_s) {
   options.check();
   const double reach = std::hypot(A_, B_);
@@ -113,11 +114,13 @@ MotionState LissajousTrajectory::cameraAt(double t_s) const {
   const ScalarMotion y = B_ * sine(2 * kPi * shape_.b * theta);
   // On a sphere about the target's centre, which stays as far away all along.
   const ScalarMotion z = squareRoot(ScalarMotion{R_ * R_, 0, 0} + -1 * (x * x + y * y));
-  // Line of sight facing * Ry(azimuth) * Rx(elevation) * e_z = -(x, y, z) / R.
+  const ScalarMotion roll = roll_ * sine(2 * kPi * theta);
+  // Line of sight facing * Ry(azimuth) * Rx(elevation) * e_z = -(x, y, z) / R; roll leaves it.
   const RotationMotion facing{facingTarget(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   const RotationMotion head = facing *
                               rotationAbout(Eigen::Vector3d::UnitY(), arcTangent(-1 * x, z)) *
-                              rotationAbout(Eigen::Vector3d::UnitX(), arcSine(-1 / R_ * y));
+                              rotationAbout(Eigen::Vector3d::UnitX(), arcSine(-1 / R_ * y)) *
+                              rotationAbout(Eigen::Vector3d::UnitZ(), roll);
   MotionState m;
   m.T_FB = {head.R, Eigen::Vector3d(centre_.x() + x.x, centre_.y() + y.x, z.x)};
   m.v_F = {x.dx, y.dx, z.dx};

@@ -30,8 +30,9 @@ std::vector<LissajousShape> lissajousShapes();
 /// both axes of the image at once (measured: docs/counterfactuals.md).
 LissajousShape lissajousFirst();
 
-/// Camera 0 along a shape, looking exactly at the target's centre, without roll: x of the camera
-/// stays parallel to the x-z plane of F. The sensor follows through T_SC0.
+/// Camera 0 along a shape, looking exactly at the target's centre, and turned about the line of
+/// sight by roll_rad sin(2 pi theta) from where x of the camera is parallel to the x-z plane of F
+/// (the paper's trajectories have no roll). The sensor follows through T_SC0.
 ///
 /// theta(t) = sin^2(pi t / 2T): camera and sensor are at rest at both ends (not free of
 /// acceleration there); before and after they stay. Where speed, rate or acceleration of camera 0
@@ -55,6 +56,7 @@ class LissajousTrajectory {
   LissajousShape shape_;
   Eigen::Vector2d centre_;
   double A_ = 0, B_ = 0, R_ = 0;  // [m]
+  double roll_ = 0;               // [rad]
   double duration_s_ = 0;
 };
 

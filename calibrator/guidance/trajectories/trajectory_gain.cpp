@@ -130,9 +130,12 @@ TrajectoryScorer::Prepared TrajectoryScorer::prepare(const LissajousTrajectory& 
   for (std::size_t k = 0; k < frames; ++k) {
     out.frames.push_back(trajectory.cameraAt(instant(k, recording_.camera_rate_hz, 0)));
     auto& views = out.views.emplace_back(cameras_.size(), Matrix6d::Zero());
+    bool is_seen = false;
     for (std::size_t c = 0; c < cameras_.size(); ++c) {
       views[c] = viewInformation(cameras_[c], out.frames.back().T_FB, recording_);
+      is_seen = is_seen || !views[c].isZero(0);
     }
+    out.loses_target = out.loses_target || !is_seen;
   }
   return out;
 }
@@ -214,6 +217,7 @@ TrajectoryScores TrajectoryScorer::scores(const WindowKnowledge& now, int thread
   // Each trajectory on a thread of its own, its own chunk: no sum crosses trajectories.
   forChunks(static_cast<int>(unknown.size()), 1, threads, [&](const Chunk& chunk) {
     const auto i = static_cast<std::size_t>(chunk.begin);
+    if (prepared_[i].loses_target) return;
     const auto border = informationWith(prepared_[i], now, *carried);
     if (!border) return;
     const auto after = calibrationInformation(*border, recording_.score_offset);

@@ -58,8 +58,8 @@ class TrajectoryScorer {
 
   const std::vector<LissajousTrajectory>& trajectories() const { return trajectories_; }
 
-  /// Of each trajectory; NaN where nothing can be said: too few corners along it, or something is
-  /// not determined. Equal for any number of threads.
+  /// Of each trajectory; NaN where nothing can be said: no camera sees min_corners in some frame
+  /// along it, or something is not determined. Equal for any number of threads.
   TrajectoryScores scores(const WindowKnowledge& now, int threads = 1) const;
   /// E of what is known now [px^2] under this noise (calibrationCovariance()); empty where the time
   /// offset, or T_SC0, is not determined.
@@ -73,6 +73,7 @@ class TrajectoryScorer {
     std::vector<MotionState> samples;  // of camera 0, with every IMU sample
     /// Per frame and camera, the information of the target's pose in that camera; zero: not seen.
     std::vector<std::vector<Matrix6d>> views;
+    bool loses_target = false;  // some frame is seen by no camera
   };
   Prepared prepare(const LissajousTrajectory& trajectory) const;
   CameraImuProblem unseen(const Prepared& prepared, const WindowKnowledge& now) const;

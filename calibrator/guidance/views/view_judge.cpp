@@ -12,8 +12,6 @@
 namespace plumbline {
 namespace {
 
-constexpr int kWayPoints = 5;  // parts of a way, at whose ends the target must be seen
-
 /// Predicted RMS over the image of the difference between projections by the estimate and by the
 /// truth, at infinity, a rotation taken out, of the worst camera [px]: by the noise of the window's
 /// corners (imageFitCovariance()). Empty before the views determine the cameras.
@@ -157,18 +155,12 @@ std::vector<double> ViewJudge::worthwhileGains(const CandidateRound& round) cons
   return gains;
 }
 
-bool ViewJudge::seesTargetBetween(const Transform& from, const Transform& to) const {
-  // As OperatorPace::secondsTo() takes the way: straight, turning evenly.
-  const Vector6d way = boxminus(to, from);
-  for (int k = 1; k < kWayPoints; ++k) {
-    const Transform T_FC0 = boxplus(from, Vector6d(way * k / kWayPoints));
-    bool seen = false;
-    for (int c = 0; c < cameras_ && !seen; ++c) {
-      seen = static_cast<int>(predictedCorners(c, T_FC0).size()) >= options_.min_corners;
-    }
-    if (!seen) return false;
+bool ViewJudge::seesTarget(const Transform& T_FC0) const {
+  for (int c = 0; c < cameras_; ++c) {
+    const auto corners = static_cast<int>(predictedCorners(c, T_FC0).size());
+    if (corners >= options_.min_corners) return true;
   }
-  return true;
+  return false;
 }
 
 void ViewJudge::tell(Decision& d) const {

@@ -56,8 +56,8 @@ class ViewJudge {
   /// What each candidate that is worth asking gains [nats]: information, or the logarithm of what
   /// the predicted error is divided by; NaN: not worth it.
   std::vector<double> worthwhileGains(const CandidateRound& round) const;
-  /// Whether some camera sees enough of the target all along the straight way between two poses.
-  bool seesTargetBetween(const Transform& from, const Transform& to) const;
+  /// Whether some camera sees enough of the target there.
+  bool seesTarget(const Transform& T_FC0) const;
   std::vector<Corner> predictedCorners(int camera, const Transform& T_FC0) const {
     return scorer_->predictedCorners(camera, T_FC0);
   }

@@ -126,7 +126,12 @@ void declareSimulatedBoard(CLI::App& app, double& corner_sigma_px, double& board
       ->check(CLI::IsMember({"measured", "flat"}));
 }
 
-void declareAskingAndStops(CLI::App& app, GuideOptions& guide, std::string& first_trajectory) {
+void TrajectoryWords::writeTo(TrajectoryGuideOptions& trajectories) const {
+  trajectories.first = enumValue<FirstTrajectory>("--first-trajectory", first);
+  trajectories.roll_rad = roll_deg * kDegree;
+}
+
+void declareAskingAndStops(CLI::App& app, GuideOptions& guide, TrajectoryWords& words) {
   addWithDefault(app, "--patience", guide.views.patience,
                  "Frames below the threshold before a next-best view is computed; 0: whenever none "
                  "is asked for")
@@ -146,10 +151,13 @@ void declareAskingAndStops(CLI::App& app, GuideOptions& guide, std::string& firs
   addWithDefault(app, "--trajectory-amplitude", guide.trajectories.amplitude,
                  "Scale factor of the trajectories")
       ->check(positiveNumber());
+  addWithDefault(app, "--trajectory-roll", words.roll_deg,
+                 "Roll of the trajectories about the line of sight, to either side [deg]")
+      ->check(numberWithin(0, 180));
   addWithDefault(app, "--trajectory-held-s", guide.trajectories.reached_s,
                  "Time at a trajectory's start until it counts as reached [s]")
       ->check(numberFrom(0));
-  addWithDefault(app, "--first-trajectory", first_trajectory,
+  addWithDefault(app, "--first-trajectory", words.first,
                  "Ask for the first trajectory at-once, with the camera-IMU stage's first frame, "
                  "or when it can be scored");
   addWithDefault(app, "--operator-speed", guide.pace.speed_m_s,

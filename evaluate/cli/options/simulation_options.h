@@ -6,6 +6,7 @@
 #include <CLI/App.hpp>
 
 #include "calibrator/base/april_grid.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/guidance/guide_options.h"
 #include "calibrator/simulate/faults/fault.h"
 
@@ -41,8 +42,17 @@ std::string targetShapeExample();
 void declareSimulatedBoard(CLI::App& app, double& corner_sigma_px, double& board_bend_mm,
                            std::string& guide_board);
 
+/// Of trajectories, as the command line has them; writeTo() brings them into the units and words of
+/// the guide's options.
+struct TrajectoryWords {
+  std::string first = toString(TrajectoryGuideOptions().first);  ///< a word of FirstTrajectory
+  double roll_deg = TrajectoryGuideOptions().roll_rad * kDegrees;
+
+  void writeTo(TrajectoryGuideOptions& trajectories) const;
+};
+
 /// When a guide asks for a view and stops, its trajectories and the operator's speed: of `replay`
-/// and `simulate operator`. `first_trajectory`: a word of FirstTrajectory.
-void declareAskingAndStops(CLI::App& app, GuideOptions& guide, std::string& first_trajectory);
+/// and `simulate operator`.
+void declareAskingAndStops(CLI::App& app, GuideOptions& guide, TrajectoryWords& words);
 
 }  // namespace plumbline

@@ -15,7 +15,9 @@ using test::guideOptions, test::kGuideSigma, test::LiveRig;
 
 TEST(CameraGuide, SuggestionsExpireWhereNobodyFollows) {
   const LiveRig rig("euroc", 9, kGuideSigma);
-  CameraGuide guide(rig.guideRig(), guideOptions());
+  GuideOptions options = guideOptions();
+  options.views.patience = 3;
+  CameraGuide guide(rig.guideRig(), options);
   const auto decisions = test::playWandering(guide, rig, 450, 10);
   EXPECT_FALSE(guide.finished());
   EXPECT_GE(test::countOf(decisions, SuggestionEvent::kExpired), 2);
@@ -32,7 +34,7 @@ TEST(CameraGuide, SuggestionsExpireWhereNobodyFollows) {
     if (d.opened) {
       EXPECT_FALSE(open.has_value());
       EXPECT_EQ(d.opened->id, next_id++);
-      EXPECT_GE(d.frames_without_view, 3);
+      EXPECT_GE(d.frames_without_view, options.views.patience);
       ASSERT_TRUE(d.round.has_value());
       const auto best = static_cast<std::size_t>(d.round->best);
       EXPECT_EQ(d.opened->candidate, d.round->names[best]);

@@ -74,7 +74,7 @@ TEST(CameraImuGuideEuroc, AtItsThresholdItAsksForMoreThanTheRecordingHas) {
 
 TEST(CameraImuGuideEuroc, WithMoreToAskForItFinishesNearTheBatchOverAllFrames) {
   GuideOptions options;
-  options.trajectories = TrajectoryGuideOptions::patient();
+  options.trajectories = GuideOptions::patient().trajectories;
   options.trajectories.threshold_nats = 0.5 * std::log(2.0);
   const Replay r = replayed(options);
   const double finished_s = secondsUntil(r.decisions, GuideMode::kFinished);

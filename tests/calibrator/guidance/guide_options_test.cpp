@@ -64,6 +64,8 @@ TEST(GuideOptions, OfEachPartAreChecked) {
             "trajectories.amplitude is 0; expected a positive number");
   EXPECT_EQ(refusalOf<GuideOptions>([](GuideOptions& o) { o.trajectories.distance_ratio = -1; }),
             "trajectories.distance_ratio is -1; expected a positive number");
+  EXPECT_EQ(refusalOf<LissajousOptions>([](auto& o) { o.roll_rad = 4; }),
+            "roll_rad is 4; expected an angle from 0 to pi");
   EXPECT_EQ(refusalOf<LissajousOptions>([](auto& o) { o.max_speed_m_s = 0; }),
             "max_speed_m_s is 0; expected a positive number");
 }

@@ -29,7 +29,7 @@ inline const SimulatedSession& imuGuideRecording() {
 /// Squared error and the noise that was simulated; a threshold that 8 s of recording reach.
 inline GuideOptions matched() {
   GuideOptions options;
-  options.trajectories = TrajectoryGuideOptions::patient();
+  options.trajectories = GuideOptions::patient().trajectories;
   options.trajectories.pixel_sigma = kImuGuideSigma;
   options.trajectories.cauchy_px = 0;
   options.trajectories.threshold_nats = 1.2;

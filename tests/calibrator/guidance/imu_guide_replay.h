@@ -76,7 +76,7 @@ inline SimulatedSession flight(double duration_s, std::uint64_t seed,
 /// The stage by what points will be off, under the noise of flight().
 inline GuideOptions byTrajectoryError() {
   GuideOptions options;
-  options.trajectories = TrajectoryGuideOptions::patient();
+  options.trajectories = GuideOptions::patient().trajectories;
   options.trajectories.pixel_sigma = kErrorSigma;
   options.trajectories.cauchy_px = 0;
   options.trajectories.criterion = ViewCriterion::kPredictedError;

@@ -30,6 +30,12 @@ std::vector<LissajousTrajectory> all(const LissajousOptions& options = {}) {
   return lissajousTrajectories(shapes, AprilGrid{}, leverArm(), options);
 }
 
+LissajousOptions withRoll() {
+  LissajousOptions options;
+  options.roll_rad = 1;
+  return options;
+}
+
 /// Largest magnitudes of camera 0 and of S on a fine grid.
 struct Extremes {
   double speed = 0, rate = 0, acceleration = 0;
@@ -98,10 +104,17 @@ TEST(Lissajous, CurvesHaveTheShapesOfTheirNames) {
   }
 }
 
+/// All with roll and without.
+std::vector<LissajousTrajectory> allOfBothKinds() {
+  std::vector<LissajousTrajectory> both = all();
+  for (LissajousTrajectory& rolled : all(withRoll())) both.push_back(std::move(rolled));
+  return both;
+}
+
 // Central differences of step h leave an error of h^2/6 of a third derivative (below 100 here).
 TEST(Lissajous, DerivativesAgreeWithDifferences) {
   constexpr double h = 1e-4;
-  for (const LissajousTrajectory& trajectory : all()) {
+  for (const LissajousTrajectory& trajectory : allOfBothKinds()) {
     for (int k = 1; k < 40; ++k) {
       const double t = trajectory.durationS() * k / 40;
       const MotionState m = trajectory.cameraAt(t);
@@ -145,9 +158,26 @@ TEST(Lissajous, LooksExactlyAtTheCentreWithoutRoll) {
   }
 }
 
+// By hand: the line of sight is that without roll; x of the camera is turned about it by
+// sin(2 pi theta) rad, 1 at theta = 1/4 and -1 at 3/4, which are passed at thirds of the time.
+TEST(Lissajous, RollTurnsTheCameraAboutItsLineOfSight) {
+  const std::vector<LissajousTrajectory> plain = all(), rolled = all(withRoll());
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    const double T = plain[i].durationS();
+    for (const auto& [share, roll] :
+         {std::pair(0.0, 0.0), {1.0 / 3, 1.0}, {0.5, 0.0}, {2.0 / 3, -1.0}, {1.0, 0.0}}) {
+      const Transform a = plain[i].cameraAt(share * T).T_FB;
+      const Transform b = rolled[i].cameraAt(share * rolled[i].durationS()).T_FB;
+      EXPECT_LT((a.t - b.t).norm(), 1e-12) << plain[i].name();
+      EXPECT_LT((logSO3(a.R.transpose() * b.R) - roll * Eigen::Vector3d::UnitZ()).norm(), 1e-9)
+          << plain[i].name() << " " << share;
+    }
+  }
+}
+
 TEST(Lissajous, BothCamerasSeeMostOfTheTargetAllAlong) {
   SimulationOptions seen;
-  for (const LissajousTrajectory& trajectory : all()) {
+  for (const LissajousTrajectory& trajectory : allOfBothKinds()) {
     for (const Transform& T_FC0 : trajectory.path(101)) {
       for (const CameraCalibration& camera : rig().calibration.cameras) {
         EXPECT_GT(visibleCorners(camera.intrinsics, T_FC0 * camera.T_C0Ci, seen).size(), 100u)

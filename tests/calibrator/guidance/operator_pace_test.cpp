@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,23 @@
 
 namespace plumbline {
 namespace {
+
+// By hand: a metre along x in fifths, of which the inner four are looked at.
+TEST(OperatorPace, LooksAlongTheWayBetweenItsEnds) {
+  Transform from, to;
+  to.t.x() = 1;
+  std::vector<double> looked;
+  const auto isBelow = [&](double limit) {
+    return [&looked, limit](const Transform& T_FC0) {
+      looked.push_back(T_FC0.t.x());
+      return T_FC0.t.x() < limit;
+    };
+  };
+  EXPECT_TRUE(seesAlongWay(from, to, isBelow(0.9)));
+  ASSERT_EQ(looked.size(), 4u);
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(looked[k], 0.2 * (k + 1), 1e-12);
+  EXPECT_FALSE(seesAlongWay(from, to, isBelow(0.7))) << "lost at 0.8";
+}
 
 TEST(OperatorPace, TakesTheLongerOfWalkAndTurn) {
   const OperatorPace pace{0.5, 1.0, 0.4};

@@ -3,7 +3,10 @@
 // and the trajectory. Whether they come true is for trajectory_gain_statistics_test.
 #include "calibrator/guidance/trajectories/trajectory_gain.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -176,6 +179,34 @@ TEST(TrajectoryGain, WithoutCornersOrKnowledgeThereIsNoScore) {
   const auto gains = scorer(test::plannedRecording(shortWindow(), {})).scores(now).gain_nats;
   EXPECT_EQ(gains.size(), 6u);
   for (const double gain : gains) EXPECT_TRUE(std::isnan(gain));
+}
+
+/// The fewest corners of any frame along a trajectory, in the camera that sees most.
+int fewestCorners(const LissajousTrajectory& trajectory, double rate_hz) {
+  int fewest = std::numeric_limits<int>::max();
+  for (int k = 0; k <= static_cast<int>(trajectory.durationS() * rate_hz); ++k) {
+    std::size_t most = 0;
+    for (const CameraCalibration& camera : shortWindow().truth.cameras) {
+      const Transform T_FC = trajectory.cameraAt(k / rate_hz).T_FB * camera.T_C0Ci;
+      most = std::max(most, visibleCorners(camera.intrinsics, T_FC, {}).size());
+    }
+    fewest = std::min(fewest, static_cast<int>(most));
+  }
+  return fewest;
+}
+
+// Nobody can follow it: however much its other frames tell, it is not asked for.
+TEST(TrajectoryGain, ATrajectoryThatLosesTheTargetHasNoScore) {
+  TrajectoryRecording planned = test::plannedRecording(shortWindow(), {});
+  std::vector<int> fewest;
+  for (const auto& t : six()) fewest.push_back(fewestCorners(t, planned.camera_rate_hz));
+  const auto [least, most] = std::minmax_element(fewest.begin(), fewest.end());
+  ASSERT_LT(*least, *most);
+  planned.min_corners = *most;
+  const auto gains = scorer(planned).scores(knowledgeAtTheTruth()).gain_nats;
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    EXPECT_EQ(std::isnan(gains[i]), fewest[i] < *most) << six()[i].name();
+  }
 }
 
 TEST(TrajectoryGain, RefusesWhatNobodyRecords) {

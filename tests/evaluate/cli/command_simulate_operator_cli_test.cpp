@@ -141,7 +141,8 @@ TEST(CommandSimulateOperator, RefusesOptionsOfTheGuideWithoutOne) {
     for (const std::string option :
          {"--trajectories 2", "--criterion mi", "--stop-projection-px 0.1",
           "--stop-reprojection-px 0.2", "--trajectory-s 2", "--trajectory-amplitude 1",
-          "--trajectory-held-s 1", "--first-trajectory scored", "--operator-speed 0.3"}) {
+          "--trajectory-roll 30", "--trajectory-held-s 1", "--first-trajectory scored",
+          "--operator-speed 0.3"}) {
       const Outcome refused =
           plumbline("simulate operator --method " + method + " " + option + " --out " + out);
       EXPECT_EQ(refused.exit_code, 2) << option;
@@ -179,6 +180,7 @@ TEST(CommandSimulateOperator, NamesTheOptionAndTheValueAsItWasWritten) {
   expect("--fatigue", {"0", "10"}, {"-1", "11"});
   expect("--compliance", {"0", "1"}, {"-1", "2"});
   expect("--patience-s", {"0", "100000"}, {"-1", "1000000"});
+  expect("--trajectory-roll", {"0", "180"}, {"-1", "181"});
   expect("--duration", {"5", "3600"}, {"4", "nan"});
   expect("--corner-sigma", {"0", "100"}, {"-1", "nan"});
   expect("--board-bend-mm", {"0", "20"}, {"-1", "nan"});

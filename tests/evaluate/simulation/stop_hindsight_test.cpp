@@ -182,13 +182,13 @@ TEST(StopHindsight, TheImuStageStopsWhereTheExpectedErrorIsWithinTheBar) {
   HindsightOptions few;
   few.draws = 1;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const OperatedOptions o = imuStoppedAt(0.3, seed);
+    const OperatedOptions o = imuStoppedAt(0.2, seed);
     const OperatedSession s = recordGuided(hindsightRig(), o);
     const auto stop = stopHindsight({s, o, hindsightRig()}, GuideStage::kCameraImu, few);
     ASSERT_TRUE(stop && stop->expected_px && stop->best_s) << seed;
-    EXPECT_LE(stop->predicted_px, 0.3);
+    EXPECT_LE(stop->predicted_px, 0.2);
     EXPECT_NEAR(stop->predicted_px / *stop->expected_px, 1, 0.05) << seed;
-    EXPECT_EQ(*stop->best_s <= stop->stopped_s, *stop->expected_px <= 0.3);
+    EXPECT_EQ(*stop->best_s <= stop->stopped_s, *stop->expected_px <= 0.2);
     EXPECT_NEAR(stop->stopped_s / *stop->best_s, 1, 0.05) << seed;
   }
 }
