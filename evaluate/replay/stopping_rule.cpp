@@ -13,6 +13,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/guidance/trajectories/imu_reprojection.h"
+#include "calibrator/guidance/views/view_error.h"
 #include "calibrator/information/covariance.h"
 #include "evaluate/replay/frame_split.h"
 #include "evaluate/replay/frames.h"
@@ -164,6 +165,31 @@ std::optional<double> heldOutError(const Session& held_out,
   return scored ? std::optional(scored->summary.reprojection.rmse_px) : std::nullopt;
 }
 
+/// The excess that the guide's model predicts of frames like those held out, for the cameras of the
+/// views kept: the same frames as the measured one. Empty: it cannot be predicted.
+std::optional<double> predictedExcessOn(const ReplayRun& run, const std::vector<int>& held_out,
+                                        const std::vector<CameraCalibration>& cameras) {
+  ViewErrorOptions options = run.guide.views;
+  options.later_use = LaterUseKind::kSeen;
+  options.most_seen = std::max(2, static_cast<int>(held_out.size()));
+  const AprilGrid target = guideRig(run.session).target;
+  const CameraEstimate estimate = estimateOf(cameras);
+  ViewErrorTracker errors(target, options);
+  const auto forPosed = [&](const std::vector<int>& frames, const auto& take) {
+    for (const int i : frames) {
+      const auto corners =
+          usableViews(run.frames[static_cast<std::size_t>(i)], cameras.size(), options.min_corners);
+      const auto T_FC0 = poseOf(target, estimate, corners, options.cauchy_px);
+      if (T_FC0) take(corners, *T_FC0);
+    }
+  };
+  forPosed(held_out, [&](const auto& corners, const auto& T_FC0) { errors.see(corners, T_FC0); });
+  forPosed(run.accepted(GuideStage::kCamera),
+           [&](const auto& corners, const auto& T_FC0) { errors.keep(corners, T_FC0); });
+  errors.refresh(estimate, cameras, run.guide.threads);
+  return errors.isKnown() ? std::optional(errors.excess()) : std::nullopt;
+}
+
 bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StoppingRuleOptions& options) {
   const Vector6d difference = boxminus(a.T_SC0, b.T_SC0);
   return difference.head<3>().norm() <= options.translation_m &&
@@ -240,6 +266,7 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
   });
   if (at_finish) audit.measured_excess = *at_finish / *best - 1;
   audit.predicted_excess = lastOf(run, GuideStage::kCamera, &Decision::excess);
+  audit.held_out_excess = predictedExcessOn(run, others, batches.kept->cameras);
   judge(run, options,
         fmt::format("held-out error of the views kept by then: {} on {} frames; of those of the "
                     "whole recording: {:.4f} px; within {:.0f} % of that",

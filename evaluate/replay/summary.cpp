@@ -55,8 +55,11 @@ void addStage(Text& text, const ReplayRecord& record, const ReplayStageSummary& 
 void addExcess(Text& text, const StopAudit& audit) {
   if (audit.predicted_excess && audit.measured_excess) {
     add(text,
-        "  the views kept add {:.1f} % (predicted), {:.1f} % (measured) to a corner's error\n",
-        100 * *audit.predicted_excess, 100 * *audit.measured_excess);
+        "  the views kept add {:.1f} % to a corner's error, as the guide predicted; on held-out "
+        "frames {} (predicted), {:.1f} % (measured)\n",
+        100 * *audit.predicted_excess,
+        audit.held_out_excess ? fmt::format("{:.1f} %", 100 * *audit.held_out_excess) : "unknown",
+        100 * *audit.measured_excess);
   }
   if (audit.predicted_px && audit.measured_px) {
     add(text,

@@ -82,7 +82,8 @@ struct StopAudit {
   Verdict verdict = Verdict::kNeverStopped;
   std::optional<TimeNs> finished, ended, enough;
   double seconds = 0, saved_s = 0;
-  std::optional<double> predicted_excess, measured_excess;  ///< of the camera stage
+  /// Of the camera stage.
+  std::optional<double> predicted_excess, held_out_excess, measured_excess;
   std::optional<double> predicted_px, measured_px;
   double entropy_at_finish_nats = 0, entropy_of_all_nats = 0;
   std::string explanation;
@@ -102,8 +103,10 @@ void fields(auto& v, StopAudit& a) {
   v("seconds", a.seconds, "s", "early: missing; late: wasted; right or never: 0");
   v("saved_s", a.saved_s, "s", "of the recording, after \"finish\"");
   v("predicted_excess", a.predicted_excess, "1",
-    "share by which the views kept raise the error, as predicted by the guide");
-  v("measured_excess", a.measured_excess, "1", "the same on held-out frames, against all frames");
+    "share by which the views kept raise the error, as predicted by the guide for its later use");
+  v("held_out_excess", a.held_out_excess, "1",
+    "likewise predicted, with the held-out frames as later use");
+  v("measured_excess", a.measured_excess, "1", "measured on these frames, against all frames");
   v("predicted_px", a.predicted_px, "px",
     "camera-IMU stage: error of points that the IMU predicts (RMS), as expected by the guide");
   v("measured_px", a.measured_px, "px",

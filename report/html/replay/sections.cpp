@@ -180,13 +180,14 @@ std::vector<Cell> auditRow(const ReplayRecord& record, const StopAudit& a) {
       number(a.seconds != 0 ? fmt::format("{:.2f}", a.seconds) : kDash),
       number(a.finished ? fmt::format("{:.2f}", a.saved_s) : kDash),
       orDash(a.predicted_excess, 100, "{:.1f}"),
+      orDash(a.held_out_excess, 100, "{:.1f}"),
       orDash(a.measured_excess, 100, "{:.1f}"),
       orDash(a.predicted_px, 1, "{:.3f}"),
       measuredCell(a),
       number(a.finished && a.entropy_at_finish_nats != 0
-                 ? fmt::format("{:.3f}", a.entropy_at_finish_nats)
+                 ? fmt::format("{:.1f}", a.entropy_at_finish_nats)
                  : kDash),
-      number(a.entropy_of_all_nats != 0 ? fmt::format("{:.3f}", a.entropy_of_all_nats) : kDash)};
+      number(a.entropy_of_all_nats != 0 ? fmt::format("{:.1f}", a.entropy_of_all_nats) : kDash)};
 }
 
 }  // namespace
@@ -224,14 +225,16 @@ Section stopAuditSection(const ReplayRecord& record) {
   Section section{
       "stop-audit", "Stopping rule",
       "The guide's \"finish\" compared with the first instant at which the views kept were "
-      "sufficient, judged by the held-out error of the batch over them. Saved: the part of the "
+      "sufficient, judged by the held-out error of the batch over them. Off by: the time that was "
+      "missing, or wasted. Saved: the part of the "
       "recording after it. Excess: relative increase of the error with the views kept over that "
-      "with all frames, as predicted by the guide and as measured on held-out frames. Points by "
+      "with all frames: as predicted by the guide for later use, likewise predicted with the "
+      "held-out frames as later use, and measured on these frames. Points by "
       "the IMU: by how much points that it predicts are off, as expected by the guide and against "
       "the calibration of all frames. Ended: without a stop, so that the other stage is replayed."};
   Table table{{words("Stage"), words("Judgement"), number("Finish [s]"), number("Sufficient [s]"),
-               number("Missing or wasted [s]"), number("Saved [s]"),
-               number("Excess, predicted [%]"), number("Measured [%]"),
+               number("Off by [s]"), number("Saved [s]"), number("Excess, by the guide [%]"),
+               number("Held out, predicted [%]"), number("Measured [%]"),
                number("Points by the IMU, expected [px]"), number("Measured [px]"),
                number("Entropy then [nats]"), number("Of all frames [nats]")}};
   for (const StopAudit& a : record.stop_audits) {

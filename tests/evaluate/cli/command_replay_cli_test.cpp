@@ -197,6 +197,7 @@ TEST_F(CommandReplay, ByPredictedErrorItStopsWithFewViewsAndSaysHowGoodTheyAre) 
   EXPECT_TRUE(scored);
   const json& audit = document["stop_audits"][0];
   EXPECT_TRUE(audit["predicted_excess"].is_number());
+  EXPECT_TRUE(audit["held_out_excess"].is_number());
   EXPECT_TRUE(audit["measured_excess"].is_number());
 }
 

@@ -2,6 +2,8 @@
 // Was the stop right? On a simulated recording, for decisions made up so that the answer is known.
 #include "evaluate/replay/stopping_rule.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -60,6 +62,16 @@ TEST_F(Stopping, LongAfterEnoughIsLate) {
   // By how much more than the whole recording's the held-out error was: 0 would be none.
   EXPECT_NEAR(audit.measured_excess.value_or(1), 0, 0.05);
   EXPECT_LT(audit.entropy_of_all_nats, audit.entropy_at_finish_nats);
+}
+
+// On the same frames: by noise alone, the squared error is expected to be what it is.
+TEST_F(Stopping, PredictedExcessIsThatOfTheFramesThatItIsMeasuredOn) {
+  decide(GuideStage::kCamera, 2, 1.3);
+  const StopAudit audit = cameraAudit();
+  ASSERT_TRUE(audit.held_out_excess && audit.measured_excess);
+  EXPECT_GT(*audit.held_out_excess, 0.002);
+  // One draw of 22 parameters' errors, a few of which are most of it.
+  EXPECT_NEAR(std::log(*audit.measured_excess / *audit.held_out_excess), 0, std::log(3));
 }
 
 TEST_F(Stopping, SoonAfterEnoughIsRight) {
