@@ -4,12 +4,13 @@
 prints the tables of docs/counterfactuals.md.
 
   scripts/counterfactuals_evidence.py --program build/tests/benchmarks/view_choice_evidence \\
-      --session DATA/euroc_imu_april --shape target_shape.yaml --out FOLDER [--only PATTERN] [--table]
+      --session DATA/euroc_imu_april --shape target_shape.yaml --out FOLDER [--only PATTERN] [--table] [--guide]
 
 Outputs are kept in --out, one file per pool, and not made again. --shape is the board's own shape, best
 from another recording (`plumbline calibrate OTHER --target-shape auto` writes it); pools named "bent"
 know it, those named "flat" take the board as target.yaml has it. The file's tag_edge is another
-recording's and detector's: set it to 0 where these differ.
+recording's and detector's: set it to 0 where these differ. With --guide: only what a guide keeps of the candidates,
+played to it as they were recorded; with --candidates 865 these are all of a pool of EuRoC's, so that one start is enough.
 """
 
 import argparse
@@ -48,16 +49,22 @@ def pools():
         yield f"{camera}-{model}-{loss}-{shape}-{split}", [model, losses[loss], shape, cameras[camera], split]
 
 
+def views(options):
+    """The last part of a file's name."""
+    return "guide" if options.guide else options.views
+
+
 def run(options):
     folder = pathlib.Path(options.out)
     folder.mkdir(parents=True, exist_ok=True)
     for name, (model, loss, shape, camera, split) in pools():
-        path = folder / f"{name}-{options.candidates}-{options.starts}-{options.views}.txt"
+        path = folder / f"{name}-{options.candidates}-{options.starts}-{views(options)}.txt"
         if path.exists() or not fnmatch.fnmatch(name, options.only):
             continue
         shape = options.shape if shape == "bent" else "flat"
         numbers = [str(options.starts), str(options.candidates), str(options.views)]
         command = [options.program, options.session, model, loss, shape, camera, split, *numbers]
+        command += ["guide"] if options.guide else []
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode not in (0, 1):  # 1: this pool has no calibration
             sys.exit(f"{' '.join(command)}: ended with {done.returncode}\n{done.stderr}")
@@ -117,15 +124,37 @@ def text(views):
     return "–" if views == math.inf else f"{views:g}"
 
 
-def table(options):
+def pools_read(options):
     read = []
-    for path in sorted(pathlib.Path(options.out).glob(f"*-{options.candidates}-{options.starts}-{options.views}.txt")):
+    pattern = f"*-{options.candidates}-{options.starts}-{views(options)}.txt"
+    for path in sorted(pathlib.Path(options.out).glob(pattern)):
         name = path.stem.rsplit("-", 3)[0]
         pool = Pool(path)
-        if fnmatch.fnmatch(name, options.only) and pool.full is not None and pool.steps:
+        if fnmatch.fnmatch(name, options.only) and pool.full is not None and pool.curves:
             read.append((name, pool))
     order = {name: i for i, (name, _) in enumerate(pools())}
-    read.sort(key=lambda item: order.get(item[0], 0))
+    return sorted(read, key=lambda item: order.get(item[0], 0))
+
+
+def kept_by(pool, guide):
+    """Over the starts: the views that a guide keeps, what is above the whole pool's error then [%], and from how many
+    views on it is within 5 %; medians."""
+    curves = pool.curves[guide].values()
+    kept = quantile([max(c) for c in curves], 0.5)
+    excess = quantile([100 * (c[max(c)] / pool.full - 1) for c in curves], 0.5)
+    return f"{kept:g}", f"{excess:.1f}", text(quantile([pool.needed(c, 5) for c in curves], 0.5))
+
+
+def guide_table(options):
+    print("| pool | held out [px] | mi: kept | above [%] | within 5 % from | predicted-error: kept | above [%] | within 5 % from |")
+    print("|---" * 8 + "|")
+    for name, pool in pools_read(options):
+        cells = [c for guide in ("guide-mi", "guide-predicted-error") for c in kept_by(pool, guide)]
+        print(f"| {name} | {pool.full:.4f} | " + " | ".join(cells) + " |")
+
+
+def table(options):
+    read = [(name, pool) for name, pool in pools_read(options) if pool.steps]
     print("| pool | held out [px] | " + " | ".join(STRATEGIES) + " |")
     print("|---" * (2 + len(STRATEGIES)) + "|")
     for name, pool in read:
@@ -157,11 +186,12 @@ def main():
     parser.add_argument("--starts", type=int, default=20)
     parser.add_argument("--candidates", type=int, default=200)
     parser.add_argument("--views", type=int, default=40)
+    parser.add_argument("--guide", action="store_true", help="what a guide keeps")
     parser.add_argument("--table", action="store_true", help="only the tables, of what has been run")
     options = parser.parse_args()
     if not options.table:
         run(options)
-    table(options)
+    guide_table(options) if options.guide else table(options)
 
 
 if __name__ == "__main__":

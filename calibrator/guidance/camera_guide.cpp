@@ -10,17 +10,38 @@
 #include "calibrator/guidance/start_check.h"
 #include "calibrator/guidance/views/candidate_views.h"
 #include "calibrator/guidance/views/view_judge.h"
+#include "calibrator/guidance/views/visible_tags.h"
 #include "calibrator/information/covariance.h"
+#include "calibrator/initialise/camera_start.h"
 #include "calibrator/window/camera_window.h"
 
 namespace plumbline {
 
+namespace {
+
+/// A camera of which nothing is known but what one view tells.
+CameraCalibration guessedCamera(const GuideRig& rig, const std::vector<Corner>& seen) {
+  const GuideRig::Camera& of = rig.cameras.front();
+  const auto [projection, distortion] = of.model;
+  CameraCalibration camera;
+  camera.name = of.name;
+  const PackedCorners packed(rig.target, {{0, seen}});
+  const double focal_px =
+      focalCandidates(projection, distortion, of.resolution, {packed.view(0)}, 1).front();
+  camera.intrinsics = plainCamera(projection, distortion, of.resolution, focal_px);
+  return camera;
+}
+
+}  // namespace
+
 struct CameraGuide::State : StageState {
   State(const GuideRig& of, const GuideOptions& asked, int first_suggestion)
       : StageState{of, asked, FrameGate(asked), first_suggestion},
+        first_suggestion(first_suggestion),
         start_check(of, asked),
         judge(of.target, asked.views, asked.threads) {}
 
+  const int first_suggestion;
   StartCheck start_check;
   std::vector<KeptFrame> kept;
   std::optional<CameraWindow> window;  // once the start stands
@@ -43,6 +64,7 @@ struct CameraGuide::State : StageState {
   void tellCoverage(Decision& d);
   bool accept(const FrameCorners& corners, Decision& d);
   void windowChanged();
+  void findFirstView(const FrameCorners& corners, Decision& d);
   void findNextView(Decision& d);
   std::size_t askedFor(CandidateRound& round, Decision& d);
   void openSuggestion(const CandidateRound& round, std::size_t asked, int camera, Decision& d);
@@ -110,7 +132,29 @@ void CameraGuide::State::initialise(const FrameCorners& corners, Decision& d) {
   }
   d.accepted = true;
   kept.push_back({d.frame, d.t, corners});
-  if (kept.size() >= next_start) tryStart(d);
+  if (kept.size() >= next_start) return tryStart(d);
+  if (options.views.patience == 0 && next_suggestion == first_suggestion) findFirstView(corners, d);
+}
+
+/// Before there is an estimate: of firstViews() the one that is reached soonest, for a camera as
+/// the frame has it. The frames that start the estimate are then gathered on the way to it.
+void CameraGuide::State::findFirstView(const FrameCorners& corners, Decision& d) {
+  if (corners.front().empty()) return;
+  const CameraCalibration camera = guessedCamera(rig, corners.front());
+  const auto here = poseOf(rig.target, estimateOf({camera}), {corners.front()}, 0);
+  if (!here) return;
+  const std::vector<CandidateView> views = firstViews(camera, rig.target);
+  const auto seconds = [&](const CandidateView& view) {
+    return options.pace.secondsTo(*here, view.T_FC0) + options.views.reached_s;
+  };
+  const CandidateView& soonest = *std::ranges::min_element(views, {}, seconds);
+  Suggestion s;
+  s.t = d.t;
+  s.candidate = soonest.name;
+  s.T_FC0 = soonest.T_FC0;
+  s.reach_s = seconds(soonest);
+  const VisibleTags tags(camera.intrinsics, rig.target, {});
+  show(std::move(s), tags.corners(soonest.T_FC0.inverse()), options.views, d);
 }
 
 void CameraGuide::State::tryStart(Decision& d) {
@@ -129,7 +173,7 @@ void CameraGuide::State::tryStart(Decision& d) {
   d.reason = GuideReason::kInitialised;
   beginWindow(*start, d);
   // From where it stands, which the start may not have found out.
-  if (until_round <= 0 && d.T_FC0) findNextView(d);
+  if (!open && d.event == SuggestionEvent::kNone && until_round <= 0 && d.T_FC0) findNextView(d);
 }
 
 /// The window on the frames that the start's batch gave a pose; the others leave.
@@ -156,6 +200,10 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
   }
   kept = std::move(used);
   windowChanged();
+  if (!open) return;
+  // That was for a guessed camera.
+  const Suggestion& asked = open->suggestion();
+  open->redraw(judge.predictedCorners(asked.camera, asked.T_FC0));
 }
 
 /// What was kept does not explain the frames that follow.

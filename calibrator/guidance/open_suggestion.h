@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "calibrator/base/guide_decision.h"
@@ -24,6 +25,8 @@ class OpenSuggestion {
   /// With every frame: what the suggestion's camera saw (empty: nothing).
   Progress update(TimeNs t, const std::vector<Corner>& seen);
 
+  /// Drawn anew, by cameras that are better known.
+  void redraw(std::vector<Corner> corners) { corners_ = std::move(corners); }
   /// It is taken to have been shown at `t`.
   void restart(TimeNs t);
 

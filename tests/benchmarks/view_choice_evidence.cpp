@@ -2,11 +2,12 @@
 // How good are few views, and which? Curves of held-out error over the number of views for
 // docs/counterfactuals.md; run by scripts/counterfactuals_evidence.py, which makes tables of them.
 //
-//   view_choice_evidence SESSION MODEL LOSS_PX SHAPE CAMERAS SPLIT STARTS CANDIDATES VIEWS
+//   view_choice_evidence SESSION MODEL LOSS_PX SHAPE CAMERAS SPLIT STARTS CANDIDATES VIEWS [guide]
 //     MODEL radtan | equidistant; LOSS_PX of Cauchy's loss, 0: none; SHAPE flat or
 //     target_shape.yaml; CAMERAS both | cam0 | cam1; SPLIT 1s | 3s (blocks, every third held out) |
 //     interleaved (every third frame) | first-second | second-first (one half chosen from, the
-//     other held out)
+//     other held out); guide: only the curves of a guide that the candidates are played to as they
+//     were recorded: the frames that it keeps until it says stop, in their order
 //
 // Prints "pool FRAMES HELD PX", then a line per start and strategy: "curve START STRATEGY n=px
 // ...", and per step of the predicted error "step START n sigma tau b E excess".
@@ -16,12 +17,14 @@
 #include <cstdlib>
 #include <exception>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "calibrator/guidance/guide.h"
 #include "calibrator/information/view_selection.h"
 #include "datasets/session/session_reader.h"
 #include "datasets/session/target.h"
@@ -44,6 +47,7 @@ struct Asked {
   std::string session, model, shape, cameras, split;
   double cauchy_px;
   int starts, candidates, views;
+  bool only_guide;
 };
 
 Session sessionOf(const Asked& asked) {
@@ -75,10 +79,15 @@ FrameSplit splitOf(const Session& session, const std::string& how) {
   return split;
 }
 
+/// At some numbers of views, up to `most` or all of them.
 std::string curveText(const ViewPool& pool, const std::vector<int>& order, int most) {
+  const int end = std::min(most, static_cast<int>(order.size()));
+  std::vector<int> counts;
+  std::copy_if(std::begin(kCounts), std::end(kCounts), std::back_inserter(counts),
+               [&](int n) { return n < end; });
+  counts.push_back(end);
   std::string text;
-  for (const int n : kCounts) {
-    if (n > most || n > static_cast<int>(order.size())) break;
+  for (const int n : counts) {
     const auto solution = pool.solve({order.begin(), order.begin() + n});
     if (solution) text += fmt::format(" {}={:.5f}", n, pool.heldOutError(solution->estimate).px);
   }
@@ -122,6 +131,31 @@ void tellOnline(const ViewPool& pool, const std::vector<int>& candidates, ViewCr
   }
 }
 
+/// What the camera stage of a guide keeps of the candidates until it says stop.
+std::vector<int> keptByGuide(const ViewPool& pool, const CameraStageOptions& camera,
+                             const std::vector<int>& recorded, ViewCriterion criterion) {
+  GuideOptions options;
+  options.views.criterion = criterion;
+  options.views.model() = camera.model();
+  CameraGuide guide(guideRig(pool.session(), camera.models), options);
+  std::vector<int> kept;
+  for (const int f : recorded) {
+    if (guide.finished()) break;
+    const Frame& frame = pool.frames()[static_cast<std::size_t>(f)];
+    GuideFrame seen{f, frame.t, {}, {}};
+    for (std::size_t c = 0; c < frame.view.size(); ++c) {
+      const int view = frame.view[c];
+      const auto& views = pool.session().cameras[c].views;
+      seen.corners.push_back(view < 0 ? std::vector<Corner>()
+                                      : views[static_cast<std::size_t>(view)].corners);
+    }
+    const Decision d = guide.step(seen);
+    for (const int gone : d.withdrawn) std::erase(kept, gone);
+    if (d.accepted) kept.push_back(d.frame);
+  }
+  return kept;
+}
+
 int tell(const Asked& asked) {
   const Session session = sessionOf(asked);
   CameraStageOptions camera;
@@ -138,16 +172,26 @@ int tell(const Asked& asked) {
   fmt::print("pool {} {} {:.5f}\n", pool->pool().size(), pool->heldOut().size(),
              pool->heldOutError(pool->reference().estimate).px);
   const int frames = static_cast<int>(pool->pool().size());
+  const auto tellGuide = [&](int start, const std::vector<int>& recorded) {
+    for (const auto criterion :
+         {ViewCriterion::kMutualInformation, ViewCriterion::kPredictedError}) {
+      const std::vector<int> kept = keptByGuide(*pool, camera, recorded, criterion);
+      fmt::print("curve {} guide-{}{}\n", start, toString(criterion),
+                 curveText(*pool, kept, static_cast<int>(kept.size())));
+    }
+  };
   for (int start = 0; start < asked.starts; ++start) {
     std::vector<int> candidates =
         picked(pool->pool(), randomOrder(frames, 1000 + static_cast<std::uint64_t>(start)));
     candidates.resize(static_cast<std::size_t>(std::min(frames, asked.candidates)));
+    std::vector<int> recorded = candidates;
+    std::sort(recorded.begin(), recorded.end());
+    tellGuide(start, recorded);
+    if (asked.only_guide) continue;
     const std::vector<int> first(candidates.begin(), candidates.begin() + kStartViews);
     fmt::print("curve {} random{}\n", start, curveText(*pool, candidates, asked.views));
     fmt::print("curve {} coverage{}\n", start,
                curveText(*pool, coverageAfter(*pool, candidates, first), asked.views));
-    std::vector<int> recorded = candidates;
-    std::sort(recorded.begin(), recorded.end());
     fmt::print("curve {} recorded{}\n", start, curveText(*pool, recorded, asked.views));
     tellOnline(*pool, candidates, ViewCriterion::kMutualInformation, start, asked.views);
     tellOnline(*pool, candidates, ViewCriterion::kPredictedError, start, asked.views);
@@ -160,14 +204,16 @@ int tell(const Asked& asked) {
 }  // namespace plumbline
 
 int main(int argc, char** argv) try {
-  if (argc != 10) {
+  const bool only_guide = argc == 11 && std::string(argv[10]) == "guide";
+  if (argc != 10 && !only_guide) {
     std::fputs(
-        "view_choice_evidence SESSION MODEL LOSS_PX SHAPE CAMERAS SPLIT STARTS CANDIDATES VIEWS\n",
+        "view_choice_evidence SESSION MODEL LOSS_PX SHAPE CAMERAS SPLIT STARTS CANDIDATES VIEWS "
+        "[guide]\n",
         stderr);
     return 2;
   }
   return plumbline::tell({argv[1], argv[2], argv[4], argv[5], argv[6], std::atof(argv[3]),
-                          std::atoi(argv[7]), std::atoi(argv[8]), std::atoi(argv[9])});
+                          std::atoi(argv[7]), std::atoi(argv[8]), std::atoi(argv[9]), only_guide});
 } catch (const std::exception& e) {
   std::fprintf(stderr, "%s\n", e.what());
   return 2;

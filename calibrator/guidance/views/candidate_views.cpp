@@ -131,4 +131,12 @@ std::vector<CandidateView> candidateViews(const std::vector<CameraCalibration>& 
   return all;
 }
 
+std::vector<CandidateView> firstViews(const CameraCalibration& camera, const AprilGrid& target) {
+  std::vector<CandidateView> views = candidateViews({camera}, target);
+  std::erase_if(views, [](const CandidateView& view) {
+    return !view.name.starts_with("cam0 tilt-") || !view.name.ends_with("45 depth 0.75");
+  });
+  return views;
+}
+
 }  // namespace plumbline

@@ -51,4 +51,8 @@ std::vector<CandidateView> candidateViews(const std::vector<CameraCalibration>& 
                                           const AprilGrid& target,
                                           const CandidateViewOptions& options = {});
 
+/// Of the candidates of camera 0 those to begin with, before any can be scored: near, and tilted by
+/// 45 degrees to each side (measured: docs/counterfactuals.md).
+std::vector<CandidateView> firstViews(const CameraCalibration& camera, const AprilGrid& target);
+
 }  // namespace plumbline

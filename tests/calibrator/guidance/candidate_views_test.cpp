@@ -105,6 +105,23 @@ TEST(CandidateViews, AreWhereTheirNamesSay) {
   EXPECT_LT((rolled.R.col(2) - tilted.R.col(2)).norm(), 1e-12);
 }
 
+TEST(CandidateViews, TheFirstAreNearAndTiltedToEachSide) {
+  const CameraCalibration camera = camerasOf("euroc").front();
+  const double depth = named(candidateViews({camera}, kTarget), "cam0 tilt-y +45").T_FC0.t.z() /
+                       std::cos(std::numbers::pi / 4);
+  const auto views = firstViews(camera, kTarget);
+  ASSERT_EQ(views.size(), 4u);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const CandidateView& view : views) {
+    const Eigen::Vector3d offset = view.T_FC0.t - centre();
+    EXPECT_NEAR(offset.norm(), 0.75 * depth, 1e-12) << view.name;
+    EXPECT_NEAR(offset.z(), offset.norm() * std::cos(std::numbers::pi / 4), 1e-12) << view.name;
+    EXPECT_GE(visibleCorners(camera.intrinsics, view.T_FC0, {}).size(), 40u) << view.name;
+    sum += offset;
+  }
+  EXPECT_LT(sum.head<2>().norm(), 1e-12);
+}
+
 TEST(CandidateViews, ShowEnoughOfTheTarget) {
   for (const char* rig : {"euroc", "tumvi", "d435i"}) {
     const auto cameras = camerasOf(rig);
