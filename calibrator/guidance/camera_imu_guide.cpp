@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,7 +22,8 @@ namespace {
 // Frames at one attempt to start over those at the attempt before. Geometric, so that all attempts
 // together cost a few times the last batch, however many it takes.
 constexpr double kAttemptGrowth = 1.25;
-constexpr int kPathPoints = 60;  // of a trajectory, for drawing
+constexpr int kPathPoints = 60;    // of a trajectory, for drawing
+constexpr double kApproach = 0.5;  // of the trajectories' limits, on the way to the first one
 
 }  // namespace
 
@@ -59,7 +61,7 @@ struct CameraImuGuide::State : StageState {
   std::size_t askedFor(CandidateRound& round, Decision& d);
   void openAsked(const CandidateRound& round, std::size_t asked, Decision& d);
   void openFirst(Decision& d);
-  void show(Suggestion s, const LissajousTrajectory& trajectory, Decision& d);
+  void show(Suggestion s, const std::string& name, Decision& d);
   void follow(const GuideFrame& frame, Decision& d);
 
   std::vector<CameraCalibration> cameras;
@@ -281,20 +283,40 @@ void CameraImuGuide::State::openAsked(const CandidateRound& round, std::size_t a
   s.mi_nats = round.mi_nats[asked];
   // What could not be predicted stays empty, not NaN.
   if (!std::isnan(round.error_px[asked])) s.error_px = round.error_px[asked];
-  show(std::move(s), evaluator->scorer().trajectories()[asked], d);
+  const LissajousTrajectory& trajectory = evaluator->scorer().trajectories()[asked];
+  s.path = trajectory.path(kPathPoints);
+  s.duration_s = trajectory.durationS();
+  show(std::move(s), trajectory.name(), d);
 }
 
 /// Before anything is known of the IMU, with the sensor taken to be where the camera is: the frames
 /// that start the estimate are then of a motion that tells something.
-void CameraImuGuide::State::openFirst(Decision& d) { show(Suggestion(), first_trajectory, d); }
+void CameraImuGuide::State::openFirst(Decision& d) {
+  const Transform start = first_trajectory.cameraAt(0).T_FB;
+  const Vector6d way = boxminus(start, *d.T_FC0);
+  // (1 - cos(pi t / T)) / 2 of the way: its highest speed is pi / 2 times the mean.
+  const double approach_s = 0.5 * std::numbers::pi *
+                            std::max(way.head<3>().norm() / (kApproach * stage().max_speed_m_s),
+                                     way.tail<3>().norm() / (kApproach * stage().max_rate_rad_s));
+  Suggestion s;
+  s.duration_s = approach_s + first_trajectory.durationS();
+  for (int k = 0; k < kPathPoints; ++k) {
+    const double t_s = *s.duration_s * k / (kPathPoints - 1);
+    if (t_s >= approach_s) {
+      s.path.push_back(first_trajectory.cameraAt(t_s - approach_s).T_FB);
+      continue;
+    }
+    const double share = 0.5 * (1 - std::cos(std::numbers::pi * t_s / approach_s));
+    s.path.push_back(boxplus(*d.T_FC0, Vector6d(share * way)));
+  }
+  show(std::move(s), first_trajectory.name(), d);
+}
 
-void CameraImuGuide::State::show(Suggestion s, const LissajousTrajectory& trajectory, Decision& d) {
+void CameraImuGuide::State::show(Suggestion s, const std::string& name, Decision& d) {
   s.t = d.t;
-  s.candidate = trajectory.name();
-  s.path = trajectory.path(kPathPoints);
+  s.candidate = name;
   s.T_FC0 = s.path.front();
   if (d.T_FC0) s.reach_s = secondsTo(s.T_FC0, stage(), d);
-  s.duration_s = trajectory.durationS();
   // Its start is matched by corners, as a view is; what follows is left to the clock (follow()).
   SimulationOptions seen;
   seen.target = rig.target;
