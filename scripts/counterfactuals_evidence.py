@@ -139,7 +139,7 @@ def pools_read(options):
 def kept_by(pool, guide):
     """Over the starts: the views that a guide keeps, what is above the whole pool's error then [%], and from how many
     views on it is within 5 %; medians."""
-    curves = pool.curves[guide].values()
+    curves = [c for c in pool.curves[guide].values() if c]
     kept = quantile([max(c) for c in curves], 0.5)
     excess = quantile([100 * (c[max(c)] / pool.full - 1) for c in curves], 0.5)
     return f"{kept:g}", f"{excess:.1f}", text(quantile([pool.needed(c, 5) for c in curves], 0.5))

@@ -27,16 +27,15 @@ import sys
 import tempfile
 
 METHODS = {"guided, mi": ["guided", "--criterion", "mi"],
-           "guided, mi, asked at once": ["guided", "--criterion", "mi", "--patience", "0"],
            "guided, predicted-error": ["guided", "--criterion", "predicted-error"],
            "guided, mi, to 0.1 px": ["guided", "--criterion", "mi", "--stop-projection-px", "0.1"],
            "guided, predicted-error, to 0.1 px": ["guided", "--criterion", "predicted-error",
                                                   "--stop-projection-px", "0.1"],
            "guided, mi, IMU to 0.2 px": ["guided", "--criterion", "mi", "--stop-reprojection-px", "0.2"],
            "guided, mi, IMU to 0.1 px": ["guided", "--criterion", "mi", "--stop-reprojection-px", "0.1"],
-           "guided, mi, settings before": ["guided", "--criterion", "mi", "--first-trajectory", "scored",
-                                           "--trajectory-s", "5", "--trajectory-amplitude", "1",
-                                           "--trajectory-held-s", "1"],
+           "guided, mi, patient": ["guided", "--criterion", "mi", "--patience", "3", "--first-trajectory", "scored",
+                                   "--trajectory-s", "5", "--trajectory-amplitude", "1", "--trajectory-roll", "0",
+                                   "--trajectory-held-s", "1"],
            "guided, mi, by pace": ["guided", "--criterion", "mi", "--operator-speed", "0.35"],
            "free": ["free"],
            "dance": ["dance"]}

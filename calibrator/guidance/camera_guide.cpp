@@ -149,7 +149,7 @@ void CameraGuide::State::findFirstView(const FrameCorners& corners, Decision& d)
   };
   const CandidateView& soonest = *std::ranges::min_element(views, {}, seconds);
   Suggestion s;
-  s.t = d.t;
+  s.t = gate.busyUntil();
   s.candidate = soonest.name;
   s.T_FC0 = soonest.T_FC0;
   s.reach_s = seconds(soonest);
@@ -203,7 +203,9 @@ void CameraGuide::State::beginWindow(const CameraStageResult& result, Decision& 
   if (!open) return;
   // That was for a guessed camera.
   const Suggestion& asked = open->suggestion();
-  open->redraw(judge.predictedCorners(asked.camera, asked.T_FC0));
+  std::vector<Corner> drawn = judge.predictedCorners(asked.camera, asked.T_FC0);
+  const bool can_be_reached = static_cast<int>(drawn.size()) >= options.views.min_corners;
+  can_be_reached ? open->redraw(std::move(drawn)) : withdrawOpen(d);
 }
 
 /// What was kept does not explain the frames that follow.

@@ -61,7 +61,7 @@ struct CameraImuGuide::State : StageState {
   std::size_t askedFor(CandidateRound& round, Decision& d);
   void openAsked(const CandidateRound& round, std::size_t asked, Decision& d);
   void openFirst(Decision& d);
-  void show(Suggestion s, const std::string& name, Decision& d);
+  void show(Suggestion s, const std::string& name, const ReachRule& rule, Decision& d);
   void follow(const GuideFrame& frame, Decision& d);
 
   std::vector<CameraCalibration> cameras;
@@ -220,6 +220,7 @@ void CameraImuGuide::State::predictError(const WindowKnowledge& known, Decision&
 double CameraImuGuide::State::worth(const CandidateRound& round, std::size_t i) const {
   const double none = std::numeric_limits<double>::quiet_NaN();
   const double gain = round.mi_nats[i];
+  if (std::isnan(gain)) return none;
   if (!byError()) return stopsByError() || gain >= stage().threshold_nats ? gain : none;
   // Nothing to compare with: what cannot be predicted yet is worth any trajectory.
   if (!asked_error_px) return std::numeric_limits<double>::infinity();
@@ -286,7 +287,7 @@ void CameraImuGuide::State::openAsked(const CandidateRound& round, std::size_t a
   const LissajousTrajectory& trajectory = evaluator->scorer().trajectories()[asked];
   s.path = trajectory.path(kPathPoints);
   s.duration_s = trajectory.durationS();
-  show(std::move(s), trajectory.name(), d);
+  show(std::move(s), trajectory.name(), stage(), d);
 }
 
 /// Before anything is known of the IMU, with the sensor taken to be where the camera is: the frames
@@ -309,19 +310,24 @@ void CameraImuGuide::State::openFirst(Decision& d) {
     const double share = 0.5 * (1 - std::cos(std::numbers::pi * t_s / approach_s));
     s.path.push_back(boxplus(*d.T_FC0, Vector6d(share * way)));
   }
-  show(std::move(s), first_trajectory.name(), d);
+  // There it is: with the next frame that shows the target it is begun.
+  ReachRule at_once = stage();
+  at_once.reached_px = std::numeric_limits<double>::max();
+  at_once.reached_s = 0;
+  show(std::move(s), first_trajectory.name(), at_once, d);
 }
 
-void CameraImuGuide::State::show(Suggestion s, const std::string& name, Decision& d) {
+void CameraImuGuide::State::show(Suggestion s, const std::string& name, const ReachRule& rule,
+                                 Decision& d) {
   s.t = d.t;
   s.candidate = name;
   s.T_FC0 = s.path.front();
-  if (d.T_FC0) s.reach_s = secondsTo(s.T_FC0, stage(), d);
+  if (d.T_FC0) s.reach_s = secondsTo(s.T_FC0, rule, d);
   // Its start is matched by corners, as a view is; what follows is left to the clock (follow()).
   SimulationOptions seen;
   seen.target = rig.target;
   std::vector<Corner> start = visibleCorners(cameras.front().intrinsics, s.T_FC0, seen);
-  StageState::show(std::move(s), std::move(start), stage(), d);
+  StageState::show(std::move(s), std::move(start), rule, d);
 }
 
 void CameraImuGuide::State::follow(const GuideFrame& frame, Decision& d) {

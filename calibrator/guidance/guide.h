@@ -22,9 +22,13 @@ namespace plumbline {
 /// estimate made from those alone (10, 20 and 40 that moved against each other). From then on each
 /// frame gets a pose from its own corners and the cameras as they are, and is scored against the
 /// information of all views kept (fixed-lag window and its prior, CameraWindow): below the
-/// threshold it is left out before it takes part, otherwise the window is solved with it. After
-/// `patience` frames without a new view candidateViews() are scored: the best is suggested, or the
-/// stage finishes where even that gains less than the threshold. While a suggestion is open
+/// threshold it is left out before it takes part, otherwise the window is solved with it.
+///
+/// Suggestions: with the first frame one of firstViews(), not scored, and drawn anew by the
+/// estimate once it stands. From then on, whenever none is open, candidateViews() are scored: the
+/// best on whose way the target stays in view is suggested, or the stage finishes where even the
+/// best gains less than the threshold. With `patience` above 0 there is no suggestion before the
+/// start, and later ones wait for so many frames without a new view. While a suggestion is open
 /// informative frames are taken as before; a new one is looked for once it is reached or has
 /// expired.
 ///

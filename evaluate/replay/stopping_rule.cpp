@@ -172,7 +172,7 @@ std::optional<double> predictedExcessOn(const ReplayRun& run, const std::vector<
   ViewErrorOptions options = run.guide.views;
   options.later_use = LaterUseKind::kSeen;
   options.most_seen = std::max(2, static_cast<int>(held_out.size()));
-  const AprilGrid target = guideRig(run.session).target;
+  const AprilGrid& target = run.session.target;
   const CameraEstimate estimate = estimateOf(cameras);
   ViewErrorTracker errors(target, options);
   const auto forPosed = [&](const std::vector<int>& frames, const auto& take) {

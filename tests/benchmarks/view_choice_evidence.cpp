@@ -186,8 +186,10 @@ int tell(const Asked& asked) {
     candidates.resize(static_cast<std::size_t>(std::min(frames, asked.candidates)));
     std::vector<int> recorded = candidates;
     std::sort(recorded.begin(), recorded.end());
-    tellGuide(start, recorded);
-    if (asked.only_guide) continue;
+    if (asked.only_guide) {
+      tellGuide(start, recorded);
+      continue;
+    }
     const std::vector<int> first(candidates.begin(), candidates.begin() + kStartViews);
     fmt::print("curve {} random{}\n", start, curveText(*pool, candidates, asked.views));
     fmt::print("curve {} coverage{}\n", start,

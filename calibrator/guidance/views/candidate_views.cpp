@@ -2,6 +2,7 @@
 #include "calibrator/guidance/views/candidate_views.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -136,6 +137,7 @@ std::vector<CandidateView> firstViews(const CameraCalibration& camera, const Apr
   std::erase_if(views, [](const CandidateView& view) {
     return !view.name.starts_with("cam0 tilt-") || !view.name.ends_with("45 depth 0.75");
   });
+  assert(!views.empty());
   return views;
 }
 

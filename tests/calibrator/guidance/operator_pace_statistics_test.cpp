@@ -103,7 +103,7 @@ TEST(CameraGuide, AsksForNoViewOnWhoseWayTheTargetIsLost) {
         const GuideFrame there = rig.frame(0, 0, boxplus(*d.T_FC0, Vector6d(way * k / 10)));
         std::size_t most = 0;
         for (const auto& corners : there.corners) most = std::max(most, corners.size());
-        EXPECT_GE(most, 4U) << d.opened->candidate << " " << k;
+        EXPECT_GE(most, 16U) << d.opened->candidate << " " << k;
       }
       ++checked;
     }
