@@ -35,9 +35,9 @@ CameraCalibration guessedCamera(const GuideRig& rig, const std::vector<Corner>& 
 }  // namespace
 
 struct CameraGuide::State : StageState {
-  State(const GuideRig& of, const GuideOptions& asked, int first_suggestion)
-      : StageState{of, asked, FrameGate(asked), first_suggestion},
-        first_suggestion(first_suggestion),
+  State(const GuideRig& of, const GuideOptions& asked, int first)
+      : StageState{of, asked, FrameGate(asked), first},
+        first_suggestion(first),
         start_check(of, asked),
         judge(of.target, asked.views, asked.threads) {}
 

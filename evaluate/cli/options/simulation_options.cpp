@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
+#include "evaluate/cli/options/option_values.h"
 #include "evaluate/cli/options/shared_options.h"
 #include "evaluate/metrics/lists.h"
 
