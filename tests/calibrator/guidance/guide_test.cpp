@@ -28,6 +28,7 @@ std::vector<Decision> endedAfter(double seconds, int frames) {
   const test::LiveRig rig("euroc", 1, 0.2);
   GuideOptions options;
   options.camera_stage_s = seconds;
+  options.views.patience = 3;  // not with the first frame, with which no stage can end
   Guide guide(rig.guideRig(), options);
   auto decisions = played(guide, rig, frames);
   EXPECT_EQ(guide.cameraStageEnded(), seconds > 0);
@@ -135,6 +136,7 @@ TEST(Guide, TheIdOfASuggestionThatWasNeverShownIsGivenAgain) {
   sensors.imu = ImuNoise();
   GuideOptions options;
   options.camera_stage_s = opened / kRate;
+  options.views.patience = 3;
   Guide guide(sensors, options);
   std::optional<Suggestion> asked;
   for (int i = 0; i < opened + 5 && !asked; ++i) {
