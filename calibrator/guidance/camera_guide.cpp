@@ -16,7 +16,6 @@
 #include "calibrator/window/camera_window.h"
 
 namespace plumbline {
-
 namespace {
 
 /// A camera of which nothing is known but what one view tells.
@@ -35,13 +34,11 @@ CameraCalibration guessedCamera(const GuideRig& rig, const std::vector<Corner>& 
 }  // namespace
 
 struct CameraGuide::State : StageState {
-  State(const GuideRig& of, const GuideOptions& asked, int first)
-      : StageState{of, asked, FrameGate(asked), first},
-        first_suggestion(first),
+  State(const GuideRig& of, const GuideOptions& asked, int first_suggestion)
+      : StageState{of, asked, FrameGate(asked), first_suggestion},
         start_check(of, asked),
         judge(of.target, asked.views, asked.threads) {}
 
-  const int first_suggestion;
   StartCheck start_check;
   std::vector<KeptFrame> kept;
   std::optional<CameraWindow> window;  // once the start stands
@@ -133,17 +130,26 @@ void CameraGuide::State::initialise(const FrameCorners& corners, Decision& d) {
   d.accepted = true;
   kept.push_back({d.frame, d.t, corners});
   if (kept.size() >= next_start) return tryStart(d);
-  if (options.views.patience == 0 && next_suggestion == first_suggestion) findFirstView(corners, d);
+  if (options.views.patience == 0 && !has_asked) findFirstView(corners, d);
 }
 
-/// Before there is an estimate: of firstViews() the one that is reached soonest, for a camera as
-/// the frame has it. The frames that start the estimate are then gathered on the way to it.
+/// Before there is an estimate: of firstViews() on whose way the target stays in view the one that
+/// is reached soonest, for a camera as the frame has it. The frames that start the estimate are
+/// then gathered on the way to it.
 void CameraGuide::State::findFirstView(const FrameCorners& corners, Decision& d) {
   if (corners.front().empty()) return;
   const CameraCalibration camera = guessedCamera(rig, corners.front());
   const auto here = poseOf(rig.target, estimateOf({camera}), {corners.front()}, 0);
   if (!here) return;
-  const std::vector<CandidateView> views = firstViews(camera, rig.target);
+  const VisibleTags tags(camera.intrinsics, rig.target, {});
+  const auto seesTarget = [&](const Transform& T_FC0) {
+    return static_cast<int>(tags.corners(T_FC0.inverse()).size()) >= options.views.min_corners;
+  };
+  std::vector<CandidateView> views = firstViews(camera, rig.target);
+  std::erase_if(views, [&](const CandidateView& view) {
+    return !seesAlongWay(*here, view.T_FC0, seesTarget);
+  });
+  if (views.empty()) return;
   const auto seconds = [&](const CandidateView& view) {
     return options.pace.secondsTo(*here, view.T_FC0) + options.views.reached_s;
   };
@@ -153,7 +159,6 @@ void CameraGuide::State::findFirstView(const FrameCorners& corners, Decision& d)
   s.candidate = soonest.name;
   s.T_FC0 = soonest.T_FC0;
   s.reach_s = seconds(soonest);
-  const VisibleTags tags(camera.intrinsics, rig.target, {});
   show(std::move(s), tags.corners(soonest.T_FC0.inverse()), options.views, d);
 }
 

@@ -34,9 +34,11 @@ struct CameraImuGuide::State : StageState {
                    begin.first_suggestion},
         cameras(std::move(at)),
         recording(of, asked),
-        first_suggestion(begin.first_suggestion),
         watch(cameras, asked.latency.imu_batch_s, asked.threads),
-        first_trajectory(lissajousFirst(), of.target, Transform(), asked.trajectories) {}
+        first_trajectory(lissajousFirst(), of.target, Transform(), asked.trajectories),
+        first_stays_in_view(
+            std::ranges::all_of(first_trajectory.path(kPathPoints),
+                                [this](const Transform& T_FC0) { return seesTarget(T_FC0); })) {}
 
   const TrajectoryGuideOptions& stage() const { return options.trajectories; }
 
@@ -68,7 +70,6 @@ struct CameraImuGuide::State : StageState {
   ImuStageRecording recording;
   std::optional<ImuStageTracker> tracker;  // once the start stands
   std::optional<TrajectoryEvaluator> evaluator;
-  int first_suggestion = 0;
   int next_attempt = options.trajectories.start_frames;  // number of frames
   std::optional<double> entropy_nats;
   std::optional<double> asked_error_px;   // predicted when trajectories were scored last
@@ -77,6 +78,7 @@ struct CameraImuGuide::State : StageState {
   std::vector<double> squared_px;  // mean squared residual of a corner [px^2], frame by frame
   NoiseWatch watch;
   LissajousTrajectory first_trajectory;  // asked for before any could be scored
+  bool first_stays_in_view;              // the target, along it
 };
 
 /// Until when the IMU is known to have run, in the camera's clock: by the samples' stamps or, as
@@ -373,7 +375,7 @@ void CameraImuGuide::State::look(const GuideFrame& frame, Decision& d) {
   if (tracker && !finished) {
     if (auto round = evaluator->answerAt(d.t)) judge(std::move(*round), d);
   }
-  if (stage().first == FirstTrajectory::kAtOnce && next_suggestion == first_suggestion &&
+  if (stage().first == FirstTrajectory::kAtOnce && first_stays_in_view && !has_asked &&
       d.accepted && !finished && isFollowable(first_trajectory.cameraAt(0).T_FB, d)) {
     openFirst(d);
   }

@@ -81,8 +81,8 @@ struct ViewGuideOptions : ViewErrorOptions, ReachRule {
 
 /// When the camera-IMU stage asks for its first trajectory.
 enum class FirstTrajectory {
-  /// With the first frame on whose way to it the target stays in view, before any can be scored
-  /// (lissajousFirst()): the frames
+  /// Before any can be scored (lissajousFirst()), with the first frame from which the target stays
+  /// in view on the way to it; kScored where it does not along the trajectory itself. The frames
   /// that start the estimate are gathered on the way to it and along it.
   kAtOnce,
   kScored,  ///< once the estimate has started, the best by the criterion

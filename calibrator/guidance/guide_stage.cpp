@@ -17,6 +17,7 @@ Decision decisionOn(const GuideFrame& frame, GuideStage stage, double threshold_
 
 void StageState::show(Suggestion s, std::vector<Corner> corners, const ReachRule& rule,
                       Decision& d) {
+  has_asked = true;
   s.id = next_suggestion++;
   s.stage = d.stage;
   open.emplace(s, std::move(corners), rule);

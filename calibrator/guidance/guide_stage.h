@@ -22,6 +22,7 @@ struct StageState {
   int next_suggestion = 0;
   int frames_without_view = 0;
   bool finished = false;
+  bool has_asked = false;  // for anything yet
   std::optional<OpenSuggestion> open = {};
 
   /// Opens a suggestion whose id and stage are not written yet; `corners`: see OpenSuggestion.

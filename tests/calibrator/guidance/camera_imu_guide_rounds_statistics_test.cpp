@@ -2,6 +2,7 @@
 // When the camera-IMU stage asks for trajectories and takes the evaluator's answers, over whole
 // recordings: too long for sanitizers, under which camera_imu_guide_test.cpp runs.
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -125,6 +126,34 @@ TEST(CameraImuGuideRounds, AsksForTheFirstTrajectoryAtOnce) {
     }
   }
   EXPECT_EQ(countIn(r.decisions, GuideReason::kInitialised), 1);
+}
+
+// So far away that tags seen aslant are too small: nobody could follow the diagonal, and of the
+// others only those are asked for that stay in view.
+TEST(CameraImuGuideRounds, AsksForNoTrajectoryAlongWhichTheTargetIsLost) {
+  GuideOptions options = endless();
+  options.trajectories.first = FirstTrajectory::kAtOnce;
+  options.trajectories.distance_ratio = 6;
+  options.trajectories.amplitude = 7;
+  const ImuReplay r = imuReplayed(imuFrames(), options);
+  EXPECT_FALSE(r.decisions.front().opened);
+  int asked = 0, lost = 0;
+  for (const Decision& d : r.decisions) {
+    if (!d.round) continue;
+    for (const double mi : d.round->mi_nats) lost += std::isnan(mi) ? 1 : 0;
+    if (!d.opened) continue;
+    ++asked;
+    EXPECT_GT(d.opened->mi_nats, 0);
+    for (const Transform& T_FC0 : d.opened->path) {
+      std::size_t most = 0;
+      for (const CameraCalibration& c : imuGuideRecording().truth.cameras) {
+        most = std::max(most, visibleCorners(c.intrinsics, T_FC0 * c.T_C0Ci, {}).size());
+      }
+      EXPECT_GE(most, 16u) << d.opened->candidate;
+    }
+  }
+  EXPECT_GT(asked, 0);
+  EXPECT_GT(lost, 0);
 }
 
 TEST(CameraImuGuideRounds, AScoredFirstTrajectoryComesAfterTheStart) {
