@@ -23,6 +23,12 @@ function flatten(cells) {
   return Uint32Array.from(cells.flatMap((cell) => [cell.length, ...cell]));
 }
 
+// Colours are made for paper. On a dark page all but the target are mixed with white, as the legend's ramps are (page.css).
+const LIGHTER = 0.35;
+function shade(object, c, isDark) {
+  return isDark && object.layer !== 'target' ? c + LIGHTER * (255 - c) : c;
+}
+
 function makeObject(object) {
   const data = vtkPolyData.newInstance();
   data.getPoints().setData(Float32Array.from(object.points), 3);
@@ -34,18 +40,19 @@ function makeObject(object) {
   actor.setMapper(mapper);
   const property = actor.getProperty();
   property.setLighting(false);
-  property.setColor(...object.colour.map((c) => c / 255));
   property.setOpacity(object.opacity ?? 1);
   property.setLineWidth(object.width ?? 1.5);
   return { object, data, mapper, actor };
 }
 
 // Colours an object by one of its named columns of RGB bytes, where it has it.
-function colourBy(item, name) {
-  const values = item.object.colours?.[name];
+function colourBy(item, name, isDark) {
+  const { object } = item;
+  item.actor.getProperty().setColor(...object.colour.map((c) => shade(object, c, isDark) / 255));
+  const values = object.colours?.[name];
   if (!values) return;
   item.data.getPointData().setScalars(vtkDataArray.newInstance({
-    name, numberOfComponents: 3, values: Uint8Array.from(values),
+    name, numberOfComponents: 3, values: Uint8Array.from(values, (c) => shade(object, c, isDark)),
   }));
   item.mapper.setScalarVisibility(true);
   item.data.modified();
@@ -62,6 +69,17 @@ function setHome(renderer, scene) {
   camera.setPosition(...scene.eye);
   camera.setViewUp(...scene.up);
   renderer.resetCameraClippingRange();
+}
+
+// The view was chosen for a box of 900 x 520, 30 degrees high: a narrower box keeps its width.
+function fitAngle(renderer, aspect) {
+  const wider = Math.max(1, 900 / 520 / aspect);
+  renderer.getActiveCamera().setViewAngle(2 * Math.atan(wider * Math.tan(Math.PI / 12)) * 180 / Math.PI);
+}
+
+// The page's own ground, red, green, blue within 1.
+function groundOf(container) {
+  return getComputedStyle(container).backgroundColor.match(/[\d.]+/g).slice(0, 3).map((c) => c / 255);
 }
 
 // R = exp(w) by Rodrigues; v turned by it.
@@ -123,6 +141,7 @@ function markPicked(renderer, scene, draw) {
   const look = { points: new Array(15).fill(0), colour: [208, 0, 132] };
   const parts = [makeObject({ ...look, lines: FRUSTUM, width: 4 }), makeObject({ ...look, polygons: [[1, 2, 3, 4]], opacity: 0.45 })];
   for (const { actor } of parts) {
+    actor.getProperty().setColor(...look.colour.map((c) => c / 255));
     actor.setVisibility(false);
     renderer.addActor(actor);
   }
@@ -180,26 +199,35 @@ function useKeys(container, renderer, scene, draw) {
 function connect(box, view, renderer, window3d, items, scene) {
   const draw = () => { renderer.resetCameraClippingRange(); window3d.render(); };
   box.querySelector('[data-scene=reset]')?.addEventListener('click', () => { setHome(renderer, scene); draw(); });
-  box.querySelector('[data-scene=colour]')?.addEventListener('change', (event) => {
-    items.forEach((item) => colourBy(item, event.target.value));
-    box.querySelectorAll('[data-legend]').forEach((legend) => { legend.hidden = legend.dataset.legend !== event.target.value; });
+  const container = box.querySelector('.scene-canvas');
+  const dark = window.matchMedia('(prefers-color-scheme: dark)');
+  const choice = box.querySelector('[data-scene=colour]');
+  const paint = () => {
+    renderer.setBackground(...groundOf(container));
+    items.forEach((item) => colourBy(item, choice?.value ?? scene.colour, dark.matches));
     draw();
+  };
+  choice?.addEventListener('change', () => {
+    box.querySelectorAll('[data-legend]').forEach((legend) => { legend.hidden = legend.dataset.legend !== choice.value; });
+    paint();
   });
+  dark.addEventListener('change', paint);
   box.querySelectorAll('[data-layer]').forEach((check) => check.addEventListener('change', () => {
     items.filter((item) => item.object.layer === check.dataset.layer)
       .forEach((item) => item.actor.setVisibility(check.checked));
     draw();
   }));
   const fit = () => {
-    const area = box.querySelector('.scene-canvas').getBoundingClientRect();
+    const area = container.getBoundingClientRect();
     const ratio = window.devicePixelRatio || 1;
     if (area.width < 1) return;
+    fitAngle(renderer, area.width / area.height);
     view.setSize(Math.round(area.width * ratio), Math.round(area.height * ratio));
     draw();
   };
-  const container = box.querySelector('.scene-canvas');
   new ResizeObserver(fit).observe(container);
   fit();
+  paint();
   markPicked(renderer, scene, draw);
   pickByClick(container, renderer, items, scene);
   useKeys(container, renderer, scene, draw);
@@ -210,7 +238,7 @@ window.plumblineScene = (box) => {
   const scene = JSON.parse(box.querySelector('script[type="application/json"]').textContent);
   const container = box.querySelector('.scene-canvas');
   const window3d = vtkRenderWindow.newInstance();
-  const renderer = vtkRenderer.newInstance({ background: [0.975, 0.98, 0.985] });
+  const renderer = vtkRenderer.newInstance();
   window3d.addRenderer(renderer);
   const view = vtkOpenGLRenderWindow.newInstance();
   view.setContainer(container);
@@ -221,9 +249,9 @@ window.plumblineScene = (box) => {
   interactor.bindEvents(container);
   interactor.setInteractorStyle(vtkInteractorStyleTrackballCamera.newInstance());
   const items = scene.objects.map(makeObject);
-  items.forEach((item) => { colourBy(item, scene.colour); renderer.addActor(item.actor); });
+  items.forEach((item) => renderer.addActor(item.actor));
   setHome(renderer, scene);
-  connect(box, view, renderer, window3d, items, scene);
   box.classList.add('live');
+  connect(box, view, renderer, window3d, items, scene);
   return true;
 };
