@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Frames that the camera stage cannot use, and the time that it takes.
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <gtest/gtest.h>
 
@@ -299,6 +301,18 @@ TEST(CameraGuide, StartsAnewWhereARestartFromOtherFramesDisagrees) {
   for (auto d = decisions.begin(); d != given_up; ++d) {
     EXPECT_NE(d->reason, GuideReason::kNoPose) << "poses were plausible: " << d->frame;
   }
+  // The view of the first frame, which nobody has gone to, was drawn by cameras that were wrong.
+  ASSERT_TRUE(decisions.front().opened);
+  const int first = decisions.front().opened->id;
+  EXPECT_EQ(std::prev(given_up)->suggestion, first);
+  EXPECT_EQ(given_up->event, SuggestionEvent::kWithdrawn);
+  EXPECT_EQ(given_up->suggestion, first);
+  const auto next = std::find_if(std::next(given_up), decisions.end(),
+                                 [](const Decision& d) { return d.suggestion.has_value(); });
+  ASSERT_NE(next, decisions.end());
+  EXPECT_EQ(next->event, SuggestionEvent::kOpened);
+  EXPECT_EQ(next->suggestion, first + 1);
+  EXPECT_NE(next->mode, GuideMode::kInitialising) << "asked before the new start stands";
   const auto batch = guide.batch();
   ASSERT_TRUE(batch) << batch.failure();
   EXPECT_NEAR(batch->cameras[0].intrinsics.projection(0), rig.truth()[0].intrinsics.projection(0),
