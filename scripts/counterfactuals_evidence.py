@@ -4,13 +4,14 @@
 prints the tables of docs/counterfactuals.md.
 
   scripts/counterfactuals_evidence.py --program build/tests/benchmarks/view_choice_evidence \\
-      --session DATA/euroc_imu_april --shape target_shape.yaml --out FOLDER [--only PATTERN] [--table] [--guide]
+      --session DATA/euroc_imu_april --shape target_shape.yaml --out FOLDER [--only PATTERN] [--table] [--guide] [--band SHARE]
 
 Outputs are kept in --out, one file per pool, and not made again. --shape is the board's own shape, best
 from another recording (`plumbline calibrate OTHER --target-shape auto` writes it); pools named "bent"
 know it, those named "flat" take the board as target.yaml has it. The file's tag_edge is another
 recording's and detector's: set it to 0 where these differ. With --guide: only what a guide keeps of the candidates,
 played to it as they were recorded; with --candidates 865 these are all of a pool of EuRoC's, so that one start is enough.
+With --band 0.4: only corners in the middle 40 % of the images' height, as of a camera that is never used elsewhere.
 """
 
 import argparse
@@ -51,7 +52,7 @@ def pools():
 
 def views(options):
     """The last part of a file's name."""
-    return "guide" if options.guide else options.views
+    return ("guide" if options.guide else str(options.views)) + (f"band{options.band:g}" if options.band < 1 else "")
 
 
 def run(options):
@@ -65,6 +66,7 @@ def run(options):
         numbers = [str(options.starts), str(options.candidates), str(options.views)]
         command = [options.program, options.session, model, loss, shape, camera, split, *numbers]
         command += ["guide"] if options.guide else []
+        command += [f"band={options.band:g}"] if options.band < 1 else []
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode not in (0, 1):  # 1: this pool has no calibration
             sys.exit(f"{' '.join(command)}: ended with {done.returncode}\n{done.stderr}")
@@ -100,9 +102,11 @@ class Pool:
                 found = views
         return found
 
+    def all_needed(self, strategy, percent):
+        return [self.needed(curve, percent) for curve in self.curves[strategy].values()]
+
     def median_needed(self, strategy):
-        curves = self.curves[strategy].values()
-        return [quantile([self.needed(c, p) for c in curves], 0.5) for p in LEVELS]
+        return [quantile(self.all_needed(strategy, p), 0.5) for p in LEVELS]
 
     def excess_at(self, strategy, views):
         values = [c[views] for c in self.curves[strategy].values() if views in c]
@@ -153,6 +157,23 @@ def guide_table(options):
         print(f"| {name} | {pool.full:.4f} | " + " | ".join(cells) + " |")
 
 
+def joint_table(read):
+    """Medians over the starts of all splits together."""
+    together = collections.defaultdict(list)
+    for name, pool in read:
+        camera, model, loss, shape, _ = name.split("-", 4)
+        together[f"{camera}, {model}, {loss}, {shape}"].append(pool)
+    print("\n| all splits | starts | " + " | ".join(STRATEGIES) + " |")
+    print("|---" * (2 + len(STRATEGIES)) + "|")
+    for name, pools_of in together.items():
+        cells = []
+        for s in STRATEGIES:
+            needed = ([n for pool in pools_of for n in pool.all_needed(s, p)] for p in LEVELS)
+            cells.append("/".join(text(quantile(n, 0.5)) for n in needed))
+        starts = sum(len(pool.curves["random"]) for pool in pools_of)
+        print(f"| {name} | {starts} | " + " | ".join(cells) + " |")
+
+
 def table(options):
     read = [(name, pool) for name, pool in pools_read(options) if pool.steps]
     print("| pool | held out [px] | " + " | ".join(STRATEGIES) + " |")
@@ -160,6 +181,7 @@ def table(options):
     for name, pool in read:
         cells = ["/".join(text(v) for v in pool.median_needed(s)) for s in STRATEGIES]
         print(f"| {name} | {pool.full:.4f} | " + " | ".join(cells) + " |")
+    joint_table(read)
     print("\n| pool | excess at 4 views | at 5 | at 6 | at 8 |\n|---|---|---|---|---|")
     for name, pool in read:
         cells = [
@@ -187,6 +209,7 @@ def main():
     parser.add_argument("--candidates", type=int, default=200)
     parser.add_argument("--views", type=int, default=40)
     parser.add_argument("--guide", action="store_true", help="what a guide keeps")
+    parser.add_argument("--band", type=float, default=1, help="share of the images' height whose corners are used")
     parser.add_argument("--table", action="store_true", help="only the tables, of what has been run")
     options = parser.parse_args()
     if not options.table:

@@ -2,12 +2,15 @@
 // How good are few views, and which? Curves of held-out error over the number of views for
 // docs/counterfactuals.md; run by scripts/counterfactuals_evidence.py, which makes tables of them.
 //
-//   view_choice_evidence SESSION MODEL LOSS_PX SHAPE CAMERAS SPLIT STARTS CANDIDATES VIEWS [guide]
+//   view_choice_evidence SESSION MODEL LOSS_PX SHAPE CAMERAS SPLIT STARTS CANDIDATES VIEWS
+//       [guide] [band=SHARE]
 //     MODEL radtan | equidistant; LOSS_PX of Cauchy's loss, 0: none; SHAPE flat or
 //     target_shape.yaml; CAMERAS both | cam0 | cam1; SPLIT 1s | 3s (blocks, every third held out) |
 //     interleaved (every third frame) | first-second | second-first (one half chosen from, the
 //     other held out); guide: only the curves of a guide that the candidates are played to as they
-//     were recorded: the frames that it keeps until it says stop, in their order
+//     were recorded: the frames that it keeps until it says stop, in their order; band=SHARE: only
+//     the corners in the middle SHARE of the image's height, as of a camera that is never used
+//     elsewhere
 //
 // Prints "pool FRAMES HELD PX", then a line per start and strategy: "curve START STRATEGY n=px
 // ...", and per step of the predicted error "step START n sigma tau b E excess".
@@ -47,8 +50,19 @@ struct Asked {
   std::string session, model, shape, cameras, split;
   double cauchy_px;
   int starts, candidates, views;
-  bool only_guide;
+  bool only_guide = false;
+  double band = 1;
 };
+
+/// Leaves out what lies above and below the middle `share` of the image's height.
+void keepBand(CameraStream& camera, double share) {
+  const double middle = 0.5 * (camera.resolution.height - 1);
+  const double most = 0.5 * share * camera.resolution.height;
+  for (ImageView& view : camera.views) {
+    std::erase_if(view.corners,
+                  [&](const Corner& corner) { return std::abs(corner.uv.y() - middle) > most; });
+  }
+}
 
 Session sessionOf(const Asked& asked) {
   Session session = readSession(asked.session);
@@ -58,6 +72,9 @@ Session sessionOf(const Asked& asked) {
   if (asked.cameras != "both") {
     std::erase_if(session.cameras,
                   [&](const CameraStream& camera) { return camera.name != asked.cameras; });
+  }
+  if (asked.band < 1) {
+    for (CameraStream& camera : session.cameras) keepBand(camera, asked.band);
   }
   return session;
 }
@@ -206,16 +223,34 @@ int tell(const Asked& asked) {
 }  // namespace plumbline
 
 int main(int argc, char** argv) try {
-  const bool only_guide = argc == 11 && std::string(argv[10]) == "guide";
-  if (argc != 10 && !only_guide) {
+  if (argc < 10) {
     std::fputs(
         "view_choice_evidence SESSION MODEL LOSS_PX SHAPE CAMERAS SPLIT STARTS CANDIDATES VIEWS "
-        "[guide]\n",
+        "[guide] [band=SHARE]\n",
         stderr);
     return 2;
   }
-  return plumbline::tell({argv[1], argv[2], argv[4], argv[5], argv[6], std::atof(argv[3]),
-                          std::atoi(argv[7]), std::atoi(argv[8]), std::atoi(argv[9]), only_guide});
+  plumbline::Asked asked{argv[1],
+                         argv[2],
+                         argv[4],
+                         argv[5],
+                         argv[6],
+                         std::atof(argv[3]),
+                         std::atoi(argv[7]),
+                         std::atoi(argv[8]),
+                         std::atoi(argv[9])};
+  for (int i = 10; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "guide") {
+      asked.only_guide = true;
+    } else if (word.starts_with("band=")) {
+      asked.band = std::atof(word.c_str() + 5);
+    } else {
+      std::fprintf(stderr, "%s: neither guide nor band=SHARE\n", argv[i]);
+      return 2;
+    }
+  }
+  return plumbline::tell(asked);
 } catch (const std::exception& e) {
   std::fprintf(stderr, "%s\n", e.what());
   return 2;
