@@ -36,6 +36,9 @@ METHODS = {"guided, mi": ["guided", "--criterion", "mi"],
            "guided, mi, patient": ["guided", "--criterion", "mi", "--patience", "3", "--first-trajectory", "scored",
                                    "--trajectory-s", "5", "--trajectory-amplitude", "1", "--trajectory-roll", "0",
                                    "--trajectory-held-s", "1"],
+           "guided, mi, paper": ["guided", "--criterion", "mi", "--patience", "3", "--reached-px", "15", "--reached-s",
+                                 "0.5", "--first-trajectory", "scored", "--trajectory-s", "3", "--trajectory-held-s",
+                                 "1", "--trajectory-amplitude", "1", "--trajectory-roll", "0"],
            "guided, mi, by pace": ["guided", "--criterion", "mi", "--operator-speed", "0.35"],
            "free": ["free"],
            "dance": ["dance"]}
@@ -123,14 +126,15 @@ def table(options):
         sys.exit(f"{options.work}: holds no recording of such persons by a method like {options.only}")
     persons = set.intersection(*(set(f) for f in found.values()))
     print(f"{len(persons)} persons, rig {options.rig}; quartiles and median (25 / 50 / 75 %)\n")
-    print("| method | cameras [s] | views | reached | T_SC0 [s] | reached | both [s] |\n|---|---|---|---|---|---|---|")
+    print("| method | cameras [s] | views | reached | T_SC0 [s] | views | reached | both [s] |\n" + "|---" * 8 + "|")
     for name, documents in found.items():
         chosen = [documents[p] for p in sorted(persons)]
         cameras = [needed(d, "cameras") for d in chosen]
         views = [needed(d, "cameras", "right_views") for d in chosen]
         imu = [needed(d, "camera_imu") for d in chosen]
+        imu_views = [needed(d, "camera_imu", "right_views") for d in chosen]
         print(f"| {name} | {quartiles(cameras)} | {quartiles(views, 0)} | {sum(c < math.inf for c in cameras)} "
-              f"| {quartiles(imu)} | {sum(c < math.inf for c in imu)} "
+              f"| {quartiles(imu)} | {quartiles(imu_views, 0)} | {sum(c < math.inf for c in imu)} "
               f"| {quartiles([a + b for a, b in zip(cameras, imu)])} |")
     print("\n| guided over unguided (95 %) | cameras | bar | T_SC0 | bar |\n|---|---|---|---|---|")
     for guided in (n for n in found if n.startswith("guided")):

@@ -131,6 +131,7 @@ struct Decision {
   SuggestionEvent event = SuggestionEvent::kNone;
   std::optional<int> suggestion;        ///< id of the one that is open, or was closed here
   std::optional<double> distance_px;    ///< mean corner distance to it; empty: no corner in common
+  double open_s = 0;                    ///< since it was shown; when it is reached: what it took
   double held_s = 0;                    ///< how long the distance has been small enough
   std::optional<Suggestion> opened;     ///< with kOpened
   std::optional<CandidateRound> round;  ///< scores that arrived with this frame

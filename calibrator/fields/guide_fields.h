@@ -88,6 +88,7 @@ void fields(auto& v, Decision& d) {
   v.derived("reached", d.event == SuggestionEvent::kReached, "", "the event is `reached`");
   v("suggestion", d.suggestion, "id of the one that is open, or was closed here");
   v("distance_px", d.distance_px, "px", "mean corner distance to it");
+  v("open_s", d.open_s, "s", "since it was shown; with `reached` the time that it took");
   v("held_s", d.held_s, "s", "time for which the distance has been small enough");
   v("opened", d.opened, "with the event `opened`");
   v("round", d.round, "scores that arrived with this frame");

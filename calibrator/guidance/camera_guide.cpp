@@ -63,7 +63,7 @@ struct CameraGuide::State : StageState {
   void windowChanged();
   void findFirstView(const FrameCorners& corners, Decision& d);
   void findNextView(Decision& d);
-  std::size_t askedFor(CandidateRound& round, Decision& d);
+  std::optional<std::size_t> askedFor(CandidateRound& round, Decision& d);
   void openSuggestion(const CandidateRound& round, std::size_t asked, int camera, Decision& d);
 };
 
@@ -335,17 +335,16 @@ void CameraGuide::State::findNextView(Decision& d) {
   } else if (const auto best = static_cast<std::size_t>(round.best);
              judge.isEnough() || (enough && !judge.isWorthAsking(round, best))) {
     finish(d);
-  } else {
+  } else if (const auto asked = askedFor(round, d)) {
     // With fewer than min_views kept the best is asked for, however little it gains.
-    const std::size_t asked = askedFor(round, d);
-    openSuggestion(round, asked, views[asked].camera, d);
+    openSuggestion(round, *asked, views[*asked].camera, d);
   }
   d.round = std::move(round);
 }
 
 /// Of those on whose way the target stays in view the best candidate; where the operator's pace is
-/// known, the one that gains most per second.
-std::size_t CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
+/// known, the one that gains most per second. Empty: the target would be lost on the way to each.
+std::optional<std::size_t> CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
   const auto best = static_cast<std::size_t>(round.best);
   const auto isFollowable = [&](std::size_t i) {
     return seesAlongWay(*d.T_FC0, round.T_FC0[i],
@@ -359,14 +358,14 @@ std::size_t CameraGuide::State::askedFor(CandidateRound& round, Decision& d) {
     }
     round.reach_s = seconds;
   }
-  const auto worthwhile = byGainPerSecond(judge.worthwhileGains(round), seconds);
-  for (const std::size_t i : worthwhile) {
+  auto order = byGainPerSecond(judge.worthwhileGains(round), seconds);
+  // With fewer than min_views kept, one that is not worth asking for is asked for as well.
+  if (order.empty()) order.push_back(best);
+  for (const std::size_t i : order) {
     if (isFollowable(i)) return i;
   }
-  // With fewer than min_views kept, one that is not worth asking for is asked for as well.
-  if (worthwhile.empty()) return best;
-  note(d, "the target goes out of view on the path to every candidate: the best one is suggested");
-  return best;
+  note(d, "the target goes out of view on the path to every candidate: none is suggested");
+  return std::nullopt;
 }
 
 void CameraGuide::State::openSuggestion(const CandidateRound& round, std::size_t asked, int camera,

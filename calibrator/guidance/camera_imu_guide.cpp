@@ -60,7 +60,7 @@ struct CameraImuGuide::State : StageState {
   void finish(Decision& d) { StageState::finish(options.latency.imu_batch_s, d); }
   bool seesTarget(const Transform& T_FC0) const;
   bool isFollowable(const Transform& start, const Decision& d) const;
-  std::size_t askedFor(CandidateRound& round, Decision& d);
+  std::optional<std::size_t> askedFor(CandidateRound& round, Decision& d);
   void openAsked(const CandidateRound& round, std::size_t asked, Decision& d);
   void openFirst(Decision& d);
   void show(Suggestion s, const std::string& name, const ReachRule& rule, Decision& d);
@@ -240,8 +240,7 @@ void CameraImuGuide::State::judge(CandidateRound round, Decision& d) {
     finish(d);
   } else if (!open && d.event == SuggestionEvent::kNone &&
              (!executing_until || d.t >= *executing_until)) {
-    const std::size_t asked = askedFor(round, d);
-    openAsked(round, asked, d);
+    if (const auto asked = askedFor(round, d)) openAsked(round, *asked, d);
   }
   d.round = std::move(round);
 }
@@ -262,10 +261,12 @@ bool CameraImuGuide::State::isFollowable(const Transform& start, const Decision&
 }
 
 /// Of those to whose start the target stays in view the best trajectory; where the operator's pace
-/// is known, the one that gains most per second of the way to its start and of itself.
-std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, Decision& d) {
+/// is known, the one that gains most per second of the way to its start and of itself. Empty: the
+/// target would be lost on the way to each.
+std::optional<std::size_t> CameraImuGuide::State::askedFor(CandidateRound& round, Decision& d) {
   const auto best = static_cast<std::size_t>(round.best);
-  if (!d.T_FC0 || (!options.pace.isKnown() && isFollowable(round.T_FC0[best], d))) return best;
+  if (!d.T_FC0) return std::nullopt;  // where the way would begin is not known
+  if (!options.pace.isKnown() && isFollowable(round.T_FC0[best], d)) return best;
   std::vector<double> gains, seconds(round.names.size(), 1);  // unknown: alike
   for (std::size_t i = 0; i < round.names.size(); ++i) {
     gains.push_back(worth(round, i));
@@ -277,8 +278,8 @@ std::size_t CameraImuGuide::State::askedFor(CandidateRound& round, Decision& d) 
   for (const std::size_t i : order) {
     if (isFollowable(round.T_FC0[i], d)) return i;
   }
-  note(d, "the target goes out of view on the path to every trajectory: the best one is suggested");
-  return order.front();
+  note(d, "the target goes out of view on the path to every trajectory: none is suggested");
+  return std::nullopt;
 }
 
 void CameraImuGuide::State::openAsked(const CandidateRound& round, std::size_t asked, Decision& d) {

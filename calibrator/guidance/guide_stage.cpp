@@ -33,6 +33,7 @@ void StageState::follow(const GuideFrame& frame, Decision& d) {
   d.event = progress.event;
   d.suggestion = open->suggestion().id;
   d.distance_px = progress.distance_px;
+  d.open_s = secondsBetween(open->suggestion().t, frame.t);
   d.held_s = progress.held_s;
   if (progress.event != SuggestionEvent::kNone) open.reset();
 }

@@ -49,7 +49,7 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   app.add_option(
       "--select-views", o.select_views,
       "Select views: mi:0.2bits (by information gain, like Kalibr) or predicted-error:2% (as few "
-      "as keep the predicted error within 2 % of that of all views); default: all views");
+      "as let the predicted error add at most 2 % to that of a corner); default: all views");
   app.add_option(
          "--resample", o.request.resamples,
          "Recalibrate on N bootstrap resamples of time segments and report the bootstrap std")

@@ -102,8 +102,16 @@ class Judge {
         tell_(progress) {}
 
   void write(ReplayRecord& record) {
-    if (!given_) cameraStage(record);
-    if (run_.session.imu) cameraImuStage(record);
+    if (given_) {
+      notJudged(GuideStage::kCamera, "the cameras are given", record);
+    } else {
+      cameraStage(record);
+    }
+    if (run_.session.imu) {
+      cameraImuStage(record);
+    } else {
+      notJudged(GuideStage::kCameraImu, "there are no IMU samples", record);
+    }
     // After the stages: outcomes of suggestions are drawn with the best cameras.
     record.cameras = batches_.full ? batches_.full->cameras : used_cameras_;
     record.suggestions = suggestionOutcomes(run_, record.cameras);
@@ -130,14 +138,18 @@ class Judge {
     const auto batches = cameraImuBatches(run_, used_cameras_);
     record.stages.push_back(summariseCameraImuStage(run_, batches));
     if (!record.stages.back().ran) {
-      StopAudit audit;
-      audit.stage = GuideStage::kCameraImu;
-      audit.verdict = StopAudit::Verdict::kNotJudged;
-      audit.explanation = "not judged: " + record.stages.back().problem;
-      record.stop_audits.push_back(std::move(audit));
-      return;
+      return notJudged(GuideStage::kCameraImu, record.stages.back().problem, record);
     }
     record.stop_audits.push_back(judgeCameraImuStop(run_, used_cameras_, batches, request_.audit));
+  }
+
+  /// A stage that was not played, or never started.
+  static void notJudged(GuideStage stage, const std::string& why, ReplayRecord& record) {
+    StopAudit audit;
+    audit.stage = stage;
+    audit.verdict = StopAudit::Verdict::kNotJudged;
+    audit.explanation = "not judged: " + why;
+    record.stop_audits.push_back(std::move(audit));
   }
 
   void counterfactualCurves(ReplayRecord& record) const {

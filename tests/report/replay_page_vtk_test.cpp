@@ -20,6 +20,7 @@
 namespace plumbline {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -139,6 +140,17 @@ TEST(ReplayPage, ShowsPredictedErrorsWhereTheyDecided) {
   EXPECT_THAT(by_error, Not(HasSubstr(">Open [s]</th>"))) << "has made room for it";
   EXPECT_THAT(by_error, HasSubstr("the best would leave an error of"));
   EXPECT_THAT(by_gain, HasSubstr("the best would gain"));
+}
+
+TEST(ReplayPage, ShowsPredictedErrorsBesideTheGainsThatDecided) {
+  ReplayRecord record = replay();
+  record.suggestions.front().suggestion.error_px = 0.1234;
+  const std::string page = renderReplayPage(record);
+  const std::string gains_then_errors =
+      R"(Predicted gain \[bits\]</th>[^<]*<th[^>]*>Predicted error \[px\]</th>)";
+  EXPECT_THAT(page, ContainsRegex(gains_then_errors));
+  EXPECT_THAT(page, HasSubstr(">0.123</td>"));
+  EXPECT_THAT(page, HasSubstr("<b>Predicted error with it</b>"));
 }
 
 TEST(ReplayPage, SaysThatAStageWithoutAMeasuredErrorDidNotStop) {

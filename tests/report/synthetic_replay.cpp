@@ -162,6 +162,7 @@ class Play {
     d.mode = GuideMode::kSuggesting;
     d.suggestion = open_;
     d.distance_px = last + (180 - last) * std::max(0.0, 1 - 1.2 * age / length) + 0.01 * age;
+    d.open_s = 0.05 * age;
     d.held_s = *d.distance_px < 15 ? 0.05 * age : 0;
     o.closest_px = std::min(o.closest_px.value_or(1e9), *d.distance_px);
     o.mean_px = 70 + open_;

@@ -68,7 +68,7 @@
   const reasons = {
     initialising: (f) => (data.table.accepted[f] ? toStart(f) : 'Not kept: hardly moved since the frame kept before it.'),
     initialised: () => 'Kept: the estimate starts with it.',
-    'initialise-failed': () => 'The estimate could not be started, or not from these frames.',
+    'initialise-failed': (f) => (data.table.accepted[f] ? `${toStart(f)} With it the start failed, and is tried again later.` : 'Not kept: the start was given up, and the frames kept for it were removed.'),
     informative: (f) => `Kept: ${byCriterion(f)}.`,
     'not-informative': (f) => `Not kept: ${byCriterion(f)}.`,
     used: (f) => (data.table.accepted[f] ? 'Kept: in this stage every frame enters the estimate.' : 'Removed from the estimate again.'),

@@ -32,7 +32,6 @@ PagePlayer playerOf(const ReplayRecord& record, const ReplayPageOptions& options
       object({{"name", record.name},
               {"last_frame", std::to_string(std::max<std::size_t>(1, frameCount(record)) - 1)},
               {"images_note", imagesNote(data)},
-              {"by_error", record.rule.by_error},
               {"bar", record.rule.by_error ? "bound" : "threshold"},
               {"json", data.json},
               {"images", data.images}});

@@ -128,12 +128,11 @@ bool haveErrors(const std::vector<SuggestionOutcome>& outcomes) {
       outcomes, [](const SuggestionOutcome& o) { return o.suggestion.error_px.has_value(); });
 }
 
-/// Before the gains.
-void insertErrors(Table& table, const std::vector<SuggestionOutcome>& outcomes) {
-  table.columns.insert(table.columns.begin() + kGainColumn, number("Predicted error [px]"));
+void insertErrors(Table& table, int column, const std::vector<SuggestionOutcome>& outcomes) {
+  table.columns.insert(table.columns.begin() + column, number("Predicted error [px]"));
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     std::vector<Cell>& row = table.rows[i];
-    row.insert(row.begin() + kGainColumn, orDash(outcomes[i].suggestion.error_px, 1, "{:.3f}"));
+    row.insert(row.begin() + column, orDash(outcomes[i].suggestion.error_px, 1, "{:.3f}"));
   }
 }
 
@@ -144,10 +143,11 @@ Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutco
                number("Position [mm]"), number("Rotation [\u00b0]")}};
   for (const SuggestionOutcome& o : outcomes) table.rows.push_back(outcomeRow(record, o));
   // Suggestions of another guide, read from a file, have none.
-  if (record.rule.by_error && haveErrors(outcomes)) {
+  if (haveErrors(outcomes)) {
     // Thirteen columns fit: how long it was open follows from its end, nearly always.
     eraseColumns(table, kOpenColumn);
-    insertErrors(table, outcomes);
+    // First that by which they were chosen.
+    insertErrors(table, record.rule.by_error ? kGainColumn : kGainColumn + 1, outcomes);
   }
   return table;
 }

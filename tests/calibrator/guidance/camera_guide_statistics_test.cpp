@@ -76,6 +76,8 @@ TEST(CameraGuide, TheFirstViewIsReachedByTheEstimateThatStartsOnTheWay) {
       if (end != SuggestionEvent::kNone || !d.suggestion || *d.suggestion != first->id) continue;
       if (d.event == SuggestionEvent::kNone || d.event == SuggestionEvent::kOpened) continue;
       end = d.event;
+      EXPECT_NEAR(d.open_s, secondsBetween(first->t, d.t), 1e-9) << "what it took, in the log";
+      EXPECT_GE(d.open_s, ViewGuideOptions().reached_s);
       started_before_end = d.mode != GuideMode::kInitialising;
     }
     ASSERT_TRUE(first) << name;

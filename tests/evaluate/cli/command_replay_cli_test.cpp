@@ -211,6 +211,22 @@ TEST_F(CommandReplay, AStageThatWasNotPlayedIsNotJudged) {
   EXPECT_EQ(document["stop_audits"][1]["verdict"], "not judged");
 }
 
+TEST_F(CommandReplay, AStageThatWasLeftOutIsNotJudgedEither) {
+  const auto audits = [&](const std::string& options) {
+    EXPECT_EQ(replay(session(), "--no-report --to 3" + options).exit_code, 0);
+    return json::parse(read(out() / "replay.json"))["stop_audits"];
+  };
+  const json given = audits(givenCameras());
+  ASSERT_EQ(given.size(), 2u);
+  EXPECT_EQ(given[0]["stage"], "camera");
+  EXPECT_EQ(given[0]["explanation"], "not judged: the cameras are given");
+  EXPECT_EQ(given[1]["stage"], "camera-imu");
+  const json no_imu = audits(" --no-imu");
+  ASSERT_EQ(no_imu.size(), 2u);
+  EXPECT_EQ(no_imu[1]["verdict"], "not judged");
+  EXPECT_EQ(no_imu[1]["explanation"], "not judged: there are no IMU samples");
+}
+
 TEST_F(CommandReplay, ACameraStageThatTakesAllIsEndedAtHalf) {
   const Outcome run = replay(session(), "--no-report --to 8 --min-views 10000");
   ASSERT_EQ(run.exit_code, 0) << run.text;
