@@ -108,6 +108,14 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   return std::nullopt;
 }
 
+/// Offsets were estimated against stamps moved by --imu-shift-ms; the result is of the recording's
+/// own: t_imu = t_cam + t_d.
+void undoShift(TimeNs imu_shift, CalibrationRecord& record) {
+  for (TimeOffset& offset : record.camera_imu->imu.time_offsets) {
+    offset.s -= 1e-9 * static_cast<double>(imu_shift);
+  }
+}
+
 CalibrationRecord emptyRecord(const CalibrateRequest& request, const LoadedSession& loaded) {
   CalibrationRecord record;
   attribute(record, request.provenance, loaded);
@@ -185,6 +193,7 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
     if (auto failure = cameraImuStage(request, loaded, cameras, stated, progress, record)) {
       return causeOfImuFailure(*failure, request, loaded, cameras, record);
     }
+    undoShift(request.camera_imu.imu_shift_ns, record);
   }
   addViewImages(loaded, record);
   record.verdict = judge(record, request.thresholds, &loaded.session, request.camera.frames);

@@ -12,6 +12,7 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/calibration/calibrate_session.h"
+#include "evaluate/metrics/calibration/held_cameras.h"
 #include "evaluate/metrics/calibration/held_imu.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/calibration/score.h"
@@ -151,9 +152,11 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
     if (seen) score.held_out = false;
     record.held->scores.push_back(std::move(score));
   }
-  record.verdict =
-      scoreVerdict(record, unusedShapeOf(asked.calibration, from, asked.load),
-                   heldImuFindings(asked, scored.calibration, loaded.session, progress));
+  progress("testing the cameras", -1);
+  std::vector<Finding> held = judgeHeldCameras(*record.camera, loaded.session, asked.score);
+  append(held, heldImuFindings(asked, scored.calibration, loaded.session, progress),
+         FindingSubject::kExtrinsics);
+  record.verdict = scoreVerdict(record, unusedShapeOf(asked.calibration, from, asked.load), held);
   return record;
 }
 

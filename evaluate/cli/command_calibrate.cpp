@@ -44,7 +44,8 @@ void declareEstimation(CLI::App& app, CalibrateOptions& o) {
   app.add_flag("--joint", o.joint, "Refine the cameras in the camera-IMU stage too")
       ->excludes(no_imu);
   app.add_option("--imu-shift-ms", o.imu_shift_ms,
-                 "Add this to every IMU stamp before the calibration [ms]")
+                 "Add this to every IMU stamp before the calibration [ms]; the time offset that is "
+                 "written is of the recording's own stamps")
       ->excludes(no_imu);
   app.add_option(
       "--select-views", o.select_views,

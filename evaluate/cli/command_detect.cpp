@@ -3,6 +3,7 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "evaluate/cli/commands.h"
@@ -59,6 +60,12 @@ int detect(const DetectOptions& o, const CLI::App& app) {
       o.json.reserve(o.output, output.inputs, o.output.out, kDocumentMark);
   const LoadedSession loaded = loadSession(request, bar.sink());
   bar.clear();
+  // Corners that are given stay as they are, and are not ours: what our detector does alike in all
+  // images is in the deviations of what it found alone.
+  if (loaded.common_error_share == 0) {
+    throw InputError(fmt::format(
+        "{}: the corners of its cameras are given, there is nothing to detect", request.session));
+  }
   // The layout first: images that contradict the stated spacing may have no corner left, and this
   // names the line that is wrong. Distortion is not known here, hence the wider tolerance.
   checkTargetLayout(loaded, {});

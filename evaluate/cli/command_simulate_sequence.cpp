@@ -89,7 +89,8 @@ int simulateSequenceFolder(SimulateSequenceOptions o) {
   }
   // With the offset given, the truth, which is of the IMU's whole time, is cut to the images'.
   say("Run it: plumbline odometry {0} --calibration {0}/truth/camchain-imucam.yaml "
-      "--truth {0}/truth/trajectory.csv --clock-offset {1:.9g} --out loop\n",
+      "--truth {0}/truth/trajectory.csv --clock-offset {1:.9g} --association interpolate "
+      "--out loop\n",
       o.output.out, flight.recording.truth.imu->timeOffset());
   say("Or against motion capture, which has its own clock, world frame and marker body: "
       "--clock-offset auto --hand-eye auto\n");

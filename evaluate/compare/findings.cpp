@@ -144,6 +144,7 @@ void addGeometry(const ComparisonRecord& record, std::size_t i, std::vector<Find
   findings.push_back(finding({"Transforms and offset of " + pairName(record, i), worst.unit,
                               worst.bound, geometryAdvice(record)},
                              level, worst.value, geometryWords(all)));
+  findings.back().subject = FindingSubject::kExtrinsics;
 }
 
 /// "cam0 at 1 m 6 px at most, 0.1 px at the centre"
@@ -214,6 +215,7 @@ void addProjection(const ComparisonRecord& record, std::size_t i, std::vector<Fi
   findings.push_back(finding({"Projection of " + pairName(record, i), "px",
                               kThresholds.difference_px, projectionAdvice(record, label)},
                              level, worst, joined(places, "; ")));
+  findings.back().subject = FindingSubject::kCameras;
 }
 
 /// Good in any case: which one predicts better is an answer and no fault.

@@ -78,7 +78,7 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   if (low <= 0 && high >= 0) {
     return fmt::format(
         "{} and {} predict {} equally well within the 95 % interval of their difference, {:+.2g} "
-        "to {:+.2g} px RMSE over views",
+        "to {:+.2g} px RMSE, every view counting alike",
         label, first, corners, low, high);
   }
   const bool other = high < 0;
@@ -86,7 +86,8 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   // As a gain of the better one: positive, the smaller end first.
   if (other) low = -low, high = -high;
   return fmt::format(
-      "{} predicts {} better by {:.2g} px RMSE over views (95 % interval {:.2g} to {:.2g})",
+      "{} predicts {} better by {:.2g} px RMSE, every view counting alike (95 % interval {:.2g} to "
+      "{:.2g})",
       other ? label : first, corners, best, std::min(low, high), std::max(low, high));
 }
 

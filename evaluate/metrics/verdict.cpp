@@ -80,7 +80,8 @@ std::string imuWords(const CalibrationRecord& record) {
     return largestStd(estimates, parts, of, false).value;
   };
   return fmt::format(
-      "; T_SC0 to {:.2g} mm and {:.2g} deg (1 sigma, worst axis), time offset to {:.2g} ms",
+      "; T_SC0 to {:.2g} mm and {:.2g} deg (1 sigma, worst axis; formal or robust, whichever is "
+      "larger), time offset to {:.2g} ms",
       1e3 * largest({"tx", "ty", "tz"}, "T_SC0"), kDegrees * largest({"rx", "ry", "rz"}, "T_SC0"),
       1e3 * largestOffsetStd(estimates, record.camera_imu->cameras).value);
 }

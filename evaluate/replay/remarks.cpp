@@ -182,9 +182,10 @@ class Remarks {
     const Comparison own = here(&CounterfactualCurve::held_out_px);
     out_.push_back(fmt::format(
         "With {} the error of the whole pool on the held-out frames is {:.4g} px instead of {:.4g} "
-        "px, and that of greedy MI's {} views {}: it {} there, while it {} with this model.",
+        "px, and that of greedy MI's {} views {}: it {} there, {} it {} with this model.",
         found_.other_model, random->held_out_px.back()->median, found_.full_pool_held_out_px,
-        views(), there.px(), outcome(there), outcome(own)));
+        views(), there.px(), outcome(there), outcome(there) == outcome(own) ? "as" : "while",
+        outcome(own)));
   }
 
   /// At which numbers of views greedy MI is outside of random's quartiles.
@@ -206,8 +207,8 @@ class Remarks {
     };
     out_.push_back(
         fmt::format("Of {} numbers of views greedy MI's held-out error is above random's quartiles "
-                    "at {} ({}) and below them at {} ({}).",
-                    counted, above.size(), list(above), below.size(), list(below)));
+                    "at {} ({}) and below them at {} ({}), by more than {:.1f} %.",
+                    counted, above.size(), list(above), below.size(), list(below), 100 * kTie));
   }
 
   void guide(int guide_frames) {
@@ -220,9 +221,10 @@ class Remarks {
       return;
     }
     out_.push_back(fmt::format(
-        "Of {} frames that the guide kept {} are in the pool and on its curve; the others lie in "
-        "or beside held-out blocks, or have no plausible pose.",
-        guide_frames, used));
+        "Of {} frames that the guide kept {} are in the pool and on its curve; {} in or beside "
+        "held-out blocks, or {} no plausible pose.",
+        guide_frames, used, guide_frames - used == 1 ? "the other lies" : "the others lie",
+        guide_frames - used == 1 ? "has" : "have"));
   }
 
   const ViewPool& pool_;

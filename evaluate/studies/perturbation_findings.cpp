@@ -94,7 +94,7 @@ std::optional<Finding> othersFinding(const PerturbationRecord& record,
   const VerdictLevel level = levelAbove(largest, bounds.change_sigma);
   return Finding{"Other parameters under shifted IMU stamps",
                  level,
-                 fmt::format("largest change: {} by {:.2g} of its standard deviation, at {:+g} ms",
+                 fmt::format("largest change: {} by {:.2g} of its standard deviations, at {:+g} ms",
                              name, largest, amount),
                  level == VerdictLevel::kGood
                      ? ""
@@ -184,7 +184,7 @@ std::optional<Finding> kindFinding(const PerturbationRecord& record, Perturbatio
   const bool good = largest.sigmas <= largest.bound;
   Finding f{fmt::format("Parameters under {}", toString(kind)),
             good ? VerdictLevel::kGood : VerdictLevel::kCaution,
-            fmt::format("largest change: {} by {:.2g} of its standard deviation, at {}",
+            fmt::format("largest change: {} by {:.2g} of its standard deviations, at {}",
                         largest.parameter, largest.sigmas, amountText(*largest.of)),
             good ? "" : advice,
             largest.sigmas,

@@ -80,7 +80,17 @@ data subjectChips(const std::vector<Finding>& findings) {
       std::ssize(findings)) {
     return chips;
   }
-  // What is about the result as a whole is the badge's.
+  // What is about the result as a whole is the badge's: where that decides, the chips would
+  // contradict it.
+  const auto worstOf = [&](bool of_result) {
+    VerdictLevel worst = VerdictLevel::kGood;
+    for (const Finding& f : findings) {
+      if (!of_result && f.subject == FindingSubject::kResult) continue;
+      worst = std::max(worst, f.level);
+    }
+    return worst;
+  };
+  if (worstOf(true) > worstOf(false)) return chips;
   for (const FindingSubject subject : {FindingSubject::kCameras, FindingSubject::kExtrinsics,
                                        FindingSubject::kImuNoise, FindingSubject::kRecording}) {
     // A subject of which no rule could be judged is not good.
@@ -156,7 +166,9 @@ void setVerdict(data& page, const Verdict& verdict, const std::string& good_word
   setList(page, "concerns", findingRows(concerns));
   page.set("subjects", subjectChips(verdict.findings));
   page.set("holds_summary",
-           fmt::format("{} of {} rules are met", holds.size(), verdict.findings.size()));
+           verdict.findings.size() == 1
+               ? fmt::format("{} of 1 rule is met", holds.size())
+               : fmt::format("{} of {} rules are met", holds.size(), verdict.findings.size()));
   setList(page, "holds", findingRows(holds));
 }
 

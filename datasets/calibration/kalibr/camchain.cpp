@@ -221,6 +221,20 @@ KalibrImu kalibrImu(const YamlMap& map, const std::string& rate_key) {
   return imu;
 }
 
+/// Kalibr lists in cam_overlaps which other cameras see the same: all of them are in the file.
+void refuseMissingOverlap(const YamlMap& map, int cameras) {
+  constexpr const char* kKey = "cam_overlaps";
+  if (!map.has(kKey)) return;
+  for (const double other : map.numbers(kKey, "a list of cameras, e.g. [1]")) {
+    if (other >= 0 && other < cameras) continue;
+    throw map.fault(kKey, {InputFault::kMissingKey,
+                           fmt::format("cam{:g} is listed, which the file does not have", other),
+                           fmt::format("cam0 to cam{} only", cameras - 1),
+                           "copy the file again if it was cut; if the camera was taken out, take "
+                           "it out of cam_overlaps as well"});
+  }
+}
+
 KalibrCamchain readKalibrCamchain(const std::string& path) {
   const YamlMap file = YamlMap::load(path, "Kalibr's camchain*.yaml (cam0: ...)");
   KalibrCamchain chain;
@@ -229,7 +243,9 @@ KalibrCamchain readKalibrCamchain(const std::string& path) {
   const int count = std::max(1, file.countOf("cam"));
   for (int i = 0; i < count; ++i) {
     const std::string name = fmt::format("cam{}", i);
-    chain.cameras.push_back(cameraOf(file.map(name, "a camera"), name));
+    const YamlMap map = file.map(name, "a camera");
+    refuseMissingOverlap(map, count);
+    chain.cameras.push_back(cameraOf(map, name));
   }
   return chain;
 }

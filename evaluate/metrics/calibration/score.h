@@ -88,9 +88,9 @@ Finding unusedShape(const std::string& file);
 /// recording, with the thresholds of a calibration's own verdict, and the scores that could not be
 /// had. The headline leads with its RMSE on every session, held out where it is known to be.
 /// For a record with `held`. `unused_shape` is the file of the board's shape that lies beside
-/// the calibration, where the board was taken as stated all the same ("": none). `held_imu` is what
-/// judgeHeldImu() says, where both sides have an IMU.
+/// the calibration, where the board was taken as stated all the same ("": none). `held` is what
+/// judgeHeldCameras() says, and judgeHeldImu() where both sides have an IMU.
 Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape = "",
-                     const std::vector<Finding>& held_imu = {});
+                     const std::vector<Finding>& held = {});
 
 }  // namespace plumbline

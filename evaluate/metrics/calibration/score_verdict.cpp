@@ -112,9 +112,9 @@ std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
 }
 
 Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape,
-                     const std::vector<Finding>& held_imu) {
+                     const std::vector<Finding>& held) {
   Findings findings = judgeScored(record.camera, record.camera_imu);
-  append(findings, held_imu, FindingSubject::kExtrinsics);
+  append(findings, held);
   append(findings, judgeHeldOut(record.held->scores));
   addUnscored(record.held->scores, findings);
   if (!unused_shape.empty()) findings.push_back(unusedShape(unused_shape));

@@ -260,9 +260,24 @@ std::string effect(const FaultTest& test) {
 }
 
 /// The fault's largest effect in formal standard deviations: the smaller ones, so that doubt comes
-/// early.
-double effectInSigma(const FaultTest& test, const FaultDiagnosis& diagnosis) {
-  return test.shift.cwiseAbs().cwiseQuotient(diagnosis.formal_std).maxCoeff();
+/// early. `of`, where given, gets its place.
+double effectInSigma(const FaultTest& test, const FaultDiagnosis& diagnosis,
+                     Eigen::Index* of = nullptr) {
+  const auto sigmas = (test.shift.cwiseAbs().cwiseQuotient(diagnosis.formal_std)).eval();
+  Eigen::Index place = 0;
+  const double largest = sigmas.maxCoeff(&place);
+  if (of != nullptr) *of = place;
+  return largest;
+}
+
+/// "at most 38.5 formal standard deviations, of T_SC0.rx".
+std::string sigmaWords(const FaultTest& test, const FaultDiagnosis& diagnosis) {
+  static constexpr std::array kNames{"T_SC0.tx", "T_SC0.ty", "T_SC0.tz",   "T_SC0.rx",
+                                     "T_SC0.ry", "T_SC0.rz", "time_offset"};
+  Eigen::Index of = 0;
+  const double sigma = effectInSigma(test, diagnosis, &of);
+  return fmt::format("at most {:.1f} formal standard deviations, of {}", sigma,
+                     kNames[static_cast<std::size_t>(of)]);
 }
 
 /// The recording has no single value of something that the calibration states one of.
@@ -329,7 +344,8 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
     if (levelAbove(worse.value, worse.bound) != VerdictLevel::kGood) {
       effect_of = worse;
       level = VerdictLevel::kCaution;
-      of_other = fmt::format("; of the alternative: {} ({:.1f})", effect(other), other_sigma);
+      of_other =
+          fmt::format("; of the alternative: {} ({})", effect(other), sigmaWords(other, diagnosis));
     }
   }
   if (level == VerdictLevel::kGood && contradictsStatedValue(cause.fault)) {
@@ -337,20 +353,25 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
   }
   return finding(
       {name, effect_of.unit, effect_of.bound, advice}, level, effect_of.value,
-      fmt::format("{}; {} ({:.1f} of its formal standard deviations){}{}", evidence, effect(cause),
-                  sigma, of_other,
+      fmt::format("{}; {} ({}){}{}", evidence, effect(cause), sigmaWords(cause, diagnosis),
+                  of_other,
                   first ? fmt::format("; it explains the residuals best among {} faults tested",
                                       std::ranges::count_if(diagnosis.tests, isTested))
                         : ""));
 }
 
-/// A short recording is what it is. One that is long enough had its tests refused by the solution,
-/// whose deviations are those of an optimum: that is a doubt about the result.
+/// Where nothing was tested, nothing speaks for the stated deviations: a caution. Tests of a short
+/// recording would find chance; one that is long enough had them refused by the solution, whose
+/// deviations are those of an optimum.
 Finding untestedFaults(const CalibrationRecord& record, Rule rule) {
   const std::string also =
       record.camera ? "" : "; the given cameras were not tested on this recording either";
   if (!areDiagnosed(record.camera_imu->frames)) {
-    return notJudged(rule, "the tests need at least 8 s in which the target is seen" + also);
+    rule.advice =
+        "Faults that bias T_SC0 by many of its deviations pass unseen in so short a recording: "
+        "record for longer.";
+    return finding(rule, VerdictLevel::kCaution, std::numeric_limits<double>::quiet_NaN(),
+                   "not tested: the tests need at least 8 s in which the target is seen" + also);
   }
   rule.advice =
       "Standard deviations hold at an optimum only, and faults that bias T_SC0 were not looked "

@@ -2,6 +2,8 @@
 // What the corners say of a calibration: errors, deviations of the parameters, the halves.
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include <fmt/core.h>
 
@@ -134,13 +136,50 @@ Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t) {
   return findings;
 }
 
+/// Relative deviation of fu / (1 + xi) or fv / (1 + xi), whichever is larger: in omni and ds these
+/// are the scale of the image at the optical axis, as fu is in the other models; fu by itself can
+/// be exchanged for xi. Empty for the other models.
+std::optional<LargestStd> axialFocalStd(const CalibrationRecord& record,
+                                        const CameraCalibration& camera) {
+  const ParameterCovariance& formal = record.camera->summary.covariance;
+  const auto placeOf = [&](const std::string& name) {
+    return std::ranges::find(formal.names, camera.name + "." + name) - formal.names.begin();
+  };
+  const auto parameters = parameterEstimates(record, Stage::kCamera);
+  const auto valueOf = [&](const std::string& name) {
+    return std::ranges::find(parameters, camera.name + "." + name, &ParameterEstimate::name)->value;
+  };
+  const Eigen::Index xi = placeOf("xi");
+  if (xi == std::ssize(formal.names)) return std::nullopt;
+  const double scale = 1 + valueOf("xi");
+  LargestStd worst;
+  for (const char* f : {"fu", "fv"}) {
+    const Eigen::Index focal = placeOf(f);
+    const double px = valueOf(f);
+    const auto consider = [&](const Eigen::MatrixXd& S, const char* kind) {
+      const double variance = S(focal, focal) / (px * px) + S(xi, xi) / (scale * scale) -
+                              2 * S(focal, xi) / (px * scale);
+      const double std = std::sqrt(std::max(variance, 0.0));
+      const std::string name = fmt::format("{0}.{1}/(1 + {0}.xi)", camera.name, f);
+      if (worst.name.empty() || isLarger(std, worst.value)) worst = {std, name, kind};
+    };
+    consider(formal.matrix, LargestStd().kind);
+    if (record.camera->robust_covariance) {
+      consider(record.camera->robust_covariance->matrix, "cluster-robust standard deviation");
+    }
+  }
+  return worst;
+}
+
 Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds& t) {
   Findings findings;
   const auto estimates = parameterEstimates(record, Stage::kCamera);
   for (std::size_t i = 0; i < record.camera->cameras.size(); ++i) {
     const CameraCalibration& camera = record.camera->cameras[i];
     // Relative to the focal length, so that one bound serves images of every size.
-    const LargestStd focal = largestStd(estimates, {"fu", "fv"}, camera.name + ".", true);
+    const LargestStd focal =
+        axialFocalStd(record, camera)
+            .value_or(largestStd(estimates, {"fu", "fv"}, camera.name + ".", true));
     if (focal.name.empty()) continue;
     findings.push_back(
         above({fmt::format("Focal length of {}", camera.name), "share", t.focal_std,

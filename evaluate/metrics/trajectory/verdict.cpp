@@ -69,6 +69,30 @@ void addConventions(const TrajectoryStudy& study, Findings& findings) {
   }
 }
 
+/// Rotations that are off by more than an estimator errs while the positions are fitted: of no run
+/// known to be of other conventions, which leave no rotation errors.
+void addOrientation(const TrajectoryStudy& study, Findings& findings) {
+  constexpr double kMostDeg = 15;
+  std::size_t off = 0, known = 0;
+  const TrajectoryRun* worst = nullptr;
+  for (const TrajectoryRun& run : study.runs) {
+    if (run.ate_rotation_deg.n == 0) continue;
+    ++known;
+    if (!(run.ate_rotation_deg.rmse > kMostDeg)) continue;
+    ++off;
+    if (!worst || run.ate_rotation_deg.rmse > worst->ate_rotation_deg.rmse) worst = &run;
+  }
+  if (!worst) return;
+  findings.push_back(
+      {"Orientation", VerdictLevel::kCaution,
+       fmt::format("{} of {} runs have more than {:g} deg RMSE, the worst {:.3g} deg", off, known,
+                   kMostDeg, worst->ate_rotation_deg.rmse),
+       "look for an axis that is mirrored or exchanged, a clock that is off "
+       "(--clock-offset auto), inverted quaternions (--truth-inverted, "
+       "--estimate-inverted), or an estimate that diverged",
+       worst->ate_rotation_deg.rmse, kMostDeg, "deg"});
+}
+
 /// Of means above their bound alone: covariances that are too large are stated with the figures
 /// (NeesReading) and are no finding.
 void addCovariances(const TrajectoryStudy& study, Findings& findings) {
@@ -104,7 +128,7 @@ std::string oneRun(const TrajectoryRun& run) {
       "truth's time)",
       run.ate_translation_m.rmse, run.alignment.kind, run.association.matches, 100 * run.coverage);
   if (run.ate_rotation_deg.n > 0) {
-    text += fmt::format(", its orientation {:.2g} deg RMSE", run.ate_rotation_deg.rmse);
+    text += fmt::format(", its orientation {:.3g} deg RMSE", run.ate_rotation_deg.rmse);
   }
   return text;
 }
@@ -292,6 +316,7 @@ Verdict trajectoryVerdict(const TrajectoryStudy& study) {
   Findings findings;
   for (const RunsSummary& s : overAll(study)) findings.push_back(completion(study, s));
   addConventions(study, findings);
+  addOrientation(study, findings);
   addCovariances(study, findings);
   Verdict verdict = makeVerdict(std::move(findings));
   std::string what = study.runs.size() == 1 ? oneRun(study.runs.front()) : manyRuns(study);

@@ -19,7 +19,8 @@ constexpr int kLabelledTags = 8;  // along a side: heights are written into the 
 constexpr const char* kTermsText =
     "Each term is stated as the RMS displacement of the corners that it causes. tag_edge is the "
     "apparent increase of the tags' size at unchanged pitch where their edges span 40 pixels; it "
-    "depends on light and detector more than on the board. The shape contains no scale: that is "
+    "depends on light and detector more than on the board, and is not in the board's RMS "
+    "displacement. The shape contains no scale: that is "
     "target.yaml's.";
 
 /// What the terms of degrees 3 and 4 add, where they were tried.
@@ -28,8 +29,8 @@ std::string higherText(const TargetFit& fit) {
   const double held_out_px = *fit.higher_held_out_px;
   if (!fit.shape.higher) {
     return fmt::format(
-        " Displacements of degrees 3 and 4 besides predict held-out frames no better ({:.4f} px): "
-        "there are none.",
+        " Displacements of degrees 3 and 4 besides do not predict held-out frames significantly "
+        "better ({:.4f} px) and are not used.",
         held_out_px);
   }
   return fmt::format(
@@ -45,7 +46,8 @@ std::string cornersText(const TargetFit& fit) {
   if (!fit.corners_held_out_px) return "";
   if (!fit.shape.corners || !fit.corners_plane_std || !fit.corners_height_std) {
     return fmt::format(
-        " Remainders of single corners besides predict them no better ({:.4f} px): there are none.",
+        " Remainders of single corners besides do not predict them significantly better "
+        "({:.4f} px) and are not used.",
         *fit.corners_held_out_px);
   }
   return fmt::format(

@@ -45,7 +45,7 @@ std::vector<Card> cardsOf(const ComparisonRecord& record) {
                               record.calibrations.empty()
                                   ? ""
                                   : "differences relative to " + record.calibrations.front().label},
-                             {"Convention faults", std::to_string(lint), "", "found by lint"},
+                             {"Convention faults", std::to_string(lint), "", "found in the files"},
                              significanceCard(record)};
   for (const CalibrationScore& s : record.scores) {
     // The others are in the table of scores.

@@ -4,6 +4,7 @@
 (() => {
   const LEFT = 46, RIGHT = 10, TOP = 15, BOTTOM = 16;
   const BANDS = {reached: 'rgba(20,121,79,.16)', expired: 'rgba(179,32,44,.12)', withdrawn: 'rgba(92,20,120,.1)', none: 'rgba(217,138,0,.17)'};
+  const DARK_BANDS = {reached: 'rgba(79,195,138,.25)', expired: 'rgba(255,138,144,.25)', withdrawn: 'rgba(199,163,240,.25)', none: 'rgba(229,169,78,.28)'};
   const LIGHT = {ink: '#1d232b', soft: '#5a6472', grid: '#e4e8ed', kept: '#14794f', not: '#9aa5b1', dropped: '#e3b9a4', bad: '#b3202c', end: '#5c1478', halo: 'rgba(255,255,255,.85)', now: '#005ea2'};
   const DARK = {ink: '#e6e9ed', soft: '#a3adba', grid: '#343b45', kept: '#4fc38a', not: '#7b8794', dropped: '#a5806b', bad: '#ff8a90', end: '#c7a3f0', halo: 'rgba(27,32,39,.85)', now: '#74b4ec'};
   const scheme = matchMedia('(prefers-color-scheme: dark)');
@@ -113,7 +114,8 @@
 
     drawGround(ctx) {
       for (const s of this.data.suggestions) {
-        ctx.fillStyle = BANDS[s.end] || BANDS.none;
+        const bands = scheme.matches ? DARK_BANDS : BANDS;
+        ctx.fillStyle = bands[s.end] || bands.none;
         ctx.fillRect(this.x(s.from), TOP, Math.max(1.5, this.x(s.to) - this.x(s.from)), this.height - TOP - BOTTOM);
       }
       ctx.strokeStyle = inks.grid;
@@ -275,7 +277,7 @@
       this.drawBound(ctx, scale);  // below the scores, which are close to it
       this.drawScores(ctx, (f) => (error(f) > 0 ? scale.unit(error(f)) : NaN));
       const part = this.parts.find((p) => imu(p.from));
-      if (part) this.noteAbove(ctx, part, 'camera-imu: expected of points by the IMU');
+      if (part) this.noteAbove(ctx, part, 'camera-imu: points predicted by the IMU');
     }
 
     /** At the part's end, where errors have fallen. */

@@ -150,7 +150,7 @@ std::string medianRegret(const CounterfactualBand& band) {
   for (const auto& value : band.regret_px) {
     if (value && std::isfinite(*value)) known.push_back(*value);
   }
-  return known.empty() ? kDash : fmt::format("{:.3f}", quantile(known, 0.5));
+  return known.empty() ? kDash : fmt::format("{:.4f}", quantile(known, 0.5));
 }
 
 Table strategyTable(const Bands& bands) {

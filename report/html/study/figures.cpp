@@ -184,9 +184,10 @@ Figure offsetFigure(const StudyRecord& record) {
     plot.series.push_back({record.methods[k], {}, {}, seriesColour(k), 1.2});
   }
   std::vector<double> ends;
-  for (const StudySession& s : record.sessions) {
+  for (std::size_t i = 0; i < record.sessions.size(); ++i) {
+    const StudySession& s = record.sessions[i];
     if (!s.time_offset_s || !std::isfinite(*s.time_offset_s)) continue;
-    const auto x = static_cast<double>(plot.points.size() + 1);
+    const auto x = static_cast<double>(i + 1);
     const double ms = 1e3 * *s.time_offset_s, std_ms = 1e3 * s.time_offset_std_s.value_or(0);
     // One past the last for a method that the study does not list: a point without a line.
     const std::size_t k = placeOf(record.methods, s.method);
@@ -199,17 +200,27 @@ Figure offsetFigure(const StudyRecord& record) {
     ends.insert(ends.end(), {ms - std_ms, ms + std_ms});
   }
   if (plot.points.empty()) return {};
-  plot.frame = {
-      "Time offset of every session",
-      {"session, in the study's order", Range{0.3, static_cast<double>(plot.points.size()) + 0.7}},
-      {"t_d [ms]", rangeOf({&ends}, 0.06)},
-      960,
-      320};
+  plot.frame = {"Time offset of every session",
+                sessionAxis(record.sessions.size()),
+                {"t_d [ms]", rangeOf({&ends}, 0.06)},
+                960,
+                320};
   return {toSvg(plot, "study-offsets"),
           "Lines are plus and minus one formal standard deviation; t_imu = t_cam + t_d.", true};
 }
 
 }  // namespace
+
+PlotAxis sessionAxis(std::size_t sessions) {
+  constexpr std::size_t kMostTicks = 20;
+  PlotAxis axis{"session, in the study's order", Range{0.3, static_cast<double>(sessions) + 0.7}};
+  // Whole numbers, as there is no session between two.
+  const std::size_t step = std::max<std::size_t>(1, (sessions + kMostTicks - 1) / kMostTicks);
+  for (std::size_t i = 1; i <= sessions; i += step) {
+    axis.ticks.push_back({static_cast<double>(i), std::to_string(i)});
+  }
+  return axis;
+}
 
 Section timeSection(const StudyRecord& record) {
   Section section{"time", "Time", ""};

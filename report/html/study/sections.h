@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <string>
 
 #include "report/html/section.h"
 #include "report/html/text.h"
+#include "report/plots/plot_data.h"
 #include "report/records/study_record.h"
 
 namespace plumbline::html_internal {
@@ -24,6 +26,9 @@ std::string pageNearest(const auto& sessions, double value, const auto& get) {
   }
   return page;
 }
+
+/// Sessions in the study's order, counted from 1.
+PlotAxis sessionAxis(std::size_t sessions);
 
 // The sections of a study's page that are figures. A point leads to its session's page.
 

@@ -16,7 +16,7 @@ constexpr double kShownTerm_m = 2e-5;  // below it a board's term is not drawn; 
 
 /// Spread: of the estimates over the sessions of a method. Stated: by the calibrations themselves.
 Table spreadTable(const StudyRecord& record) {
-  Table table{{code("Parameter"), words("Method"), number("Sessions"), number("Mean"),
+  Table table{{code("Parameter"), words("Method"), number("Sessions"), number("Weighted mean"),
                number("Spread"), number("Stated"), words("Unit"), number("Ratio"),
                number("95 % interval")}};
   for (const StudySpread& s : record.statistics.spread) {
@@ -122,7 +122,6 @@ Section boardSection(const StudyRecord& record) {
   LinePlot plot;
   // 0, the board as stated, is always in view.
   std::vector<double> ends{0};
-  double last = 0;
   for (int j = 0; j < kTargetTerms; ++j) {
     Series line{kTargetTermNames[static_cast<std::size_t>(j)],
                 {},
@@ -136,12 +135,11 @@ Section boardSection(const StudyRecord& record) {
       if (!s.board) continue;
       const double mm = 1e3 * s.board->terms[j];
       largest_m = std::max(largest_m, std::abs(s.board->terms[j]));
-      last = std::max(last, static_cast<double>(i));
-      line.x.push_back(static_cast<double>(i));
+      const auto x = static_cast<double>(i + 1);
+      line.x.push_back(x);
       line.y.push_back(mm);
-      points.push_back({static_cast<double>(i), mm,
-                        fmt::format("{}, {}: {:+.3f} mm", s.name, line.name, mm), s.page,
-                        line.colour});
+      points.push_back(
+          {x, mm, fmt::format("{}, {}: {:+.3f} mm", s.name, line.name, mm), s.page, line.colour});
     }
     // One session shows no drift.
     if (line.x.size() < 2 || largest_m < kShownTerm_m) continue;
@@ -151,7 +149,7 @@ Section boardSection(const StudyRecord& record) {
   }
   if (plot.series.empty()) return section;
   plot.frame = {"Shape of the board",
-                {"session, in the study's order", Range{-0.5, last + 0.5}},
+                sessionAxis(record.sessions.size()),
                 {"RMS displacement, signed as the term [mm]", rangeOf({&ends}, 0.08)},
                 960,
                 380};

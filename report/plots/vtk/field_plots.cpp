@@ -73,9 +73,10 @@ vtkSmartPointer<vtkPlotHistogram2D> cells(const HeatMap& map, const Range& range
 
 /// What cannot be read is left out: pointing at the cell tells it.
 bool fits(const std::string& label, const ChartPage& page, const HeatMap& map) {
-  constexpr double kCharacter = 6.6;  // width of a digit [px]
-  return kCharacter * static_cast<double>(internal::characterCount(label)) <
-             page.plotWidth() / map.columns &&
+  constexpr double kCharacter = 6.6;  // width of a digit; a point is half of it [px]
+  const auto points = static_cast<double>(std::ranges::count(label, '.'));
+  const double wide = static_cast<double>(internal::characterCount(label)) - 0.5 * points;
+  return kCharacter * wide < page.plotWidth() / map.columns &&
          kCellLabel + 2 < page.plotHeight() / map.rows;
 }
 

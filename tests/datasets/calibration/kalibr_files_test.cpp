@@ -89,6 +89,19 @@ TEST(KalibrFiles, TheImuIsWhereAnotherCameraThanTheFirstSaysIt) {
   }
 }
 
+// Kalibr's cam_overlaps name cameras of the file: one that is cut off is still named.
+TEST(KalibrFiles, AFileThatWasCutBetweenItsCamerasIsRefused) {
+  const TemporaryFolder folder;
+  const std::string text = kalibrCamchainText(threeCameraRig());
+  const std::string cut = folder.write("cut.yaml", text.substr(0, text.find("cam2:")));
+  const auto refused = refusalOf([&] { (void)readCalibration(cut); });
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code(), InputFault::kMissingKey);
+  EXPECT_GT(refused->line(), 1);
+  EXPECT_THAT(refused->what(), HasSubstr("cam2 is listed, which the file does not have"));
+  EXPECT_THAT(refused->what(), HasSubstr("take it out of cam_overlaps as well"));
+}
+
 // By the IMU, of which two cameras say where it is; one alone does not place itself in the rig.
 TEST(KalibrFiles, ACameraIsPlacedByItsImuAndThatOfACameraBefore) {
   const TemporaryFolder folder;

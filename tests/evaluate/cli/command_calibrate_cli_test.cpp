@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/evaluate/cli/command_line.h"
 
 namespace plumbline {
@@ -211,6 +213,28 @@ TEST_F(CommandCalibrate, GivenCamerasAreBlamedForPosesThatTheySpoil) {
       calibrate(session(), "--no-halves --imu-shift-ms 1e6 --cameras " + file.string());
   EXPECT_EQ(apart.exit_code, 1) << apart.text;
   EXPECT_THAT(apart.text, Not(HasSubstr("do not explain the corners")));
+}
+
+// The shift helps to find it; the offset is that of the recording.
+TEST_F(CommandCalibrate, AnImuShiftIsNotInTheOffsetThatIsWritten) {
+  const auto offset_s = [&](const std::string& options) {
+    const Outcome outcome = calibrateAsStated(session(), "--no-report --no-halves " + options);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    const auto document = nlohmann::json::parse(read(scratch() / "out/calibration.json"));
+    fs::remove_all(scratch());
+    return document.at("stages").at("camera_imu").at("time_offset_s").get<double>();
+  };
+  EXPECT_NEAR(offset_s("--imu-shift-ms 200"), offset_s(""), 5e-6);
+}
+
+// They would be taken for ours from then on, with the errors that our detector makes alike.
+TEST_F(CommandCalibrate, DetectRefusesCornersThatAreGiven) {
+  fs::create_directories(scratch());
+  const Outcome outcome = plumbline("detect " + session().string() + " --no-cache --out " +
+                                    (scratch() / "corners").string());
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("there is nothing to detect"));
+  EXPECT_FALSE(fs::exists(scratch() / "corners"));
 }
 
 TEST_F(CommandCalibrate, WrongTargetSizeIsFoundByTheImu) {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // plumbline evaluate calibration, as a user runs it.
+#include <string>
+
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/evaluate/cli/command_line.h"
@@ -49,6 +52,36 @@ TEST_F(EvaluateCalibration, OursAndItsKalibrFormScoreAlikeAsTheirOwnResult) {
   const auto k = document().at("scores").at(0);
   EXPECT_NEAR(k.at("camera_imu").at("rmse_px").get<double>(),
               s.at("camera_imu").at("rmse_px").get<double>(), 1e-6);
+}
+
+// Poses absorb most of a focal length that is wrong: the RMSE stays below a tenth of the bound.
+TEST_F(EvaluateCalibration, CamerasThatExplainTheCornersWorseThanTheyCouldAreACaution) {
+  const auto against = [&] {
+    const nlohmann::json found = document();
+    for (const auto& f : found.at("verdict").at("findings")) {
+      if (f.at("rule") == "Cameras against this recording") return f;
+    }
+    return nlohmann::json();
+  };
+  ASSERT_EQ(score(ours(), session(), "--no-imu").exit_code, 0);
+  EXPECT_EQ(against().at("level"), "good");
+  EXPECT_LT(against().at("value").get<double>(), 1.01);
+  std::string chain = read(root_ / "own" / "camchain-imucam.yaml");
+  std::size_t at = chain.find("intrinsics: [") + 13;
+  for (int k = 0; k < 2; ++k) {
+    const std::size_t end = chain.find(',', at);
+    const std::string focal = fmt::format("{:.6f}", 1.01 * std::stod(chain.substr(at, end - at)));
+    chain.replace(at, end - at, focal);
+    at += focal.size() + 2;
+  }
+  fs::create_directories(scratch());
+  write(scratch() / "camchain.yaml", chain);
+  const Outcome outcome = score((scratch() / "camchain.yaml").string(), session(), "--no-imu");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_EQ(against().at("level"), "caution");
+  EXPECT_EQ(against().at("subject"), "cameras");
+  EXPECT_GT(against().at("value").get<double>(), 1.05);
+  EXPECT_EQ(document().at("verdict").at("level"), "caution");
 }
 
 TEST_F(EvaluateCalibration, FoldsAndHeldOutSessionsAreScoredBesideIt) {

@@ -165,17 +165,22 @@ TEST(Verdict, CountsNoRuleAsMetThatCouldNotBeJudged) {
   CameraImuStageResult& stage = record.camera_imu.emplace();
   stage.frames.push_back({0, {0}});
   stage.summary = record.camera->summary;
+  FaultTest size;  // which the motion hardly tells
+  size.fault = UnmodelledFault::kTargetSize;
+  size.estimate = Eigen::VectorXd::Constant(1, 0.001);
+  size.std = Eigen::VectorXd::Constant(1, 0.2);
+  FaultDiagnosis& faults = stage.faults.emplace();
+  faults.formal_std.setConstant(1e-3);
+  faults.tests = {size};
   record.verdict = judge(record);
   ASSERT_EQ(record.verdict.level, VerdictLevel::kGood) << worstFinding(record.verdict);
   const std::string text = verdictText(record.verdict);
-  EXPECT_THAT(text,
-              ::testing::HasSubstr(
-                  "  not judged - Faults that the calibration does not model: the tests need"));
+  EXPECT_THAT(text, ::testing::HasSubstr(
+                        "  not judged - Size of the target by the batch: the motion tells"));
   EXPECT_THAT(calibrationHeadline(record),
-              ::testing::AllOf(
-                  ::testing::HasSubstr("not judged: Faults that the calibration does not model;"),
-                  ::testing::HasSubstr("scale rests on the stated size of the target"),
-                  ::testing::Not(::testing::HasSubstr("all "))));
+              ::testing::AllOf(::testing::HasSubstr("not judged: Size of the target by the batch;"),
+                               ::testing::HasSubstr("scale rests on the stated size of the target"),
+                               ::testing::Not(::testing::HasSubstr("all "))));
   // Cameras alone never test it; of one camera nothing has a length.
   record.camera_imu.reset();
   record.camera->cameras.push_back(record.camera->cameras.front());

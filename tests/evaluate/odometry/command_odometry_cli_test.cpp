@@ -174,7 +174,8 @@ TEST_F(OtherOdometry, OpenVinsIsToldTheCalibrationsCamerasAndGravity) {
   fs::permissions(program, fs::perms::owner_all);
   const std::string both = read(kCalibration);
   write(folder_ / "both.yaml", both);
-  write(folder_ / "one.yaml", both.substr(0, both.find("\ncam1:") + 1));
+  const std::string first = both.substr(0, both.find("\ncam1:") + 1);
+  write(folder_ / "one.yaml", replaced(first, "cam_overlaps: [1]", "cam_overlaps: []"));
   const auto told = [&](const std::string& calibration) {
     const Outcome outcome =
         odometry((folder_ / "seq").string() + " --calibration " + (folder_ / calibration).string() +

@@ -181,7 +181,7 @@ TEST(Counterfactuals, AMisfittingModelIsNamedByTheOther) {
   CounterfactualCurve& guide = apart.curves.emplace_back();
   guide.strategy = "guide";
   guide.order = {pool->pool()[0], pool->pool()[1]};
-  EXPECT_THAT(counterfactualRemarks(pool.value(), apart, 3).back(), HasSubstr("the others"));
+  EXPECT_THAT(counterfactualRemarks(pool.value(), apart, 3).back(), HasSubstr("the other lies"));
   EXPECT_THAT(counterfactualRemarks(pool.value(), apart, 2).back(),
               HasSubstr("All 2 frames that the guide kept"));
 }

@@ -115,7 +115,7 @@ TEST(VerdictOfAPage, CountsTheRulesThatAreMet) {
               AllOf(HasSubstr("<span class=\"badge\">Caution</span>"),
                     HasSubstr("2 of 3 rules are met"), HasSubstr("<td class=\"rule\">doubt</td>")));
   EXPECT_THAT(pageOf({good}), AllOf(HasSubstr("<span class=\"badge\">Good</span>"),
-                                    HasSubstr("1 of 1 rules are met")));
+                                    HasSubstr("1 of 1 rule is met")));
   Finding open{"open", VerdictLevel::kGood};
   open.value = std::nan("");
   open.unit = "share";

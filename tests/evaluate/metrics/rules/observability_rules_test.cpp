@@ -3,6 +3,7 @@
 // bound that it is held against.
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/evaluate/metrics/verdict_records.h"
@@ -36,6 +37,30 @@ TEST(ObservabilityRules, EitherFocalLengthIsJudgedRelativeToItself) {
     EXPECT_EQ(f.level, VerdictLevel::kCaution) << large;
     EXPECT_EQ(f.subject, FindingSubject::kCameras);
   }
+}
+
+// In ds and omni fu can be exchanged for xi: fu / (1 + xi) is the scale at the optical axis.
+TEST(ObservabilityRules, FocalLengthsOfWideModelsAreThoseAtTheAxis) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  Intrinsics& camera = record.camera->cameras[0].intrinsics;
+  camera.projection_model = ProjectionModel::kDs;
+  camera.distortion_model = DistortionModel::kNone;
+  camera.projection = (Eigen::VectorXd(6) << -0.2, 0.6, 250, 250, 320, 240).finished();
+  camera.distortion.resize(0);
+  setDeviation(record.camera->summary, {"cam0.xi", "cam0.alpha", "cam0.fu", "cam0.fv"}, "cam0.fu",
+               0, 5);
+  Eigen::MatrixXd& S = record.camera->summary.covariance.matrix;
+  const auto judged = [&] { return findingOf(judge(record), "Focal length of cam0"); };
+  EXPECT_NEAR(judged().value, 0.02, 1e-12) << "5 of 250 px";
+  // xi moves with fu, by as much of 1 + xi.
+  S(0, 0) = 0.016 * 0.016;
+  S(0, 2) = S(2, 0) = 0.016 * 5;
+  S(3, 3) = S(2, 2), S(0, 3) = S(3, 0) = S(0, 2), S(2, 3) = S(3, 2) = S(2, 2);
+  EXPECT_NEAR(judged().value, 0, 1e-6);
+  EXPECT_EQ(judged().level, VerdictLevel::kGood);
+  S(0, 2) = S(2, 0) = -0.016 * 5;
+  EXPECT_NEAR(judged().value, 0.04, 1e-9);
+  EXPECT_THAT(judged().evidence, ::testing::HasSubstr("cam0.fu/(1 + cam0.xi)"));
 }
 
 TEST(ObservabilityRules, EveryComponentBetweenCamerasIsJudged) {

@@ -2,6 +2,8 @@
 // What the verdict of trajectories says first, and which level it has.
 #include "evaluate/metrics/trajectory/verdict.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -122,7 +124,22 @@ TEST(TrajectoryVerdict, OfOneRunTheOrientationIsSaidWhereItIsKnown) {
   run.ate_rotation_deg.rmse = 1.24;
   run.ate_rotation_deg.n = 1;
   EXPECT_THAT(trajectoryVerdict(studyOf({run})).headline,
-              HasSubstr(", its orientation 1.2 deg RMSE."));
+              HasSubstr(", its orientation 1.24 deg RMSE."));
+}
+
+// A mirrored axis, or a clock half a second off: positions may fit all the same.
+TEST(TrajectoryVerdict, AnOrientationFarOffIsACaution) {
+  TrajectoryStudy study = studyOf({completeRun("", "1")});
+  study.runs[0].ate_rotation_deg.n = 10;
+  study.runs[0].ate_rotation_deg.rmse = 4;
+  EXPECT_EQ(trajectoryVerdict(study).level, VerdictLevel::kGood);
+  study.runs[0].ate_rotation_deg.rmse = 178.5;
+  const Verdict verdict = trajectoryVerdict(study);
+  EXPECT_EQ(verdict.level, VerdictLevel::kCaution);
+  const auto f = std::ranges::find(verdict.findings, "Orientation", &Finding::rule);
+  ASSERT_NE(f, verdict.findings.end());
+  EXPECT_THAT(f->evidence, HasSubstr("the worst 178 deg"));
+  EXPECT_THAT(f->advice, HasSubstr("--clock-offset auto"));
 }
 
 TEST(TrajectoryVerdict, ARunWithoutNamesHasItsReasonAlone) {
