@@ -155,6 +155,10 @@ void addTarget(Text& text, const TargetFit& fit, bool kept) {
         fit.flat_held_out_px, fit.held_out_px);
     return;
   }
+  if (fit.finding == TargetFinding::kAsStated) {
+    add(text, "Target: as target.yaml states\n");
+    return;
+  }
   if (fit.finding != TargetFinding::kBent) {
     add(text, "Target: assumed as stated ({})\n", toString(fit.finding));
     return;

@@ -68,7 +68,12 @@ class SessionStages {
         if (!stages[k]) stages[k] = calibrate(loaded[k], mode, own_threads);
       });
       for (std::size_t k = 0; k < count; ++k) {
-        if (!stages[k]->ok()) return stages[k]->failure();
+        if (!stages[k]->ok()) {
+          Failure failure = stages[k]->failure();
+          // Which of the sessions; a file that is to blame names itself.
+          if (failure.where.empty()) failure.where = request_.sessions[which[first + k]];
+          return failure;
+        }
         use(which[first + k], loaded[k], **stages[k]);
       }
     }

@@ -53,7 +53,7 @@ std::optional<ProjectionCovariance> projectionCovariance(const Intrinsics& camer
 CameraUncertainty uncertaintyFromFile(const ParameterCovariance& covariance,
                                       const std::vector<CameraCalibration>& cameras) {
   CameraUncertainty out;
-  out.method = "image fit to the file's covariance";
+  out.method = "image fit to the file's covariance (formal)";
   for (const CameraCalibration& camera : cameras) {
     out.intrinsics.push_back(intrinsicsBlock(covariance, covariance.matrix, camera));
   }

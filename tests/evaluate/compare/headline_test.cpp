@@ -41,13 +41,17 @@ TEST(ComparisonHeadline, SaysWhichPredictsBetterAndByHowMuch) {
   // sqrt(0.25 + 0.11) - 0.5 = 0.1 px, standard error 0.01 / sqrt(2) px^2 over both cameras with 10
   // degrees of freedom: +- 2.228 of them
   const std::string text = comparisonHeadline(comparison(0.11, 0.01));
-  EXPECT_THAT(text, HasSubstr("ours predicts held-out corners better by 0.1 px RMSE, every view counting alike"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("ours predicts held-out corners better by 0.1 px RMSE, every view counting alike"));
   EXPECT_THAT(text, HasSubstr("95 % interval 0.087 to 0.11"));
 }
 
 TEST(ComparisonHeadline, TheOtherCanBeBetter) {
-  EXPECT_THAT(comparisonHeadline(comparison(-0.11, 0.01)),
-              HasSubstr("kalibr predicts held-out corners better by 0.13 px RMSE, every view counting alike"));
+  EXPECT_THAT(
+      comparisonHeadline(comparison(-0.11, 0.01)),
+      HasSubstr(
+          "kalibr predicts held-out corners better by 0.13 px RMSE, every view counting alike"));
 }
 
 TEST(ComparisonHeadline, AnIntervalWithZeroNamesNoWinner) {
