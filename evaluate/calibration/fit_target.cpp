@@ -71,7 +71,7 @@ class SessionStages {
         if (!stages[k]->ok()) {
           Failure failure = stages[k]->failure();
           // Which of the sessions; a file that is to blame names itself.
-          if (failure.where.empty()) failure.where = request_.sessions[which[first + k]];
+          if (failure.where.empty()) failure.where = request_.sessions[which[first + k]].session;
           return failure;
         }
         use(which[first + k], loaded[k], **stages[k]);

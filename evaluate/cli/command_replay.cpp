@@ -94,11 +94,6 @@ void declareViews(CLI::App& app, ViewGuideOptions& o) {
       ->check(numberFrom(1));
   addWithDefault(app, "--window", o.window, "Views in the camera stage's window")
       ->check(numberFrom(1));
-  addWithDefault(app, "--reached-px", o.reached_px,
-                 "A suggested view is reached at this mean distance of the corners [px] ...")
-      ->check(positiveNumber());
-  addWithDefault(app, "--reached-s", o.reached_s, "... kept for this time [s]")
-      ->check(numberFrom(0));
   addWithDefault(app, "--min-views", o.min_views,
                  "Least number of views before the camera stage may finish")
       ->check(numberFrom(0));

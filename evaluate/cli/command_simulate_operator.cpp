@@ -62,6 +62,7 @@ constexpr SkillFigure kFigures[] = {
 
 /// Options of the guide that `replay` has under the same names.
 constexpr const char* kGuideOptions[] = {"--criterion",          "--patience",
+                                         "--reached-px",         "--reached-s",
                                          "--stop-projection-px", "--stop-reprojection-px",
                                          "--trajectory-s",       "--trajectory-amplitude",
                                          "--trajectory-roll",    "--trajectory-held-s",

@@ -90,6 +90,8 @@ Json optionsOf(const OperatorSimulationOptions& o, const OperatedOptions& operat
           {"trajectory_s", o.guide.trajectories.duration_s},
           {"trajectory_amplitude", o.guide.trajectories.amplitude},
           {"trajectory_roll_rad", o.guide.trajectories.roll_rad},
+          {"reached_px", o.guide.views.reached_px},
+          {"reached_s", o.guide.views.reached_s},
           {"trajectory_held_s", o.guide.trajectories.reached_s},
           {"skill", toJson(operated.skill)}};
 }

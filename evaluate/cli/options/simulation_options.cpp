@@ -137,6 +137,11 @@ void declareAskingAndStops(CLI::App& app, GuideOptions& guide, TrajectoryWords& 
                  "Frames below the threshold before a next-best view is computed; 0: whenever none "
                  "is asked for")
       ->check(numberFrom(0));
+  addWithDefault(app, "--reached-px", guide.views.reached_px,
+                 "A suggested view is reached at this mean distance of the corners [px] ...")
+      ->check(positiveNumber());
+  addWithDefault(app, "--reached-s", guide.views.reached_s, "... kept for this time [s]")
+      ->check(numberFrom(0));
   addWithDefault(app, "--stop-projection-px", guide.views.stop_projection_px,
                  "Finish the camera stage exactly when the predicted projection error over the "
                  "image (RMS) is at most this [px] (0: use the criterion)")

@@ -142,7 +142,7 @@ TEST(CommandSimulateOperator, RefusesOptionsOfTheGuideWithoutOne) {
          {"--trajectories 2", "--criterion mi", "--stop-projection-px 0.1",
           "--stop-reprojection-px 0.2", "--trajectory-s 2", "--trajectory-amplitude 1",
           "--trajectory-roll 30", "--trajectory-held-s 1", "--first-trajectory scored",
-          "--operator-speed 0.3"}) {
+          "--operator-speed 0.3", "--reached-px 15", "--reached-s 0.5"}) {
       const Outcome refused =
           plumbline("simulate operator --method " + method + " " + option + " --out " + out);
       EXPECT_EQ(refused.exit_code, 2) << option;
