@@ -33,6 +33,13 @@ ShownUnit shownUnit(const Finding& f) {
   return {1, plain ? "" : " " + f.unit};
 }
 
+/// On which side of the threshold the rule is met, as the value stands: "\u2264 " or "\u2265 ".
+const char* senseOf(const Finding& f) {
+  if (f.unit.empty() || !std::isfinite(f.value) || !std::isfinite(f.threshold)) return "";
+  const bool met = f.level == VerdictLevel::kGood;
+  return met == (f.value > f.threshold) ? "\u2265\u00a0" : "\u2264\u00a0";
+}
+
 data findingRow(const Finding& f) {
   // A rule without a unit compares nothing with a threshold (convergence).
   const ShownUnit unit = shownUnit(f);
@@ -49,7 +56,7 @@ data findingRow(const Finding& f) {
                  {"evidence", typeset(shownEvidence(f))},
                  {"advice", typeset(f.advice)},
                  {"value", shown(f.value)},
-                 {"threshold", shown(f.threshold)},
+                 {"threshold", senseOf(f) + shown(f.threshold)},
                  {"first", false},
                  {"reason", false},
                  {"again", ""}});

@@ -152,7 +152,7 @@ TEST(UserStudyPage, SaysTheResultsFirstAndTheFailuresWithTheirMessages) {
 
 TEST(UserStudyPage, ShowsCountsOfTheVerdictWithoutAUnit) {
   EXPECT_THAT(userStudyPage(), HasSubstr("data-name=\"value\">1</td>"));
-  EXPECT_THAT(userStudyPage(), HasSubstr("data-name=\"threshold\">0</td>"));
+  EXPECT_THAT(userStudyPage(), HasSubstr("data-name=\"threshold\">\u2264\u00a00</td>"));
 }
 
 // The evidence may tell other figures in other units.
@@ -182,7 +182,7 @@ TEST(UserStudyPage, ShowsCountsAsCountsAndDriftsAsShares) {
                    {"camera_entropy_nats", "", 2, "cusum", 0, 0.3, ""}};
   const std::string page = renderStudyPage(record);
   EXPECT_THAT(page, HasSubstr("data-name=\"value\">1</td>"));
-  EXPECT_THAT(page, HasSubstr("data-name=\"threshold\">0</td>"));
+  EXPECT_THAT(page, HasSubstr("data-name=\"threshold\">\u2264\u00a00</td>"));
   const std::string alarms = page.substr(page.find("<section id=\"nights\""));
   const auto rows = between(alarms.substr(alarms.find("<tbody>")), "<tr>", "</tr>");
   EXPECT_THAT(rows.at(0), HasSubstr("+1.5 %</td>"));

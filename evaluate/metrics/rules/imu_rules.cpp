@@ -199,11 +199,10 @@ void addSlowImu(const CameraImuStageResult& stage, Findings& findings) {
   if (samples >= kLeast) return;
   findings.push_back(
       finding({"IMU samples between two frames",
-               "",
+               "1",
                {kLeast, 0},
                "Record the IMU at 100 Hz or more: the motion between so few samples is not known, "
-               "and other "
-               "findings on the IMU may be of this alone."},
+               "and other findings on the IMU may be of this alone."},
               VerdictLevel::kCaution, samples,
               fmt::format("the IMU has {:.4g} samples a second, the cameras {:.4g} frames",
                           stage.imu_rate_hz, frames_hz)));

@@ -69,15 +69,31 @@ TEST(VerdictOfAPage, HasTheSignsOfPrint) {
             HasSubstr("2 sigmatisme")));
 }
 
+// On which side of its threshold a rule is met.
+TEST(VerdictOfAPage, ThresholdsSayOnWhichSideIsGood) {
+  const auto shown = [](VerdictLevel level, double value) {
+    Finding f{"rule", level};
+    f.value = value;
+    f.threshold = 20;
+    f.unit = "s";
+    return pageOf({f});
+  };
+  EXPECT_THAT(shown(VerdictLevel::kGood, 30), HasSubstr(">\u2265\u00a020 s<"));
+  EXPECT_THAT(shown(VerdictLevel::kGood, 20), HasSubstr(">\u2264\u00a020 s<"));
+  EXPECT_THAT(shown(VerdictLevel::kCaution, 30), HasSubstr(">\u2264\u00a020 s<"));
+  EXPECT_THAT(shown(VerdictLevel::kBad, 10), HasSubstr(">\u2265\u00a020 s<"));
+  EXPECT_THAT(shown(VerdictLevel::kCaution, std::nan("")), HasSubstr(">20 s<"));
+}
+
 TEST(VerdictOfAPage, CountsHaveNoExponent) {
   Finding f{"views", VerdictLevel::kGood};
   f.value = 1416;
   f.threshold = 20;
   f.unit = "1";
-  EXPECT_THAT(pageOf({f}), AllOf(HasSubstr(">1416<"), HasSubstr(">20<")));
+  EXPECT_THAT(pageOf({f}), AllOf(HasSubstr(">1416<"), HasSubstr(">\u2265\u00a020<")));
   f.unit = "s";
   f.value = 12345.6;
-  EXPECT_THAT(pageOf({f}), AllOf(HasSubstr(">12346 s<"), HasSubstr(">20 s<")));
+  EXPECT_THAT(pageOf({f}), AllOf(HasSubstr(">12346 s<"), HasSubstr(">\u2265\u00a020 s<")));
 }
 
 // One cell over both rows where columns are beside each other, and a cell in each where a narrow
