@@ -33,6 +33,9 @@ CameraCalibration guessedCamera(const GuideRig& rig, const std::vector<Corner>& 
 
 }  // namespace
 
+// Without a way to any candidate on which the target stays in view: half a second at 20 Hz.
+constexpr int kFramesUntilAskedAgain = 10;
+
 struct CameraGuide::State : StageState {
   State(const GuideRig& of, const GuideOptions& asked, int first_suggestion)
       : StageState{of, asked, FrameGate(asked), first_suggestion},
@@ -338,6 +341,9 @@ void CameraGuide::State::findNextView(Decision& d) {
   } else if (const auto asked = askedFor(round, d)) {
     // With fewer than min_views kept the best is asked for, however little it gains.
     openSuggestion(round, *asked, views[*asked].camera, d);
+  } else {
+    // From the next frame the way would be lost as well: not a round with each of them.
+    until_round = std::max(options.views.patience, kFramesUntilAskedAgain);
   }
   d.round = std::move(round);
 }
@@ -364,7 +370,9 @@ std::optional<std::size_t> CameraGuide::State::askedFor(CandidateRound& round, D
   for (const std::size_t i : order) {
     if (isFollowable(i)) return i;
   }
-  note(d, "the target goes out of view on the path to every candidate: none is suggested");
+  note(d,
+       "the target goes out of view on the path to every candidate worth asking for: none is "
+       "suggested");
   return std::nullopt;
 }
 

@@ -265,7 +265,11 @@ bool CameraImuGuide::State::isFollowable(const Transform& start, const Decision&
 /// target would be lost on the way to each.
 std::optional<std::size_t> CameraImuGuide::State::askedFor(CandidateRound& round, Decision& d) {
   const auto best = static_cast<std::size_t>(round.best);
-  if (!d.T_FC0) return std::nullopt;  // where the way would begin is not known
+  if (!d.T_FC0) {
+    note(d,
+         "the frame has no pose, from which the way to a trajectory would lead: none is suggested");
+    return std::nullopt;
+  }
   if (!options.pace.isKnown() && isFollowable(round.T_FC0[best], d)) return best;
   std::vector<double> gains, seconds(round.names.size(), 1);  // unknown: alike
   for (std::size_t i = 0; i < round.names.size(); ++i) {

@@ -108,11 +108,18 @@ std::optional<Failure> cameraImuStage(const CalibrateRequest& request, const Loa
   return std::nullopt;
 }
 
-/// Offsets were estimated against stamps moved by --imu-shift-ms; the result is of the recording's
-/// own: t_imu = t_cam + t_d.
+/// Offsets were estimated against stamps moved by --imu-shift-ms, and judged so: whoever gives a
+/// shift knows that the clocks are apart. The result is of the recording's own: t_imu = t_cam +
+/// t_d.
 void undoShift(TimeNs imu_shift, CalibrationRecord& record) {
+  if (imu_shift == 0 || !record.camera_imu) return;
   for (TimeOffset& offset : record.camera_imu->imu.time_offsets) {
     offset.s -= 1e-9 * static_cast<double>(imu_shift);
+  }
+  for (Finding& f : record.verdict.findings) {
+    if (f.rule != "Size of the time offset") continue;
+    f.evidence +=
+        fmt::format(", of stamps shifted by {:g} ms", 1e-6 * static_cast<double>(imu_shift));
   }
 }
 
@@ -193,11 +200,11 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
     if (auto failure = cameraImuStage(request, loaded, cameras, stated, progress, record)) {
       return causeOfImuFailure(*failure, request, loaded, cameras, record);
     }
-    undoShift(request.camera_imu.imu_shift_ns, record);
   }
   addViewImages(loaded, record);
   record.verdict = judge(record, request.thresholds, &loaded.session, request.camera.frames);
   record.verdict.headline = calibrationHeadline(record, request.thresholds);
+  undoShift(request.camera_imu.imu_shift_ns, record);
   return record;
 }
 

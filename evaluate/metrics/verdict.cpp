@@ -42,6 +42,7 @@ Findings cameraImuFindings(const CalibrationRecord& record, const VerdictThresho
   const CameraImuStageResult& stage = *record.camera_imu;
   Findings findings;
   append(findings, judgeConvergence(stage.summary, "camera-IMU"), Subject::kExtrinsics);
+  append(findings, judgeSampling(stage), Subject::kRecording);
   append(findings, judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "camera-IMU", t),
          Subject::kExtrinsics);
   append(findings, judgeRejected(stage.residuals, "camera-IMU", t), Subject::kRecording);
@@ -80,8 +81,8 @@ std::string imuWords(const CalibrationRecord& record) {
     return largestStd(estimates, parts, of, false).value;
   };
   return fmt::format(
-      "; T_SC0 to {:.2g} mm and {:.2g} deg (1 sigma, worst axis; formal or robust, whichever is "
-      "larger), time offset to {:.2g} ms",
+      "; T_SC0 to {:.2g} mm and {:.2g} deg (1 sigma, worst axis, the largest of formal, robust and "
+      "bootstrap), time offset to {:.2g} ms",
       1e3 * largest({"tx", "ty", "tz"}, "T_SC0"), kDegrees * largest({"rx", "ry", "rz"}, "T_SC0"),
       1e3 * largestOffsetStd(estimates, record.camera_imu->cameras).value);
 }

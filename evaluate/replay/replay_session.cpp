@@ -110,7 +110,10 @@ class Judge {
     if (run_.session.imu) {
       cameraImuStage(record);
     } else {
-      notJudged(GuideStage::kCameraImu, "there are no IMU samples", record);
+      notJudged(GuideStage::kCameraImu,
+                request_.load.read.read_imu ? "the recording has no IMU"
+                                            : "the IMU is left out (--no-imu)",
+                record);
     }
     // After the stages: outcomes of suggestions are drawn with the best cameras.
     record.cameras = batches_.full ? batches_.full->cameras : used_cameras_;

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "calibrator/base/calibration.h"
 #include "calibrator/base/results.h"
 #include "calibrator/base/session.h"
 #include "evaluate/metrics/calibration/score.h"
@@ -11,13 +10,16 @@
 
 namespace plumbline {
 
-/// Whether cameras that were held fixed on a recording (`held`: only poses estimated) explain its
-/// corners as well as cameras of the same models do that are estimated from these corners, from the
-/// held ones as a start: a caution where they leave 1.05 times the RMSE. An RMSE by itself does not
-/// tell: poses absorb most of a focal length that is wrong by 1 %, which leaves a tenth of a pixel.
-/// Parameters that noise alone moves make about sqrt(1 + p / n) times, p parameters of n residuals:
-/// 1.01 with 1,000. Not judged where nothing could be estimated, none for models that can only be
-/// scored.
+/// Whether cameras that were held fixed on a recording (`held`: only poses estimated) are those of
+/// the same models that its corners ask for, estimated from the held ones as a start. An RMSE does
+/// not tell: poses absorb most of a focal length that is wrong by 1 %, and what is left depends on
+/// the noise. A caution, never worse, where they differ by more than three standard deviations of
+/// the estimate and
+///   - a camera's projections by 0.5 px RMS over the image, at infinity, a rotation taken out, to
+///     first order: dk^T M dk with the M of imageFitMeanSquare(), dk the difference of intrinsics;
+///   - T_C0Ci by 0.5 mm or 0.05 deg.
+/// The value is the largest such difference over its bound, 0 where none is significant. Not judged
+/// where nothing could be estimated; nothing for models that can only be scored.
 std::vector<Finding> judgeHeldCameras(const CameraStageResult& held, const Session& session,
                                       const ScoreOptions& options);
 

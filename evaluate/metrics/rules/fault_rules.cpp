@@ -270,13 +270,13 @@ double effectInSigma(const FaultTest& test, const FaultDiagnosis& diagnosis,
   return largest;
 }
 
-/// "at most 38.5 formal standard deviations, of T_SC0.rx".
+/// "up to 38.5 formal standard deviations, in T_SC0.rx".
 std::string sigmaWords(const FaultTest& test, const FaultDiagnosis& diagnosis) {
   static constexpr std::array kNames{"T_SC0.tx", "T_SC0.ty", "T_SC0.tz",   "T_SC0.rx",
                                      "T_SC0.ry", "T_SC0.rz", "time_offset"};
   Eigen::Index of = 0;
   const double sigma = effectInSigma(test, diagnosis, &of);
-  return fmt::format("at most {:.1f} formal standard deviations, of {}", sigma,
+  return fmt::format("up to {:.1f} formal standard deviations, in {}", sigma,
                      kNames[static_cast<std::size_t>(of)]);
 }
 
@@ -369,7 +369,7 @@ Finding untestedFaults(const CalibrationRecord& record, Rule rule) {
   if (!areDiagnosed(record.camera_imu->frames)) {
     rule.advice =
         "Faults that bias T_SC0 by many of its deviations pass unseen in so short a recording: "
-        "record for longer.";
+        "record 10 s or more.";
     return finding(rule, VerdictLevel::kCaution, std::numeric_limits<double>::quiet_NaN(),
                    "not tested: the tests need at least 8 s in which the target is seen" + also);
   }

@@ -185,29 +185,6 @@ std::optional<Finding> judgeTargetSize(const CameraImuStageResult& stage,
                   100 * off, 100 * std, std::max(size->significance, 0.0), moved));
 }
 
-/// Samples that are hardly more than the frames leave the motion between them untold, which other
-/// rules would take for noise or scale. Nothing where there are enough.
-void addSlowImu(const CameraImuStageResult& stage, Findings& findings) {
-  constexpr double kLeast = 3;
-  std::vector<double> apart_s;
-  for (std::size_t i = 1; i < stage.frames.size(); ++i) {
-    apart_s.push_back(secondsBetween(stage.frames[i - 1].t, stage.frames[i].t));
-  }
-  if (apart_s.empty() || !(stage.imu_rate_hz > 0)) return;
-  const double frames_hz = 1 / median(apart_s);
-  const double samples = stage.imu_rate_hz / frames_hz;
-  if (samples >= kLeast) return;
-  findings.push_back(
-      finding({"IMU samples between two frames",
-               "1",
-               {kLeast, 0},
-               "Record the IMU at 100 Hz or more: the motion between so few samples is not known, "
-               "and other findings on the IMU may be of this alone."},
-              VerdictLevel::kCaution, samples,
-              fmt::format("the IMU has {:.4g} samples a second, the cameras {:.4g} frames",
-                          stage.imu_rate_hz, frames_hz)));
-}
-
 }  // namespace
 
 bool testsTargetSize(const CalibrationRecord& record, const VerdictThresholds& t) {
@@ -287,6 +264,19 @@ Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThre
                             posed + without_pose))};
 }
 
+Findings judgeSampling(const CameraImuStageResult& stage) {
+  constexpr double kLeastHz = 50;
+  if (!(stage.imu_rate_hz > 0) || stage.imu_rate_hz >= kLeastHz) return {};
+  return {
+      finding({"Rate of the IMU for a hand's motion",
+               "Hz",
+               {kLeastHz, 0},
+               "Record the IMU at 100 Hz or more: what a hand does between so few samples is not "
+               "known, and other findings on the IMU may be of this alone."},
+              VerdictLevel::kCaution, stage.imu_rate_hz,
+              fmt::format("samples come at {:.4g} Hz", stage.imu_rate_hz))};
+}
+
 Findings judgeStatements(const CalibrationRecord& record, const VerdictThresholds& t) {
   Findings findings;
   const CameraImuStageResult& stage = *record.camera_imu;
@@ -299,7 +289,6 @@ Findings judgeStatements(const CalibrationRecord& record, const VerdictThreshold
               fmt::format("samples come at {:.4g} Hz, imu.yaml states {:.4g} Hz", stage.imu_rate_hz,
                           stated_hz)));
   }
-  addSlowImu(stage, findings);
   append(findings, judgeLinearFit(stage, record.assumptions.gravity_m_s2, t));
   if (auto finding = judgeTargetSize(stage, t)) findings.push_back(std::move(*finding));
   return findings;

@@ -7,7 +7,9 @@
 
 #include <fmt/core.h>
 
+#include "calibrator/base/camera_models.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/camera/camera.h"
 #include "evaluate/metrics/coverage.h"
 #include "evaluate/metrics/rules/rules.h"
 #include "evaluate/results/text.h"
@@ -136,37 +138,51 @@ Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t) {
   return findings;
 }
 
-/// Relative deviation of fu / (1 + xi) or fv / (1 + xi), whichever is larger: in omni and ds these
-/// are the scale of the image at the optical axis, as fu is in the other models; fu by itself can
-/// be exchanged for xi. Empty for the other models.
-std::optional<LargestStd> axialFocalStd(const CalibrationRecord& record,
+/// d log(pixelsPerRadian) / d stacked(), by central differences.
+Eigen::VectorXd axialGradient(const Intrinsics& camera) {
+  const Eigen::VectorXd k = camera.stacked();
+  const auto at = [&](Eigen::Index i, double step) {
+    Intrinsics moved = camera;
+    const Eigen::Index n = moved.projection.size();
+    (i < n ? moved.projection[i] : moved.distortion[i - n]) += step;
+    return std::log(pixelsPerRadian(moved));
+  };
+  Eigen::VectorXd gradient(k.size());
+  for (Eigen::Index i = 0; i < k.size(); ++i) {
+    const double h = 1e-6 * std::max(1.0, std::abs(k[i]));
+    gradient[i] = (at(i, h) - at(i, -h)) / (2 * h);
+  }
+  return gradient;
+}
+
+/// Relative deviation of the scale of the image at the optical axis (pixelsPerRadian()), for models
+/// in which it is not fu alone (omni, ds, fov): there fu can be exchanged for others. Empty for the
+/// other models. Formal or cluster-robust, as a bootstrap has no covariance.
+std::optional<LargestStd> axialScaleStd(const CalibrationRecord& record,
                                         const CameraCalibration& camera) {
   const ParameterCovariance& formal = record.camera->summary.covariance;
-  const auto placeOf = [&](const std::string& name) {
-    return std::ranges::find(formal.names, camera.name + "." + name) - formal.names.begin();
-  };
-  const auto parameters = parameterEstimates(record, Stage::kCamera);
-  const auto valueOf = [&](const std::string& name) {
-    return std::ranges::find(parameters, camera.name + "." + name, &ParameterEstimate::name)->value;
-  };
-  const Eigen::Index xi = placeOf("xi");
-  if (xi == std::ssize(formal.names)) return std::nullopt;
-  const double scale = 1 + valueOf("xi");
+  const std::vector<ParameterName> names =
+      intrinsicParameters(camera.intrinsics.projection_model, camera.intrinsics.distortion_model);
+  const Eigen::VectorXd own = axialGradient(camera.intrinsics);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(std::ssize(formal.names));
+  bool is_fu_alone = true;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const double g = own[static_cast<Eigen::Index>(i)];
+    if (names[i].name != "fu" && std::abs(g) > 1e-6) is_fu_alone = false;
+    const auto at = std::ranges::find(formal.names, camera.name + "." + names[i].name);
+    if (at != formal.names.end()) gradient[at - formal.names.begin()] = g;
+  }
+  if (is_fu_alone || gradient.isZero()) return std::nullopt;
   LargestStd worst;
-  for (const char* f : {"fu", "fv"}) {
-    const Eigen::Index focal = placeOf(f);
-    const double px = valueOf(f);
-    const auto consider = [&](const Eigen::MatrixXd& S, const char* kind) {
-      const double variance = S(focal, focal) / (px * px) + S(xi, xi) / (scale * scale) -
-                              2 * S(focal, xi) / (px * scale);
-      const double std = std::sqrt(std::max(variance, 0.0));
-      const std::string name = fmt::format("{0}.{1}/(1 + {0}.xi)", camera.name, f);
-      if (worst.name.empty() || isLarger(std, worst.value)) worst = {std, name, kind};
-    };
-    consider(formal.matrix, LargestStd().kind);
-    if (record.camera->robust_covariance) {
-      consider(record.camera->robust_covariance->matrix, "cluster-robust standard deviation");
-    }
+  const auto consider = [&](const Eigen::MatrixXd& S, const char* kind) {
+    const auto part = S.topLeftCorner(gradient.size(), gradient.size());
+    const double std = std::sqrt(std::max(gradient.dot(part * gradient), 0.0));
+    const std::string name = "the scale of " + camera.name + " at the optical axis";
+    if (worst.name.empty() || isLarger(std, worst.value)) worst = {std, name, kind};
+  };
+  consider(formal.matrix, LargestStd().kind);
+  if (record.camera->robust_covariance) {
+    consider(record.camera->robust_covariance->matrix, "cluster-robust standard deviation");
   }
   return worst;
 }
@@ -178,7 +194,7 @@ Findings judgeCameraStd(const CalibrationRecord& record, const VerdictThresholds
     const CameraCalibration& camera = record.camera->cameras[i];
     // Relative to the focal length, so that one bound serves images of every size.
     const LargestStd focal =
-        axialFocalStd(record, camera)
+        axialScaleStd(record, camera)
             .value_or(largestStd(estimates, {"fu", "fv"}, camera.name + ".", true));
     if (focal.name.empty()) continue;
     findings.push_back(

@@ -127,6 +127,9 @@ Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t
 
 // ---- the IMU (imu_rules.cpp)
 Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThresholds& t);
+/// Whether samples come often enough for a hand's motion; nothing where they do. Where not, other
+/// rules speak of noise, scale or motion instead.
+Findings judgeSampling(const CameraImuStageResult& stage);
 /// What the files state against what the data say: the IMU's rate; scale and gravity by the linear
 /// fit ahead of the batch, where faults could not be tested (caution at most).
 Findings judgeStatements(const CalibrationRecord& record, const VerdictThresholds& t);

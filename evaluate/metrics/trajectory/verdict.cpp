@@ -69,8 +69,8 @@ void addConventions(const TrajectoryStudy& study, Findings& findings) {
   }
 }
 
-/// Rotations that are off by more than an estimator errs while the positions are fitted: of no run
-/// known to be of other conventions, which leave no rotation errors.
+/// Rotations that are off by more than an estimator errs. Runs whose file conventions are known to
+/// differ have no rotation errors, and are not counted.
 void addOrientation(const TrajectoryStudy& study, Findings& findings) {
   constexpr double kMostDeg = 15;
   std::size_t off = 0, known = 0;
@@ -89,7 +89,8 @@ void addOrientation(const TrajectoryStudy& study, Findings& findings) {
                    kMostDeg, worst->ate_rotation_deg.rmse),
        "look for an axis that is mirrored or exchanged, a clock that is off "
        "(--clock-offset auto), inverted quaternions (--truth-inverted, "
-       "--estimate-inverted), or an estimate that diverged",
+       "--estimate-inverted), worlds that were not aligned (--align se3), or an "
+       "estimate that diverged",
        worst->ate_rotation_deg.rmse, kMostDeg, "deg"});
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -153,13 +154,14 @@ Table outcomeTable(const ReplayRecord& record, const std::vector<SuggestionOutco
 }
 
 Cell verdictCell(StopAudit::Verdict verdict) {
-  // In the order of the verdicts.
-  static constexpr std::pair<const char*, VerdictLevel> kCells[] = {
+  // In the order of the verdicts. What was not judged has no colour: where that matters, the page's
+  // verdict says so.
+  static constexpr std::pair<const char*, std::optional<VerdictLevel>> kCells[] = {
       {"never stopped", VerdictLevel::kCaution},
       {"too early", VerdictLevel::kBad},
       {"late", VerdictLevel::kCaution},
       {"right", VerdictLevel::kGood},
-      {"not judged", VerdictLevel::kCaution}};
+      {"not judged", std::nullopt}};
   const auto& [text, level] = kCells[static_cast<std::size_t>(verdict)];
   return {text, Cell::Kind::kTight, level};
 }

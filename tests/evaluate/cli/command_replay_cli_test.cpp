@@ -224,7 +224,7 @@ TEST_F(CommandReplay, AStageThatWasLeftOutIsNotJudgedEither) {
   const json no_imu = audits(" --no-imu");
   ASSERT_EQ(no_imu.size(), 2u);
   EXPECT_EQ(no_imu[1]["verdict"], "not judged");
-  EXPECT_EQ(no_imu[1]["explanation"], "not judged: there are no IMU samples");
+  EXPECT_EQ(no_imu[1]["explanation"], "not judged: the IMU is left out (--no-imu)");
 }
 
 TEST_F(CommandReplay, ACameraStageThatTakesAllIsEndedAtHalf) {

@@ -55,7 +55,7 @@ TEST_F(EvaluateCalibration, OursAndItsKalibrFormScoreAlikeAsTheirOwnResult) {
 }
 
 // Poses absorb most of a focal length that is wrong: the RMSE stays below a tenth of the bound.
-TEST_F(EvaluateCalibration, CamerasThatExplainTheCornersWorseThanTheyCouldAreACaution) {
+TEST_F(EvaluateCalibration, CamerasOtherThanTheCornersAskForAreACaution) {
   const auto against = [&] {
     const nlohmann::json found = document();
     for (const auto& f : found.at("verdict").at("findings")) {
@@ -65,7 +65,7 @@ TEST_F(EvaluateCalibration, CamerasThatExplainTheCornersWorseThanTheyCouldAreACa
   };
   ASSERT_EQ(score(ours(), session(), "--no-imu").exit_code, 0);
   EXPECT_EQ(against().at("level"), "good");
-  EXPECT_LT(against().at("value").get<double>(), 1.01);
+  EXPECT_LT(against().at("value").get<double>(), 0.1);
   std::string chain = read(root_ / "own" / "camchain-imucam.yaml");
   std::size_t at = chain.find("intrinsics: [") + 13;
   for (int k = 0; k < 2; ++k) {
@@ -80,7 +80,9 @@ TEST_F(EvaluateCalibration, CamerasThatExplainTheCornersWorseThanTheyCouldAreACa
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   EXPECT_EQ(against().at("level"), "caution");
   EXPECT_EQ(against().at("subject"), "cameras");
-  EXPECT_GT(against().at("value").get<double>(), 1.05);
+  // 1 % of the image's radius is two to three pixels, each 0.5 px one bound.
+  EXPECT_GT(against().at("value").get<double>(), 3);
+  EXPECT_LT(against().at("value").get<double>(), 8);
   EXPECT_EQ(document().at("verdict").at("level"), "caution");
 }
 

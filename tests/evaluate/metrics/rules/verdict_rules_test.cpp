@@ -96,13 +96,8 @@ const RuleCase kImuCases[] = {
     {"Residuals of the accelerometer over the whole recording", kOfExtrinsics,
      [](Cameras&, Imu& s) { s.imu_summary.accel_normalised_rms = 3; }},
     {"Rate of the IMU", kOfExtrinsics, [](Cameras&, Imu& s) { s.imu_rate_hz = 100; }},
-    {"IMU samples between two frames", kOfExtrinsics,
-     [](Cameras&, Imu& s) {
-       for (std::size_t i = 0; i < s.frames.size(); ++i) {
-         s.frames[i].t = toNanoseconds(0.05 * static_cast<double>(i));
-       }
-       s.imu.noise.rate_hz = s.imu_rate_hz = 25;
-     }},
+    {"Rate of the IMU for a hand's motion", kOfRecording,
+     [](Cameras&, Imu& s) { s.imu.noise.rate_hz = s.imu_rate_hz = 25; }},
     {"Halves of the recording (camera-IMU)", kOfExtrinsics,
      [](Cameras&, Imu& s) { s.summary.halves = halvesApart(); }},
     {"Length of the lever arm", kOfExtrinsics,
