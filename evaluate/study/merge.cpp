@@ -59,6 +59,7 @@ class Merger {
         addFailure(step, result->second.message);
       }
     }
+    keepComparableEntropies(merged_.record.sessions);
     for (StudySession& session : merged_.record.sessions) addHeldOutError(session);
     addOthersHeldOut();
     addFigures();
@@ -345,6 +346,26 @@ class Merger {
 };
 
 }  // namespace
+
+void keepComparableEntropies(std::vector<StudySession>& sessions) {
+  const auto parametersOf = [](const StudySession& session) {
+    std::string names;
+    for (const ParameterEstimate& e : session.estimates) {
+      if (e.name.starts_with("cam")) names += e.name + " ";
+    }
+    return names;
+  };
+  std::map<std::string, int> counts;
+  for (const StudySession& s : sessions) {
+    if (s.camera_entropy_nats) ++counts[parametersOf(s)];
+  }
+  if (counts.size() < 2) return;
+  const std::string commonest =
+      std::ranges::max_element(counts, {}, [](const auto& c) { return c.second; })->first;
+  for (StudySession& s : sessions) {
+    if (parametersOf(s) != commonest) s.camera_entropy_nats.reset();
+  }
+}
 
 MergedNight mergeNight(const StudyDefinition& study, const fs::path& night,
                        const std::vector<Step>& steps, const StepResults& results) {

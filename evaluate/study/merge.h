@@ -28,6 +28,10 @@ inline Finding countFinding(const std::string& rule, std::size_t count,
   return {rule, VerdictLevel::kGood, evidence, "", static_cast<double>(count), 0, "1"};
 }
 
+/// Entropies compare under one list of parameters only: takes the camera entropy from sessions
+/// whose cameras have other lens models than most sessions' have.
+void keepComparableEntropies(std::vector<StudySession>& sessions);
+
 /// Puts the steps' rows beside what the definition says of their sessions, in its order. A session
 /// without a calibration is failed, with its step and message; other failures stand in the rows
 /// that they leave without a figure. Reads the rows from the night's folder.

@@ -154,8 +154,9 @@ Section heldOutSection(const StudyRecord& record) {
 
 Section entropySection(const StudyRecord& record) {
   Section section{"entropies", "Entropies",
-                  "Of the calibrations' parameters; lower: better determined. Compare them only "
-                  "under the same noise and parameters."};
+                  "Of the calibrations' parameters; lower: better determined. They compare only "
+                  "under the same noise and parameters: sessions whose cameras have other lens "
+                  "models than most have none of the camera stage here."};
   const BoxPlot cameras = methodBoxes(
       record, [](const StudySession& s) { return s.camera_entropy_nats; }, "{:.2f} nat");
   const BoxPlot imu = methodBoxes(

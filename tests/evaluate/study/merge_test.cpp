@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -161,6 +162,29 @@ TEST_F(MergeTest, ASessionWithoutACalibrationHasNoVerdict) {
   EXPECT_EQ(record.sessions[0].status, StudyStatus::kFailed);
   EXPECT_FALSE(record.sessions[0].verdict);
   EXPECT_FALSE(toJson(record.sessions[0]).contains("verdict"));
+}
+
+// A session whose lens model was chosen otherwise has another entropy for that reason alone.
+TEST(Merge, EntropiesAreOfOneListOfParameters) {
+  const auto session = [](const std::vector<std::string>& names) {
+    StudySession s;
+    s.camera_entropy_nats = -90;
+    s.camera_imu_entropy_nats = -40;
+    for (const std::string& name : names) s.estimates.emplace_back().name = name;
+    return s;
+  };
+  const std::vector<std::string> radtan{"cam0.fu", "cam0.p1", "T_SC0.tx"};
+  const std::vector<std::string> other{"cam0.fu", "cam0.k3", "T_SC0.tx"};
+  std::vector<StudySession> sessions{session(other), session(radtan), session(radtan), {}};
+  keepComparableEntropies(sessions);
+  EXPECT_FALSE(sessions[0].camera_entropy_nats);
+  EXPECT_TRUE(sessions[0].camera_imu_entropy_nats) << "of T_SC0 and the offset";
+  EXPECT_TRUE(sessions[1].camera_entropy_nats);
+  EXPECT_TRUE(sessions[2].camera_entropy_nats);
+  EXPECT_FALSE(sessions[3].camera_entropy_nats) << "failed";
+  std::vector<StudySession> alike{session(other), session(other)};
+  keepComparableEntropies(alike);
+  EXPECT_TRUE(alike[0].camera_entropy_nats && alike[1].camera_entropy_nats);
 }
 
 TEST_F(MergeTest, AFailedPerturbationIsOneOfEveryOffset) {
