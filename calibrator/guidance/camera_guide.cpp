@@ -18,6 +18,9 @@
 namespace plumbline {
 namespace {
 
+// Without a way to any candidate on which the target stays in view: half a second at 20 Hz.
+constexpr int kFramesUntilAskedAgain = 10;
+
 /// A camera of which nothing is known but what one view tells.
 CameraCalibration guessedCamera(const GuideRig& rig, const std::vector<Corner>& seen) {
   const GuideRig::Camera& of = rig.cameras.front();
@@ -32,9 +35,6 @@ CameraCalibration guessedCamera(const GuideRig& rig, const std::vector<Corner>& 
 }
 
 }  // namespace
-
-// Without a way to any candidate on which the target stays in view: half a second at 20 Hz.
-constexpr int kFramesUntilAskedAgain = 10;
 
 struct CameraGuide::State : StageState {
   State(const GuideRig& of, const GuideOptions& asked, int first_suggestion)

@@ -15,6 +15,7 @@
 #include "evaluate/metrics/calibration/both_stages.h"
 #include "evaluate/metrics/calibration/uncertainty_maps.h"
 #include "evaluate/metrics/headline.h"
+#include "evaluate/metrics/rules/rules.h"
 #include "evaluate/metrics/sample_intervals.h"
 #include "evaluate/session/load_session.h"
 
@@ -117,7 +118,7 @@ void undoShift(TimeNs imu_shift, CalibrationRecord& record) {
     offset.s -= 1e-9 * static_cast<double>(imu_shift);
   }
   for (Finding& f : record.verdict.findings) {
-    if (f.rule != "Size of the time offset") continue;
+    if (f.rule != kOffsetSizeRule) continue;
     f.evidence +=
         fmt::format(", of stamps shifted by {:g} ms", 1e-6 * static_cast<double>(imu_shift));
   }
@@ -203,8 +204,8 @@ Result<CalibrationRecord> calibrateSession(const CalibrateRequest& asked,
   }
   addViewImages(loaded, record);
   record.verdict = judge(record, request.thresholds, &loaded.session, request.camera.frames);
-  record.verdict.headline = calibrationHeadline(record, request.thresholds);
   undoShift(request.camera_imu.imu_shift_ns, record);
+  record.verdict.headline = calibrationHeadline(record, request.thresholds);
   return record;
 }
 

@@ -21,7 +21,7 @@ namespace plumbline {
 namespace {
 
 // Caution at most: which of the two is wrong the recording does not say.
-constexpr Bound kTwice{1, std::numeric_limits<double>::infinity()};
+constexpr Bound kOverItsBound{1, std::numeric_limits<double>::infinity()};
 constexpr double kSignificant = 3;  // standard deviations
 constexpr double kProjection_px = 0.5, kTranslation_m = 5e-4, kRotation_deg = 0.05;
 
@@ -82,7 +82,7 @@ Finding findingOf(const Rule& rule, const std::vector<Difference>& all, double h
 
 std::vector<Finding> judgeHeldCameras(const CameraStageResult& held, const Session& session,
                                       const ScoreOptions& options) {
-  const Rule rule{"Cameras against this recording", "x", kTwice,
+  const Rule rule{"Cameras against this recording", "x", kOverItsBound,
                   "Focus, mount or board may have changed since, or one of the two recordings "
                   "determines the cameras badly: calibrate this one, and compare both (plumbline "
                   "compare) on a third."};

@@ -259,25 +259,25 @@ std::string effect(const FaultTest& test) {
       1e3 * std::abs(test.shift(6)));
 }
 
-/// The fault's largest effect in formal standard deviations: the smaller ones, so that doubt comes
-/// early. `of`, where given, gets its place.
-double effectInSigma(const FaultTest& test, const FaultDiagnosis& diagnosis,
-                     Eigen::Index* of = nullptr) {
-  const auto sigmas = (test.shift.cwiseAbs().cwiseQuotient(diagnosis.formal_std)).eval();
+/// A fault's largest effect in formal standard deviations (the smaller ones, so that doubt comes
+/// early), and on which of T_SC0 and the time offset.
+struct LargestEffect {
+  double sigma = 0;
+  std::size_t parameter = 0;
+};
+
+LargestEffect largestEffect(const FaultTest& test, const FaultDiagnosis& diagnosis) {
   Eigen::Index place = 0;
-  const double largest = sigmas.maxCoeff(&place);
-  if (of != nullptr) *of = place;
-  return largest;
+  const double sigma = test.shift.cwiseAbs().cwiseQuotient(diagnosis.formal_std).maxCoeff(&place);
+  return {sigma, static_cast<std::size_t>(place)};
 }
 
 /// "up to 38.5 formal standard deviations, in T_SC0.rx".
-std::string sigmaWords(const FaultTest& test, const FaultDiagnosis& diagnosis) {
+std::string sigmaWords(const LargestEffect& effect) {
   static constexpr std::array kNames{"T_SC0.tx", "T_SC0.ty", "T_SC0.tz",   "T_SC0.rx",
                                      "T_SC0.ry", "T_SC0.rz", "time_offset"};
-  Eigen::Index of = 0;
-  const double sigma = effectInSigma(test, diagnosis, &of);
-  return fmt::format("up to {:.1f} formal standard deviations, in {}", sigma,
-                     kNames[static_cast<std::size_t>(of)]);
+  return fmt::format("up to {:.1f} formal standard deviations, in {}", effect.sigma,
+                     kNames[effect.parameter]);
 }
 
 /// The recording has no single value of something that the calibration states one of.
@@ -330,22 +330,21 @@ Effect worstEffect(const FaultTest& cause, double sigma, const VerdictThresholds
 Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const std::string& name,
                   const std::string& evidence, const std::string& advice,
                   const VerdictThresholds& t) {
-  const double sigma = effectInSigma(cause, diagnosis);
+  const LargestEffect largest = largestEffect(cause, diagnosis);
   const bool first = &cause == &diagnosis.causes.front();
-  Effect effect_of = worstEffect(cause, sigma, t);
+  Effect effect_of = worstEffect(cause, largest.sigma, t);
   VerdictLevel level = levelAbove(effect_of.value, effect_of.bound);
   // Which of two it is nobody knows, and the other may not be harmless: the gyroscope's axes move
   // T_SC0, the accelerometer's do not.
   std::string of_other;
   if (first && diagnosis.alternative && level == VerdictLevel::kGood) {
     const FaultTest& other = *diagnosis.alternative;
-    const double other_sigma = effectInSigma(other, diagnosis);
-    const Effect worse = worstEffect(other, other_sigma, t);
+    const LargestEffect of_it = largestEffect(other, diagnosis);
+    const Effect worse = worstEffect(other, of_it.sigma, t);
     if (levelAbove(worse.value, worse.bound) != VerdictLevel::kGood) {
       effect_of = worse;
       level = VerdictLevel::kCaution;
-      of_other =
-          fmt::format("; of the alternative: {} ({})", effect(other), sigmaWords(other, diagnosis));
+      of_other = fmt::format("; of the alternative: {} ({})", effect(other), sigmaWords(of_it));
     }
   }
   if (level == VerdictLevel::kGood && contradictsStatedValue(cause.fault)) {
@@ -353,8 +352,7 @@ Finding findingOf(const FaultTest& cause, const FaultDiagnosis& diagnosis, const
   }
   return finding(
       {name, effect_of.unit, effect_of.bound, advice}, level, effect_of.value,
-      fmt::format("{}; {} ({}){}{}", evidence, effect(cause), sigmaWords(cause, diagnosis),
-                  of_other,
+      fmt::format("{}; {} ({}){}{}", evidence, effect(cause), sigmaWords(largest), of_other,
                   first ? fmt::format("; it explains the residuals best among {} faults tested",
                                       std::ranges::count_if(diagnosis.tests, isTested))
                         : ""));

@@ -231,7 +231,7 @@ Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThres
                             "impossible lever arm means weak excitation or wrong axes."},
                            arm, fmt::format("camera 0 is {:.1f} mm from the IMU", 1e3 * arm)));
   const double offset = 1e3 * std::abs(stage.imu.timeOffset());
-  findings.push_back(above({"Size of the time offset", "ms", t.offset_ms,
+  findings.push_back(above({kOffsetSizeRule, "ms", t.offset_ms,
                             "Check how both sensors are stamped: offsets of this size come from "
                             "buffering or from stamps taken at arrival."},
                            offset,

@@ -127,6 +127,8 @@ Findings judgeImuStd(const CalibrationRecord& record, const VerdictThresholds& t
 
 // ---- the IMU (imu_rules.cpp)
 Findings judgeFramesAndGaps(const CameraImuStageResult& stage, const VerdictThresholds& t);
+/// The rule of judgePlausibility() on it.
+inline constexpr char kOffsetSizeRule[] = "Size of the time offset";
 /// Whether samples come often enough for a hand's motion; nothing where they do. Where not, other
 /// rules speak of noise, scale or motion instead.
 Findings judgeSampling(const CameraImuStageResult& stage);

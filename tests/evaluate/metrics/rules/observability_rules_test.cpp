@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every component of what a stage estimates is asked for its standard deviation, in the unit of the
 // bound that it is held against.
+#include <cmath>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -60,6 +61,22 @@ TEST(ObservabilityRules, FocalLengthsOfWideModelsAreThoseAtTheAxis) {
   S(0, 2) = S(2, 0) = -0.016 * 5;
   EXPECT_NEAR(judged().value, 0.04, 1e-6);
   EXPECT_THAT(judged().evidence, ::testing::HasSubstr("the scale of cam0 at the optical axis"));
+}
+
+// In fov it is fu 2 tan(w / 2) / w, whose logarithm changes with w by 1 / sin w - 1 / w.
+TEST(ObservabilityRules, TheFocalLengthOfFovIsThatAtTheAxisToo) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  Intrinsics& camera = record.camera->cameras[0].intrinsics;
+  camera.distortion_model = DistortionModel::kFov;
+  camera.distortion = Eigen::VectorXd::Constant(1, 0.9);
+  const double fu = camera.projection[0];
+  setDeviation(record.camera->summary, {"cam0.fu", "cam0.w"}, "cam0.fu", 0, 0.02 * fu);
+  Eigen::MatrixXd& S = record.camera->summary.covariance.matrix;
+  EXPECT_NEAR(findingOf(judge(record), "Focal length of cam0").value, 0.02, 1e-7);
+  const double w_std = 0.02 / (1 / std::sin(0.9) - 1 / 0.9);
+  S(1, 1) = w_std * w_std;
+  S(0, 1) = S(1, 0) = -0.02 * fu * w_std;
+  EXPECT_NEAR(findingOf(judge(record), "Focal length of cam0").value, 0, 1e-5);
 }
 
 TEST(ObservabilityRules, EveryComponentBetweenCamerasIsJudged) {
