@@ -10,26 +10,33 @@
 
 namespace plumbline {
 
-template <int kWidth>
+template <int kWidth, class Scalar>
 struct LanesOf {
-  using type [[gnu::vector_size(8 * kWidth)]] = double;
+  using type [[gnu::vector_size(sizeof(Scalar) * kWidth)]] = Scalar;
 };
 
-/// kWidth doubles handled at once (GCC vector extension: + - * / < and ?: work per lane). The same
+/// kWidth numbers handled at once (GCC vector extension: + - * / < and ?: work per lane). The same
 /// source serves every instruction set; the function into which it is inlined decides.
-template <int kWidth>
-using Lanes = typename LanesOf<kWidth>::type;
+template <int kWidth, class Scalar = double>
+using Lanes = typename LanesOf<kWidth, Scalar>::type;
 
-/// W doubles in a row, at any address.
-template <int W>
-[[gnu::always_inline]] inline Lanes<W> load(const double* from) {
-  Lanes<W> a;
+/// W numbers in a row, at any address.
+template <int W, class Scalar>
+[[gnu::always_inline]] inline Lanes<W, Scalar> load(const Scalar* from) {
+  Lanes<W, Scalar> a;
   __builtin_memcpy(&a, from, sizeof a);
   return a;
 }
 
-template <int W>
-[[gnu::always_inline]] inline void store(double* to, const Lanes<W>& a) {
+/// The same at an address aligned to their size, which SSE2 multiplies by without a load before.
+template <int W, class Scalar>
+[[gnu::always_inline]] inline Lanes<W, Scalar> loadAligned(const Scalar* from) {
+  return load<W>(
+      static_cast<const Scalar*>(__builtin_assume_aligned(from, sizeof(Lanes<W, Scalar>))));
+}
+
+template <int W, class Scalar>
+[[gnu::always_inline]] inline void store(Scalar* to, const Lanes<W, Scalar>& a) {
   __builtin_memcpy(to, &a, sizeof a);
 }
 

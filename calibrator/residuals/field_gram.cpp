@@ -158,8 +158,10 @@ FieldBase fieldBase(std::span<const FieldBox> boxes) {
 Eigen::Matrix<double, kFieldFunctions, 1> fieldFunctions(const FieldBox& box,
                                                          const Eigen::Vector2d& uv) {
   Eigen::Matrix<double, kFieldFunctions, 1> f;
-  fields::eachFunction<2>(box, Lanes<2>{uv[0], uv[0]}, Lanes<2>{uv[1], uv[1]},
-                          [&](int place, const Lanes<2>& value) { f[place] = value[0]; });
+  const auto x = fields::clampedPlace<2>(Lanes<2>{uv[0], uv[0]}, box.centre[0], box.half[0]);
+  const auto y = fields::clampedPlace<2>(Lanes<2>{uv[1], uv[1]}, box.centre[1], box.half[1]);
+  fields::eachFunction<2, double>(box, x, y,
+                                  [&](int number, const Lanes<2>& value) { f[number] = value[0]; });
   return f;
 }
 

@@ -56,7 +56,9 @@ struct FieldGram : ViewGram {
 };
 
 /// What is done with the squares of the functions, and with what they take of the residuals: a view
-/// that nobody has taken needs neither.
+/// that nobody has taken needs neither. Where they are dropped, H_pose_f and H_k_f are sums of
+/// single precision, each row within 1e-6 of its length: what candidates are chosen by is predicted
+/// to a part in ten thousand with three views and a part in fifty thousand from five on.
 enum class FieldSquares { kKeep, kDrop };
 
 /// Corners weigh w^2 of the view (any weight here, 0 or more: its root is the column's factor),

@@ -15,9 +15,15 @@ namespace plumbline::gram {
 
 /// Corners handled at a time: their columns stay in the first-level cache.
 inline constexpr int kChunk = 48;
-/// Doubles from one column to the next: a corner's row u in the first half, its row v in the
+/// Numbers from one column to the next: a corner's row u in the first half, its row v in the
 /// second.
 inline constexpr int kStride = 2 * kChunk;
+
+/// How many numbers fill a register that holds W doubles.
+template <int W, class Scalar>
+inline constexpr int kWidthOf = static_cast<int>(W * sizeof(double) / sizeof(Scalar));
+template <int W, class Scalar>
+using Register = Lanes<kWidthOf<W, Scalar>, Scalar>;
 
 template <int W>
 [[gnu::always_inline]] inline double sumOf(const Lanes<W>& a) {
@@ -26,7 +32,27 @@ template <int W>
   return sum;
 }
 
-/// sums[i][j] += left column i . right column j over n entries, for I x J columns at once.
+/// sum[i][j] += left column i . right column j over n entries, for I x J columns at once, in
+/// registers of W doubles or twice as many of single precision. Columns begin where registers may.
+template <int W, int I, int J, class Scalar>
+[[gnu::always_inline]] inline void multiply(const Scalar* left, int left_stride,
+                                            const Scalar* right, int right_stride, int n,
+                                            Register<W, Scalar> (&sum)[I][J]) {
+  constexpr int kWidth = kWidthOf<W, Scalar>;
+  for (int k = 0; k < n; k += kWidth) {
+    Register<W, Scalar> r[J];
+#pragma GCC unroll 8
+    for (int j = 0; j < J; ++j) r[j] = loadAligned<kWidth>(right + j * right_stride + k);
+#pragma GCC unroll 8
+    for (int i = 0; i < I; ++i) {
+      const Register<W, Scalar> l = loadAligned<kWidth>(left + i * left_stride + k);
+#pragma GCC unroll 8
+      for (int j = 0; j < J; ++j) sum[i][j] += l * r[j];
+    }
+  }
+}
+
+/// multiply() of sums that lie `sums_stride` apart from row to row.
 template <int W, int I, int J>
 [[gnu::always_inline]] inline void addTile(const double* left, const double* right, int n,
                                            Lanes<W>* sums, int sums_stride) {
@@ -36,17 +62,7 @@ template <int W, int I, int J>
 #pragma GCC unroll 8
     for (int j = 0; j < J; ++j) sum[i][j] = sums[i * sums_stride + j];
   }
-  for (int k = 0; k < n; k += W) {
-    Lanes<W> r[J];
-#pragma GCC unroll 8
-    for (int j = 0; j < J; ++j) r[j] = load<W>(right + j * kStride + k);
-#pragma GCC unroll 8
-    for (int i = 0; i < I; ++i) {
-      const Lanes<W> l = load<W>(left + i * kStride + k);
-#pragma GCC unroll 8
-      for (int j = 0; j < J; ++j) sum[i][j] += l * r[j];
-    }
-  }
+  multiply<W, I, J, double>(left, kStride, right, kStride, n, sum);
 #pragma GCC unroll 8
   for (int i = 0; i < I; ++i) {
 #pragma GCC unroll 8
@@ -54,11 +70,17 @@ template <int W, int I, int J>
   }
 }
 
-/// I rows against J columns, cut into tiles of about a dozen sums (16 registers on x86-64).
+/// How many columns a tile of I rows has, so that its sums, a row's columns and one product fit 16
+/// registers. Two doubles are SSE2, where a product overwrites a factor: wider tiles spill
+/// their sums.
+template <int W, int I>
+inline constexpr int kTileColumns = I < 3 ? 5 : (W == 2 ? 2 : 3);
+
+/// I rows against J columns, cut into tiles.
 template <int W, int I, int J>
 [[gnu::always_inline]] inline void addStrip(const double* left, const double* right, int n,
                                             Lanes<W>* sums, int sums_stride) {
-  constexpr int kTile = I >= 3 ? 3 : 5;
+  constexpr int kTile = kTileColumns<W, I>;
   if constexpr (J > kTile) {
     addTile<W, I, kTile>(left, right, n, sums, sums_stride);
     addStrip<W, I, J - kTile>(left, right + kTile * kStride, n, sums + kTile, sums_stride);

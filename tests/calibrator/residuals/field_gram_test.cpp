@@ -182,13 +182,42 @@ TEST(FieldGram, CombinationsAreProductsOfTheColumns) {
       return fieldGram(camera, T_CF, packed.view(0), kBox, squares, {1, 0}, combinations);
     };
     const FieldGram each = gram(FieldSquares::kKeep, {});
-    for (const FieldSquares squares : {FieldSquares::kKeep, FieldSquares::kDrop}) {
-      const FieldGram g = fieldGram(camera, T_CF, packed.view(0), kBox, squares, {1, 0}, R);
-      EXPECT_LT((g.H_pose_f - each.H_pose_f * R).norm(), 1e-12 * each.H_pose_f.norm());
-      EXPECT_LT((g.H_k_f - each.H_k_f * R).norm(), 1e-12 * each.H_k_f.norm());
-    }
+    const FieldGram g =
+        fieldGram(camera, T_CF, packed.view(0), kBox, FieldSquares::kKeep, {1, 0}, R);
+    EXPECT_LT((g.H_pose_f - each.H_pose_f * R).norm(), 1e-12 * each.H_pose_f.norm());
+    EXPECT_LT((g.H_k_f - each.H_k_f * R).norm(), 1e-12 * each.H_k_f.norm());
     EXPECT_EQ(gram(FieldSquares::kKeep, R).b_f, each.b_f);
     EXPECT_EQ(gram(FieldSquares::kDrop, R).b_f.norm(), 0);
+  }
+}
+
+TEST(FieldGram, WithoutSquaresProductsHaveSinglePrecision) {
+  const AprilGrid target;
+  const Transform T_CF = test::examplePose();
+  for (const Intrinsics& camera : {test::radtanCamera(), test::equidistantCamera()}) {
+    // Several chunks of corners, the last with padding.
+    for (const int corners : {3, 48, 61, 144}) {
+      const PackedCorners packed(target, {test::noisyView(target, camera, T_CF, corners, 0.7, 3)});
+      const auto gram = [&](FieldSquares squares) {
+        return fieldGram(camera, T_CF, packed.view(0), kBox, squares, {1, 0});
+      };
+      const FieldGram exact = gram(FieldSquares::kKeep);
+      const FieldGram single = gram(FieldSquares::kDrop);
+      // What is without fields stays exact.
+      EXPECT_EQ(single.H, exact.H);
+      EXPECT_EQ(single.H_k, exact.H_k);
+      EXPECT_EQ(single.b, exact.b);
+      const auto squared = [&](const auto& columns, Eigen::Index i) {
+        return columns.row(i).squaredNorm();
+      };
+      for (Eigen::Index i = 0; i < 6; ++i) {
+        EXPECT_LT(squared((single.H_pose_f - exact.H_pose_f).eval(), i),
+                  1e-12 * squared(exact.H_pose_f, i));
+      }
+      for (Eigen::Index i = 0; i < exact.H_k_f.rows(); ++i) {
+        EXPECT_LT(squared((single.H_k_f - exact.H_k_f).eval(), i), 1e-12 * squared(exact.H_k_f, i));
+      }
+    }
   }
 }
 
