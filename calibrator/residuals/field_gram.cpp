@@ -167,7 +167,8 @@ Eigen::Matrix<double, kFieldFunctions, 1> fieldFunctions(const FieldBox& box,
 
 FieldGram fieldGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
                     const FieldBox& box, FieldSquares squares, const GramOptions& options,
-                    const Eigen::Ref<const Eigen::MatrixXd>& combinations) {
+                    const Eigen::Ref<const Eigen::MatrixXd>& combinations, InstructionSet set) {
+  assert(isAvailable(set));
   const bool combined = combinations.size() > 0;
   assert(box.half.minCoeff() > 0);
   assert(!combined || combinations.rows() == kFieldColumns);
@@ -180,7 +181,6 @@ FieldGram fieldGram(const Intrinsics& camera, const Transform& T_CF, const Packe
   std::visit(
       [&]<class Model>(Model) {
         if constexpr (kIsVectorised<Model>) {
-          const InstructionSet set = bestInstructionSet();
           options.cauchy_px > 0 ? computeWith<Model, true>(set, in, f, out)
                                 : computeWith<Model, false>(set, in, f, out);
         } else {

@@ -57,17 +57,19 @@ struct FieldGram : ViewGram {
 
 /// What is done with the squares of the functions, and with what they take of the residuals: a view
 /// that nobody has taken needs neither. Where they are dropped, H_pose_f and H_k_f are sums of
-/// single precision, each row within 1e-6 of its length: what candidates are chosen by is predicted
-/// to a part in ten thousand with three views and a part in fifty thousand from five on.
+/// single precision, each row within 1e-6 of its length. What they change of a predicted error is
+/// below 2e-4 of it from the fourth view on, where little is known more (5e-3 for the second and
+/// third: view_terms_test.cpp).
 enum class FieldSquares { kKeep, kDrop };
 
 /// Corners weigh w^2 of the view (any weight here, 0 or more: its root is the column's factor),
 /// times 1 / (1 + |e|^2 / c^2) where there is a loss; triggs_clamp does not matter, and `cost` is
 /// squared_error, the loss left out. Without FieldSquares::kKeep H_f and b_f are zero.
 /// `combinations`: R, kFieldColumns x K; empty: the functions by themselves. Vectorised as
-/// viewGram() is.
+/// viewGram() is, for the same models.
 FieldGram fieldGram(const Intrinsics& camera, const Transform& T_CF, const PackedView& view,
                     const FieldBox& box, FieldSquares squares, const GramOptions& options = {},
-                    const Eigen::Ref<const Eigen::MatrixXd>& combinations = Eigen::MatrixXd());
+                    const Eigen::Ref<const Eigen::MatrixXd>& combinations = Eigen::MatrixXd(),
+                    InstructionSet set = bestInstructionSet());
 
 }  // namespace plumbline

@@ -155,6 +155,8 @@ template <int W, int kShape>
 template <int W, int kShape>
 [[gnu::always_inline]] inline void writeSingle(const FieldBox& box, SingleSums<6 + kShape>& sums,
                                                const Combinations& R, FieldGram& out) {
+  out.H_f.setZero();
+  out.b_f.setZero();
   flush<W>(box, sums);
   for (int row = 0; row < 2; ++row) writeRow<W, kShape>(sums.rows[row], row, R, out);
 }
@@ -264,8 +266,6 @@ template <int W, class Model, bool kRobust>
   gram::writeIntrinsics<Model::kShape>(totals, out);
   out.H_pose_f.setZero(6, f.combinations.count);
   out.H_k_f.setZero(4 + Model::kShape, f.combinations.count);
-  out.H_f.setZero();
-  out.b_f.setZero();
   f.squares ? Fields<W>::template write<Model::kShape>(f, exact, out)
             : Fields<W>::template write<Model::kShape>(f, single, out);
 }

@@ -30,9 +30,9 @@ struct RowSums {
 };
 
 /// Where squares are not kept, products with the functions are summed in single precision: they are
-/// four fifths of all products, and of them as many more fit a register. They weigh a misfit whose
-/// size is an estimate from residuals; 6 digits serve it. Columns of many corners are collected
-/// before they are multiplied, so that no sum leaves its register.
+/// three quarters of all products, and of them as many more fit a register. They weigh a misfit
+/// whose size is an estimate from residuals; 6 digits serve it. Columns of many corners are
+/// collected before they are multiplied, so that no sum leaves its register.
 template <int S>
 struct SingleSums {
   static constexpr int kBlock = 3 * gram::kChunk;

@@ -11,15 +11,10 @@
 #include "calibrator/simulate/random_stream.h"
 #include "calibrator/simulate/simulate_session.h"
 #include "tests/calibrator/camera/example_cameras.h"
+#include "tests/calibrator/residuals/available_sets.h"
 
 namespace plumbline {
 namespace {
-
-std::vector<InstructionSet> availableSets() {
-  std::vector<InstructionSet> sets{InstructionSet::kBaseline};
-  if (isAvailable(InstructionSet::kAvx2)) sets.push_back(InstructionSet::kAvx2);
-  return sets;
-}
 
 /// Cameras of all sorts of places: before the target and behind it, near and far, looking at it and
 /// past it.
@@ -74,7 +69,7 @@ Seen compare(const Intrinsics& camera, InstructionSet set) {
 TEST(VisibleTags, AreThoseOfThePlainProjectionForEveryModelAndInstructionSet) {
   for (const Intrinsics& camera : test::everyModel()) {
     SCOPED_TRACE(toString(camera.projection_model) + "-" + toString(camera.distortion_model));
-    for (InstructionSet set : availableSets()) {
+    for (InstructionSet set : test::availableSets()) {
       const Seen seen = compare(camera, set);
       EXPECT_GT(seen.none, 20);
       EXPECT_GT(seen.some, 100);  // border, fold and length of sides decide

@@ -10,6 +10,7 @@
 #include "calibrator/camera/camera_dispatch.h"
 #include "calibrator/residuals/plain_gram.h"
 #include "tests/calibrator/camera/example_cameras.h"
+#include "tests/calibrator/residuals/available_sets.h"
 #include "tests/calibrator/residuals/example_view.h"
 #include "tests/calibrator/residuals/naive_gram.h"
 
@@ -28,12 +29,6 @@ std::vector<GramOptions> allOptions() {
           {.cauchy_px = 1.5, .triggs_clamp = 0.7},
           {.cauchy_px = 0.2, .triggs_clamp = 0.95},
           {.cauchy_px = 1.5, .triggs_clamp = 2}};
-}
-
-std::vector<InstructionSet> availableSets() {
-  std::vector<InstructionSet> sets{InstructionSet::kBaseline};
-  if (isAvailable(InstructionSet::kAvx2)) sets.push_back(InstructionSet::kAvx2);
-  return sets;
 }
 
 Eigen::Matrix<double, 14, 14> assembled(const ViewGram& gram) {
@@ -72,7 +67,7 @@ TEST(ViewGram, EqualsTheSumOverCornersForEveryModelLossAndInstructionSet) {
     const PackedCorners corners(kViewTarget, {view});
     for (const GramOptions& options : allOptions()) {
       const NaiveGram naive = naiveGram(camera, T_CF, kViewTarget, corners.view(0), options);
-      for (InstructionSet set : availableSets()) {
+      for (InstructionSet set : test::availableSets()) {
         expectEqual(viewGram(camera, T_CF, corners.view(0), options, set), naive);
       }
     }
@@ -102,7 +97,7 @@ TEST(ViewGram, PoseOnlyAndCostOnlyAreItsParts) {
     const ImageView view = test::noisyView(kViewTarget, camera, T_CF, 101, 1.0, 3);
     const PackedCorners corners(kViewTarget, {view});
     for (const GramOptions& options : allOptions()) {
-      for (InstructionSet set : availableSets()) {
+      for (InstructionSet set : test::availableSets()) {
         const ViewGram whole = viewGram(camera, T_CF, corners.view(0), options, set);
         const PoseGram pose = poseGram(camera, T_CF, corners.view(0), options, set);
         const double cost = viewCost(camera, T_CF, corners.view(0), options, set);
@@ -195,7 +190,7 @@ TEST(ViewGram, ATargetBehindTheCameraCostsMuchAndHasNoGradient) {
     const ImageView view = test::noisyView(kViewTarget, camera, test::examplePose(), 21, 1.0, 3);
     const PackedCorners corners(kViewTarget, {view});
     for (const GramOptions& options : allOptions()) {
-      for (InstructionSet set : availableSets()) {
+      for (InstructionSet set : test::availableSets()) {
         expectCharged(viewGram(camera, behind, corners.view(0), options, set), 21);
         EXPECT_EQ(viewCost(camera, behind, corners.view(0), options, set),
                   21 * kInvalidSquaredError);
