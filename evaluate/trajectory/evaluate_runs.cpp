@@ -14,6 +14,7 @@
 
 #include "calibrator/base/error.h"
 #include "evaluate/metrics/failure_text.h"
+#include "evaluate/metrics/trajectory/errors.h"
 #include "evaluate/metrics/trajectory/verdict.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/trajectory/find_runs.h"
@@ -95,17 +96,6 @@ std::vector<TrajectoryRun> expectedRuns(const std::vector<RunFile>& files,
   return runs;
 }
 
-/// RMS distance of points from their mean. It is taken of the truth as kept for plots, every k-th
-/// matched pose.
-double spreadOf(const std::vector<Eigen::Vector3d>& points) {
-  const auto n = static_cast<double>(points.size());
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : points) mean += p / n;
-  double sum = 0;
-  for (const Eigen::Vector3d& p : points) sum += (p - mean).squaredNorm() / n;
-  return std::sqrt(sum);
-}
-
 /// Partial below the coverage asked for; says so where the late start alone is to blame.
 TrajectoryRun withCompletion(TrajectoryRun run, double min_coverage) {
   if (run.coverage >= min_coverage) return run;
@@ -126,6 +116,7 @@ std::string divergenceOf(const TrajectoryRun& run, const RunsRequest& request) {
   // A least-squares scale (sim3) may shrink an estimate to a point, which has just this ATE, so
   // that none exceeds it: half of it is an estimate that explains three quarters of the squared
   // distances.
+  // The truth as kept for plots: every k-th matched pose.
   const bool shrinks = run.alignment.kind == toString(AlignmentKind::kSim3);
   const double limit = request.max_ate_m.value_or((shrinks ? 0.5 : 1) * spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;

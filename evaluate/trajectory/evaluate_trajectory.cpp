@@ -12,6 +12,7 @@
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/trajectory/alignment.h"
 #include "evaluate/metrics/trajectory/errors.h"
+#include "evaluate/metrics/trajectory/mismatch.h"
 #include "evaluate/metrics/trajectory/quaternion_order.h"
 #include "evaluate/trajectory/remarks.h"
 
@@ -205,6 +206,18 @@ TrajectoryRun withNees(TrajectoryRun run, const Trajectory& estimate,
   return run;
 }
 
+// `run` with what its positions say of scale and clocks, where these were not estimated.
+TrajectoryRun withMismatches(TrajectoryRun run, const Trajectory& estimate, const Trajectory& truth,
+                             const std::vector<PosePair>& pairs,
+                             const TrajectoryMetricOptions& options) {
+  if (!scaleIsUnknown(options.alignment.kind)) run.scale_mismatch = scaleMismatch(pairs);
+  if (options.clock) return run;  // angular rates know better
+  const bool scaled = scaleIsUnknown(options.alignment.kind) || run.scale_mismatch;
+  run.clock_mismatch = clockMismatch(estimate, truth, pairs, options.association,
+                                     scaled ? AlignmentKind::kSim3 : AlignmentKind::kSe3);
+  return run;
+}
+
 // With clock and bodies in common.
 Result<TrajectoryRun> evaluated(const Trajectory& estimate, const Trajectory& truth,
                                 const TrajectoryMetricOptions& options) {
@@ -224,6 +237,7 @@ Result<TrajectoryRun> evaluated(const Trajectory& estimate, const Trajectory& tr
   run.alignment = *alignment;
   run = withCoverage(std::move(run), estimate, truth, options);
   run = measured(std::move(run), association.pairs, options.rpe, with_rotation);
+  run = withMismatches(std::move(run), estimate, truth, association.pairs, options);
   run.remarks = remarksOn(association, estimate, truth, options.clock.has_value());
   remarkOnErrors(with_rotation, options.rpe.size(), run);
   if (!with_rotation) return run;

@@ -157,6 +157,31 @@ void fields(auto& v, OdometryRunRecord& r) {
   v.ifSet("log", r.log, "last lines of a system that failed");
 }
 
+/// Lengths that agree by another scale (scaleMismatch()).
+struct ScaleMismatch {
+  double scale = 1;
+  double ate_m = 0, scaled_ate_m = 0;
+};
+
+void fields(auto& v, ScaleMismatch& m) {
+  v("scale", m.scale, "1", "lengths of the truth / of the estimate, from sim3 over all pairs");
+  v("ate_m", m.ate_m, "m", "RMSE of the positions as they are, after se3 over all pairs");
+  v("scaled_ate_m", m.scaled_ate_m, "m", "with the scale");
+}
+
+/// Stamps that agree by another offset (clockMismatch()).
+struct ClockMismatch {
+  double time_offset_s = 0, more_s = 0;
+  double ate_m = 0, moved_ate_m = 0;
+};
+
+void fields(auto& v, ClockMismatch& m) {
+  v("time_offset_s", m.time_offset_s, "s", "t_truth = t_estimate + offset, from the positions");
+  v("more_s", m.more_s, "s", "of it, what was not given");
+  v("ate_m", m.ate_m, "m", "RMSE of the positions by the stamps as they are");
+  v("moved_ate_m", m.moved_ate_m, "m", "with the offset");
+}
+
 enum class RunStatus { kComplete, kPartial, kFailed };
 constexpr std::array<const char*, 3> enumWords(RunStatus /*of*/) {
   return {"complete", "partial", "failed"};
@@ -178,6 +203,8 @@ struct TrajectoryRun {
   std::vector<RelativeErrorRecord> rpe;
   std::optional<ClockOffsetRecord> clock_offset;
   std::optional<HandEyeRecord> hand_eye;
+  std::optional<ScaleMismatch> scale_mismatch;
+  std::optional<ClockMismatch> clock_mismatch;
   std::vector<NeesRecord> nees;
   std::optional<OdometryRunRecord> odometry;
   /// Per pair, for plots; at most a few thousand (thinned evenly), empty for a failed run.
@@ -240,6 +267,8 @@ void fields(auto& v, TrajectoryRun& r) {
   }
   v("clock_offset", r.clock_offset, "from correlating angular rates");
   v("hand_eye", r.hand_eye, "joins marker body and IMU");
+  v("scale_mismatch", r.scale_mismatch, "where the positions agree far better by another scale");
+  v("clock_mismatch", r.clock_mismatch, "where they do by another offset of the clocks");
   v.ifSet("nees", r.nees, "where the estimate has covariances");
   v("odometry", r.odometry, "how `plumbline odometry` made the estimate");
   v("remarks", r.remarks, "remarks for the reader, one sentence each");

@@ -123,6 +123,15 @@ double normalised(const Eigen::Matrix<double, N, 1>& e, const Eigen::Matrix<doub
 
 }  // namespace
 
+double spreadOf(const std::vector<Eigen::Vector3d>& points) {
+  const auto n = static_cast<double>(points.size());
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) mean += p / n;
+  double sum = 0;
+  for (const Eigen::Vector3d& p : points) sum += (p - mean).squaredNorm() / n;
+  return std::sqrt(sum);
+}
+
 std::vector<double> pathLengths(const std::vector<Transform>& poses) {
   std::vector<double> path(poses.size(), 0.0);
   for (std::size_t i = 1; i < poses.size(); ++i) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -19,6 +20,10 @@ struct IndexPair {
   std::size_t to = 0;
   bool operator==(const IndexPair&) const = default;
 };
+
+/// RMS distance of points from their mean: the ATE of an estimate that never moves, after the best
+/// alignment [their unit]; 0 for none.
+double spreadOf(const std::vector<Eigen::Vector3d>& points);
 
 /// Length of the polygon through the poses' origins from the first to each [m]; the first is 0.
 std::vector<double> pathLengths(const std::vector<Transform>& poses);

@@ -69,6 +69,68 @@ void addConventions(const TrajectoryStudy& study, Findings& findings) {
   }
 }
 
+/// The first run that has `what`; `text` is of that one, and of how many have it.
+template <class Mismatch>
+void addMismatch(const TrajectoryStudy& study, std::optional<Mismatch> TrajectoryRun::*what,
+                 Finding (*findingOf)(const Mismatch&), Findings& findings) {
+  std::size_t with = 0;
+  const TrajectoryRun* first = nullptr;
+  for (const TrajectoryRun& run : study.runs) {
+    if (!(run.*what)) continue;
+    ++with;
+    if (first == nullptr) first = &run;
+  }
+  if (first == nullptr) return;
+  Finding f = findingOf(*(first->*what));
+  if (study.runs.size() > 1) {
+    f.evidence = fmt::format("{} of {} runs; {} {}: ", with, study.runs.size(), first->sequence,
+                             first->run) +
+                 f.evidence;
+  }
+  findings.push_back(std::move(f));
+}
+
+/// Whether `scale` is `factor` or its inverse, up to what an estimator's own scale is off by.
+bool isNear(double scale, double factor) {
+  return std::abs(std::log(scale / factor)) < 0.1 || std::abs(std::log(scale * factor)) < 0.1;
+}
+
+Finding scaleFinding(const ScaleMismatch& m) {
+  const bool mm = isNear(m.scale, 1000), cm = isNear(m.scale, 100);
+  std::string advice =
+      "--align sim3 for an estimate without a scale of its own (one camera alone); otherwise its "
+      "lengths or the truth's are wrong";
+  if (mm || cm) {
+    advice = fmt::format("positions are read in metres: convert the file of the {} from {}",
+                         m.scale > 1 ? "truth" : "estimate", mm ? "mm" : "cm");
+  }
+  return {
+      "Scale",
+      VerdictLevel::kCaution,
+      fmt::format("lengths of the truth are {:.4g} times those of the estimate: with that scale "
+                  "the RMSE is {:.3g} m, as read {:.3g} m",
+                  m.scale, m.scaled_ate_m, m.ate_m),
+      advice,
+      m.scale,
+      1,
+      "1"};
+}
+
+Finding clockFinding(const ClockMismatch& m) {
+  return {"Clocks",
+          VerdictLevel::kCaution,
+          fmt::format("with the estimate's stamps moved by {:+.4f} s the RMSE is {:.3g} m, as they "
+                      "are {:.3g} m",
+                      m.more_s, m.moved_ate_m, m.ate_m),
+          fmt::format("run again with --clock-offset auto, which is more accurate but needs "
+                      "orientations, or with --time-offset {:.4f}; and find out which stamps are "
+                      "wrong",
+                      m.time_offset_s),
+          m.more_s,
+          0,
+          "s"};
+}
+
 /// Rotations that are off by more than an estimator errs. Runs whose file conventions are known to
 /// differ have no rotation errors, and are not counted.
 void addOrientation(const TrajectoryStudy& study, Findings& findings) {
@@ -317,6 +379,8 @@ Verdict trajectoryVerdict(const TrajectoryStudy& study) {
   Findings findings;
   for (const RunsSummary& s : overAll(study)) findings.push_back(completion(study, s));
   addConventions(study, findings);
+  addMismatch(study, &TrajectoryRun::scale_mismatch, scaleFinding, findings);
+  addMismatch(study, &TrajectoryRun::clock_mismatch, clockFinding, findings);
   addOrientation(study, findings);
   addCovariances(study, findings);
   Verdict verdict = makeVerdict(std::move(findings));

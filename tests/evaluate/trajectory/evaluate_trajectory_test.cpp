@@ -54,6 +54,18 @@ TEST(EvaluateTrajectories, AnExactEstimateHasNoErrorAndNoRemarks) {
   EXPECT_THAT(result->remarks, IsEmpty());
 }
 
+TEST(EvaluateTrajectories, AnotherScaleIsSaidUnlessTheAlignmentTakesItAway) {
+  Trajectory in_mm = spiralFrom(0);
+  for (StampedPose& pose : in_mm.poses) pose.p *= 1000;
+  const auto as_read = evaluateTrajectories(in_mm, spiralFrom(0), {});
+  ASSERT_TRUE(as_read->scale_mismatch);
+  EXPECT_NEAR(as_read->scale_mismatch->scale, 1e-3, 1e-9);
+  EXPECT_FALSE(as_read->clock_mismatch);
+  TrajectoryMetricOptions sim3;
+  sim3.alignment.kind = AlignmentKind::kSim3;
+  EXPECT_FALSE(evaluateTrajectories(in_mm, spiralFrom(0), sim3)->scale_mismatch);
+}
+
 TEST(EvaluateTrajectories, CoverageLeavesOutHoles) {
   Trajectory half = spiralFrom(0);
   half.poses.erase(half.poses.begin() + 50, half.poses.begin() + 149);

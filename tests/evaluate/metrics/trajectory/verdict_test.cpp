@@ -54,6 +54,29 @@ TEST(TrajectoryVerdict, OfOneRunSaysHowFarItIsFromTheTruth) {
             "truth's time).");
 }
 
+TEST(TrajectoryVerdict, AnotherScaleIsNeverGoodAndUnitsAreNamed) {
+  TrajectoryRun run = completeRun("", "1");
+  run.scale_mismatch = ScaleMismatch{1002, 2297, 53.7};
+  const Verdict mm = trajectoryVerdict(studyOf({completeRun("", "0"), run}));
+  EXPECT_EQ(mm.level, VerdictLevel::kCaution);
+  EXPECT_THAT(mm.headline, HasSubstr("convert the file of the truth from mm"));
+  EXPECT_THAT(mm.headline, HasSubstr("1 of 2 runs; MH_01 1: "));
+  run.scale_mismatch = ScaleMismatch{0.0099, 2297, 0.0537};
+  EXPECT_THAT(trajectoryVerdict(studyOf({run})).headline,
+              HasSubstr("convert the file of the estimate from cm"));
+  run.scale_mismatch = ScaleMismatch{3.1, 2.3, 0.0537};  // no unit that anybody writes
+  EXPECT_THAT(trajectoryVerdict(studyOf({run})).headline, HasSubstr("--align sim3"));
+}
+
+TEST(TrajectoryVerdict, AnotherOffsetOfTheClocksIsNeverGood) {
+  TrajectoryRun run = completeRun("", "1");
+  run.clock_mismatch = ClockMismatch{-0.25, -0.5, 0.176, 0.0535};
+  const Verdict v = trajectoryVerdict(studyOf({run}));
+  EXPECT_EQ(v.level, VerdictLevel::kCaution);
+  EXPECT_THAT(v.headline, HasSubstr("moved by -0.5000 s the RMSE is 0.0535 m"));
+  EXPECT_THAT(v.headline, HasSubstr("--time-offset -0.2500"));
+}
+
 TEST(TrajectoryVerdict, WithoutACompleteRunSaysSo) {
   TrajectoryRun run = completeRun("ours", "1");
   run.status = RunStatus::kPartial;
