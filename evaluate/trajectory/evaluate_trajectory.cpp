@@ -206,16 +206,18 @@ TrajectoryRun withNees(TrajectoryRun run, const Trajectory& estimate,
   return run;
 }
 
-// `run` with what its positions say of scale and clocks, where these were not estimated.
-TrajectoryRun withMismatches(TrajectoryRun run, const Trajectory& estimate, const Trajectory& truth,
-                             const std::vector<PosePair>& pairs,
-                             const TrajectoryMetricOptions& options) {
-  if (!scaleIsUnknown(options.alignment.kind)) run.scale_mismatch = scaleMismatch(pairs);
-  if (options.clock) return run;  // angular rates know better
+// The offset that the positions ask for, where none was estimated from angular rates, which know
+// better. `truth` as it was read: a hand-eye transform takes up part of what the clocks are off by.
+std::optional<ClockMismatch> clockMismatchOf(const TrajectoryRun& run, const Trajectory& estimate,
+                                             const Trajectory& truth,
+                                             const TrajectoryMetricOptions& options) {
+  if (options.clock) return std::nullopt;
+  ClockTrialOptions trial;
+  trial.time_offset_s = options.association.time_offset_s;
+  trial.max_gap_s = options.association.max_gap_s;
   const bool scaled = scaleIsUnknown(options.alignment.kind) || run.scale_mismatch;
-  run.clock_mismatch = clockMismatch(estimate, truth, pairs, options.association,
-                                     scaled ? AlignmentKind::kSim3 : AlignmentKind::kSe3);
-  return run;
+  if (scaled) trial.alignment = AlignmentKind::kSim3;
+  return clockMismatch(estimate, truth, trial);
 }
 
 // With clock and bodies in common.
@@ -237,7 +239,9 @@ Result<TrajectoryRun> evaluated(const Trajectory& estimate, const Trajectory& tr
   run.alignment = *alignment;
   run = withCoverage(std::move(run), estimate, truth, options);
   run = measured(std::move(run), association.pairs, options.rpe, with_rotation);
-  run = withMismatches(std::move(run), estimate, truth, association.pairs, options);
+  if (!scaleIsUnknown(options.alignment.kind)) {
+    run.scale_mismatch = scaleMismatch(association.pairs);
+  }
   run.remarks = remarksOn(association, estimate, truth, options.clock.has_value());
   remarkOnErrors(with_rotation, options.rpe.size(), run);
   if (!with_rotation) return run;
@@ -309,6 +313,7 @@ Result<TrajectoryRun> evaluateTrajectories(const Trajectory& estimate, const Tra
   if (!result) return result;
   result.value().clock_offset = frames->clock_offset;
   result.value().hand_eye = frames->hand_eye;
+  result.value().clock_mismatch = clockMismatchOf(*result, estimate, truth, options);
   prepend(frames->remarks, result.value());
   return result;
 }

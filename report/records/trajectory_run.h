@@ -169,17 +169,21 @@ void fields(auto& v, ScaleMismatch& m) {
   v("scaled_ate_m", m.scaled_ate_m, "m", "with the scale");
 }
 
-/// Stamps that agree by another offset (clockMismatch()).
+/// Positions that agree by another offset of the clocks (clockMismatch()).
 struct ClockMismatch {
-  double time_offset_s = 0, more_s = 0;
+  double given_s = 0, positions_s = 0;
+  std::optional<double> rates_s;
+  std::string alignment;
   double ate_m = 0, moved_ate_m = 0;
 };
 
 void fields(auto& v, ClockMismatch& m) {
-  v("time_offset_s", m.time_offset_s, "s", "t_truth = t_estimate + offset, from the positions");
-  v("more_s", m.more_s, "s", "of it, what was not given");
-  v("ate_m", m.ate_m, "m", "RMSE of the positions by the stamps as they are");
-  v("moved_ate_m", m.moved_ate_m, "m", "with the offset");
+  v("given_s", m.given_s, "s", "added to the estimate's stamps already");
+  v("positions_s", m.positions_s, "s", "what the positions ask for besides: t_truth - t_estimate");
+  v("rates_s", m.rates_s, "s", "what the angular rates ask for; absent where they do not tell");
+  v("alignment", m.alignment, "`se3` or `sim3`, over all poses that are compared");
+  v("ate_m", m.ate_m, "m", "RMSE of the positions by the stamps as they are, after it");
+  v("moved_ate_m", m.moved_ate_m, "m", "with the positions' offset");
 }
 
 enum class RunStatus { kComplete, kPartial, kFailed };
@@ -220,7 +224,8 @@ inline std::string partName(const TrajectoryRun& r) {
   return r.sequence + "/" + r.calibration + "/" + r.run;
 }
 
-/// The run without errors, and why.
+/// The run without errors, and why. What its positions say of scale and clocks stays: it may be why
+/// it diverged.
 inline TrajectoryRun failedRun(TrajectoryRun run, const std::string& problem) {
   run.status = RunStatus::kFailed;
   run.problem = problem;

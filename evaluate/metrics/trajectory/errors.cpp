@@ -123,10 +123,15 @@ double normalised(const Eigen::Matrix<double, N, 1>& e, const Eigen::Matrix<doub
 
 }  // namespace
 
+Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : points) mean += p / static_cast<double>(points.size());
+  return mean;
+}
+
 double spreadOf(const std::vector<Eigen::Vector3d>& points) {
   const auto n = static_cast<double>(points.size());
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : points) mean += p / n;
+  const Eigen::Vector3d mean = meanOf(points);
   double sum = 0;
   for (const Eigen::Vector3d& p : points) sum += (p - mean).squaredNorm() / n;
   return std::sqrt(sum);

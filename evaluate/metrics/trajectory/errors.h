@@ -21,6 +21,9 @@ struct IndexPair {
   bool operator==(const IndexPair&) const = default;
 };
 
+/// Mean of points; zero for none.
+Eigen::Vector3d meanOf(const std::vector<Eigen::Vector3d>& points);
+
 /// RMS distance of points from their mean: the ATE of an estimate that never moves, after the best
 /// alignment [their unit]; 0 for none.
 double spreadOf(const std::vector<Eigen::Vector3d>& points);

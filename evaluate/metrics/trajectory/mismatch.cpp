@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/metrics/trajectory/mismatch.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
+#include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/time.h"
+#include "calibrator/initialise/clock_offset.h"
 #include "evaluate/metrics/trajectory/errors.h"
 
 namespace plumbline {
@@ -18,7 +22,10 @@ constexpr double kLeastExplained = 0.1;  // of the squared errors, by a shift in
 constexpr double kMostOffset = 2;        // [s]
 constexpr double kSettled = 1e-4;        // a step that changes nothing more [s]
 constexpr double kLeastOffset = 1e-3;    // [s]
-constexpr double kWidestInterval = 0.5;  // over which a velocity is taken [s]
+constexpr double kLeastHalf = 0.02;      // of the interval over which a velocity is taken [s]
+constexpr double kBridged = 3;           // usual intervals of the truth, whatever gap is allowed
+constexpr double kHidden = 1e-6;         // share of v^T v that no alignment can take, at least
+constexpr double kConfirmed = 0.25;      // of the positions' offset, by the rates
 constexpr int kMostSteps = 20;
 
 /// Positions in the truth's frame, after an alignment by all pairs.
@@ -46,26 +53,103 @@ std::vector<Eigen::Vector3d> positionsOf(const std::vector<Transform>& poses) {
   return positions;
 }
 
-/// A step of the offset, and the share of the squared errors that it explains to first order.
-struct Step {
-  double offset_s = 0;
-  double explained = 0;
+/// Median interval of stamps [s]; 0 for fewer than two.
+double usualInterval(const std::vector<StampedPose>& poses) {
+  std::vector<TimeNs> intervals;
+  for (std::size_t i = 1; i < poses.size(); ++i) intervals.push_back(poses[i].t - poses[i - 1].t);
+  return intervals.empty() ? 0 : 1e-9 * static_cast<double>(middleOf(std::move(intervals)));
+}
+
+/// The two trajectories by an offset in addition to the one that was given.
+class ClockTrial {
+ public:
+  ClockTrial(const Trajectory& estimate, const Trajectory& truth, const ClockTrialOptions& options)
+      : estimate_(estimate), truth_(truth), options_(options) {
+    const double usual = usualInterval(truth.poses);
+    max_gap_s_ = std::max(options.max_gap_s, kBridged * usual);
+    half_s_ = std::max(kLeastHalf, usual);
+  }
+
+  Association at(double offset_s) const {
+    AssociationOptions how;
+    how.rule = AssociationRule::kInterpolate;
+    how.max_gap_s = max_gap_s_;
+    how.time_offset_s = options_.time_offset_s + offset_s;
+    return associate(estimate_, truth_, how);
+  }
+
+  std::optional<Aligned> aligned(const std::vector<PosePair>& pairs) const {
+    return alignedBy(pairs, options_.alignment);
+  }
+
+  /// A step of the offset, and the share of the squared errors that it explains to first order.
+  struct Step {
+    double offset_s = 0, explained = 0;
+  };
+  Step stepOf(const std::vector<PosePair>& pairs, const AlignedPoses& poses) const {
+    Eigen::Matrix<double, 7, 7> N = Eigen::Matrix<double, 7, 7>::Zero();  // of the alignment
+    Eigen::Matrix<double, 7, 1> Jv = Eigen::Matrix<double, 7, 1>::Zero();
+    const Eigen::Vector3d middle = meanOf(positionsOf(poses.estimate));
+    double ev = 0, vv = 0, ee = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const auto v = velocityAt(pairs[i].truth.t);
+      if (!v) continue;
+      const Eigen::Vector3d e = poses.truth[i].t - poses.estimate[i].t;
+      const Eigen::Vector3d p = poses.estimate[i].t - middle;
+      Eigen::Matrix<double, 3, 7> J;
+      J << -skew(p), Eigen::Matrix3d::Identity(), p;
+      if (options_.alignment != AlignmentKind::kSim3) J.col(6).setZero();
+      N += J.transpose() * J;
+      Jv += J.transpose() * *v;
+      ev += e.dot(*v);
+      vv += v->squaredNorm();
+      ee += e.squaredNorm();
+    }
+    if (options_.alignment != AlignmentKind::kSim3) N(6, 6) = 1;
+    const double left = vv - Jv.dot(N.ldlt().solve(Jv));  // of v, behind any alignment
+    if (!(left > kHidden * vv && ee > 0)) return {};
+    return {-ev / left, ev * ev / (left * ee)};
+  }
+
+ private:
+  /// Of the truth, by its positions before and after.
+  std::optional<Eigen::Vector3d> velocityAt(TimeNs t) const {
+    const TimeNs half = toNanoseconds(half_s_), gap = toNanoseconds(max_gap_s_);
+    const Interpolated before = poseAt(truth_.poses, t - half, gap);
+    const Interpolated after = poseAt(truth_.poses, t + half, gap);
+    if (!before.pose || !after.pose) return std::nullopt;
+    return (after.pose->p - before.pose->p) / (2 * half_s_);
+  }
+
+  const Trajectory& estimate_;
+  const Trajectory& truth_;
+  ClockTrialOptions options_;
+  double max_gap_s_ = 0, half_s_ = 0;
 };
 
-Step stepOf(const std::vector<PosePair>& pairs, const AlignedPoses& poses) {
-  double ev = 0, vv = 0, ee = 0;
-  for (std::size_t i = 1; i + 1 < pairs.size(); ++i) {
-    const double interval = secondsBetween(pairs[i - 1].truth.t, pairs[i + 1].truth.t);
-    if (!(interval > 0 && interval <= kWidestInterval)) continue;
-    const Eigen::Vector3d v = (poses.truth[i + 1].t - poses.truth[i - 1].t) / interval;
-    const double dt = secondsBetween(pairs[i].estimate.t, pairs[i].truth.t);
-    const Eigen::Vector3d e = poses.truth[i].t - poses.estimate[i].t - v * dt;
-    ev += e.dot(v);
-    vv += v.squaredNorm();
-    ee += e.squaredNorm();
+/// The pairs of `a` whose poses of the estimate have a partner in `b`, too.
+std::vector<PosePair> inBoth(const Association& a, const Association& b) {
+  std::vector<PosePair> pairs;
+  std::size_t k = 0;  // both ascend
+  for (std::size_t i = 0; i < a.pairs.size(); ++i) {
+    while (k < b.estimate_index.size() && b.estimate_index[k] < a.estimate_index[i]) ++k;
+    if (k == b.estimate_index.size()) break;
+    if (b.estimate_index[k] == a.estimate_index[i]) pairs.push_back(a.pairs[i]);
   }
-  if (!(vv > 0 && ee > 0)) return {};
-  return {-ev / vv, ev * ev / (vv * ee)};
+  return pairs;
+}
+
+/// The offset that the rates tell, in addition to the given one.
+std::optional<double> ratesOffset(const Trajectory& estimate, const Trajectory& truth,
+                                  double given_s) {
+  if (!estimate.has_orientation || !truth.has_orientation) return std::nullopt;
+  std::vector<StampedPose> poses = estimate.poses;
+  for (StampedPose& pose : poses) pose.t += toNanoseconds(given_s);
+  ClockOffsetOptions wide;
+  wide.max_offset_s = kMostOffset + 1;
+  const auto found = estimateClockOffset(poses, truth.poses, wide);
+  if (!found) return std::nullopt;
+  return found->offset_s;
 }
 
 }  // namespace
@@ -83,30 +167,39 @@ std::optional<ScaleMismatch> scaleMismatch(const std::vector<PosePair>& pairs) {
 }
 
 std::optional<ClockMismatch> clockMismatch(const Trajectory& estimate, const Trajectory& truth,
-                                           const std::vector<PosePair>& pairs,
-                                           const AssociationOptions& options, AlignmentKind kind) {
-  const auto as_is = alignedBy(pairs, kind);
-  if (!as_is) return std::nullopt;
-  Step step = stepOf(pairs, as_is->poses);
+                                           const ClockTrialOptions& options) {
+  const ClockTrial trial(estimate, truth, options);
+  const Association as_is = trial.at(0);
+  const auto aligned = trial.aligned(as_is.pairs);
+  if (!aligned) return std::nullopt;
+  ClockTrial::Step step = trial.stepOf(as_is.pairs, aligned->poses);
   if (!(step.explained >= kLeastExplained)) return std::nullopt;
   double offset_s = 0;
-  double ate_m = as_is->ate_m;
+  Association moved = as_is;
   for (int i = 0; std::abs(step.offset_s) > kSettled; ++i) {
     offset_s += step.offset_s;
     if (i == kMostSteps || !(std::abs(offset_s) <= kMostOffset)) return std::nullopt;
-    AssociationOptions moved = options;
-    moved.time_offset_s += offset_s;
-    const std::vector<PosePair> anew = associate(estimate, truth, moved).pairs;
-    if (2 * anew.size() < pairs.size()) return std::nullopt;
-    const auto aligned = alignedBy(anew, kind);
-    if (!aligned) return std::nullopt;
-    ate_m = aligned->ate_m;
-    step = stepOf(anew, aligned->poses);
+    moved = trial.at(offset_s);
+    if (2 * moved.pairs.size() < as_is.pairs.size()) return std::nullopt;
+    const auto anew = trial.aligned(moved.pairs);
+    if (!anew) return std::nullopt;
+    step = trial.stepOf(moved.pairs, anew->poses);
   }
-  if (!(std::abs(offset_s) >= kLeastOffset && ate_m <= kFarBetter * as_is->ate_m)) {
-    return std::nullopt;
-  }
-  return ClockMismatch{options.time_offset_s + offset_s, offset_s, as_is->ate_m, ate_m};
+  const auto before = trial.aligned(inBoth(as_is, moved));
+  const auto after = trial.aligned(inBoth(moved, as_is));
+  if (std::abs(offset_s) < kLeastOffset || !before || !after) return std::nullopt;
+  if (!(after->ate_m <= kFarBetter * before->ate_m)) return std::nullopt;
+  return ClockMismatch{options.time_offset_s,
+                       offset_s,
+                       ratesOffset(estimate, truth, options.time_offset_s),
+                       toString(options.alignment),
+                       before->ate_m,
+                       after->ate_m};
+}
+
+std::optional<bool> ratesConfirm(const ClockMismatch& mismatch) {
+  if (!mismatch.rates_s) return std::nullopt;
+  return *mismatch.rates_s / mismatch.positions_s >= kConfirmed;
 }
 
 }  // namespace plumbline

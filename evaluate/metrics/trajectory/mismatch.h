@@ -16,19 +16,33 @@ namespace plumbline {
 /// scale makes a point, has none. Of all pairs, whatever the alignment of the figures. O(n).
 std::optional<ScaleMismatch> scaleMismatch(const std::vector<PosePair>& pairs);
 
+struct ClockTrialOptions {
+  double time_offset_s = 0;  ///< that was given: added to the estimate's stamps first
+  double max_gap_s = 0.1;  ///< widest gap of the truth that is bridged, if it is no usual interval
+  AlignmentKind alignment = AlignmentKind::kSe3;  ///< or kSim3
+};
+
 /// The offset d of the clocks, t_truth = t_estimate + d, by which the positions agree, where by the
-/// stamps as they are they do not: the ATE with it is at most half of that without. `pairs` are
-/// those that `options` make of the two trajectories, `kind` is se3 or sim3.
+/// stamps as they are they do not: the ATE with it is at most half of that without, over the poses
+/// that have a truth both ways. The truth is taken at the estimate's stamps by interpolation,
+/// whatever the association of the figures: nearest stamps vanish where both lie on one grid.
 ///
 /// Gauss-Newton from 0 over the aligned errors e = p_truth - p_estimate, which an offset makes
-/// e = v (dt - d), v the truth's velocity and dt the difference of a pair's stamps, truth -
-/// estimate:
-///   d = -sum (e - v dt)^T v / sum v^T v,
-/// paired and aligned anew after each step. Errors of which the first step explains less than a
-/// tenth (sum of squares) are not those of a clock: nothing more is computed, O(n). None beyond 2
-/// s, where the steps do not settle, and where fewer than half of the pairs would be left.
+/// e = -v d, v the truth's velocity, and from which the alignment has taken what it could, J:
+///   d = -sum e^T v / (sum v^T v - sum v^T J (sum J^T J)^-1 sum J^T v),
+/// J = d p_estimate / d (R, t and, with sim3, s), with truth and alignment anew after each step.
+/// Errors of which the first step explains less than a tenth (sum of squares) are not those of a
+/// clock: nothing more is computed, O(n log n). None beyond 2 s, where the steps do not settle, and
+/// for fewer than half of the poses.
+///
+/// Positions that are ahead along the way may also be those of another body, which travels ahead (a
+/// vehicle's antenna). Where both have orientations the angular rates therefore tell the offset,
+/// too (estimateClockOffset, within 3 s): `rates_s`, where these do.
 std::optional<ClockMismatch> clockMismatch(const Trajectory& estimate, const Trajectory& truth,
-                                           const std::vector<PosePair>& pairs,
-                                           const AssociationOptions& options, AlignmentKind kind);
+                                           const ClockTrialOptions& options);
+
+/// Whether the clocks are off, by the angular rates: by at least a quarter of what the positions
+/// ask for. Nothing where no rates tell.
+std::optional<bool> ratesConfirm(const ClockMismatch& mismatch);
 
 }  // namespace plumbline

@@ -18,6 +18,7 @@
 #include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/lists.h"
+#include "evaluate/metrics/trajectory/mismatch.h"
 
 namespace plumbline {
 namespace {
@@ -38,6 +39,12 @@ const TrajectoryRun* firstIncomplete(const TrajectoryStudy& study, const RunsSum
   return found == study.runs.end() ? nullptr : &*found;
 }
 
+/// Both are empty where the pattern of the runs has no such fields.
+std::string nameOf(const TrajectoryRun& run) {
+  const char* gap = run.sequence.empty() || run.run.empty() ? "" : " ";
+  return run.sequence + gap + run.run;
+}
+
 /// All runs complete or not, with the reason of one that is not.
 Finding completion(const TrajectoryStudy& study, const RunsSummary& s) {
   Finding f{"Complete runs" + ofCalibration(s.calibration),
@@ -50,9 +57,7 @@ Finding completion(const TrajectoryStudy& study, const RunsSummary& s) {
             "share"};
   const TrajectoryRun* run = firstIncomplete(study, s);
   if (run != nullptr && !run->problem.empty()) {
-    // Both are empty where the pattern of the runs has no such fields.
-    const char* gap = run->sequence.empty() || run->run.empty() ? "" : " ";
-    const std::string name = run->sequence + gap + run->run;
+    const std::string name = nameOf(*run);
     f.evidence += fmt::format("; {}{}{}", name, name.empty() ? "" : ": ", run->problem);
   }
   return f;
@@ -69,66 +74,95 @@ void addConventions(const TrajectoryStudy& study, Findings& findings) {
   }
 }
 
-/// The first run that has `what`; `text` is of that one, and of how many have it.
-template <class Mismatch>
-void addMismatch(const TrajectoryStudy& study, std::optional<Mismatch> TrajectoryRun::*what,
-                 Finding (*findingOf)(const Mismatch&), Findings& findings) {
-  std::size_t with = 0;
-  const TrajectoryRun* first = nullptr;
-  for (const TrajectoryRun& run : study.runs) {
-    if (!(run.*what)) continue;
-    ++with;
-    if (first == nullptr) first = &run;
-  }
-  if (first == nullptr) return;
-  Finding f = findingOf(*(first->*what));
-  if (study.runs.size() > 1) {
-    f.evidence = fmt::format("{} of {} runs; {} {}: ", with, study.runs.size(), first->sequence,
-                             first->run) +
-                 f.evidence;
-  }
-  findings.push_back(std::move(f));
-}
-
 /// Whether `scale` is `factor` or its inverse, up to what an estimator's own scale is off by.
 bool isNear(double scale, double factor) {
-  return std::abs(std::log(scale / factor)) < 0.1 || std::abs(std::log(scale * factor)) < 0.1;
+  return std::abs(std::abs(std::log(scale)) - std::log(factor)) < 0.1;
 }
 
 Finding scaleFinding(const ScaleMismatch& m) {
-  const bool mm = isNear(m.scale, 1000), cm = isNear(m.scale, 100);
-  std::string advice =
-      "--align sim3 for an estimate without a scale of its own (one camera alone); otherwise its "
-      "lengths or the truth's are wrong";
-  if (mm || cm) {
-    advice = fmt::format("positions are read in metres: convert the file of the {} from {}",
-                         m.scale > 1 ? "truth" : "estimate", mm ? "mm" : "cm");
+  const char* unit = isNear(m.scale, 1000) ? "mm" : isNear(m.scale, 100) ? "cm" : nullptr;
+  std::string advice;
+  if (unit != nullptr) {
+    advice = fmt::format("if the file of the {} is in {}, convert it to metres; ",
+                         m.scale > 1 ? "truth" : "estimate", unit);
   }
-  return {
-      "Scale",
-      VerdictLevel::kCaution,
-      fmt::format("lengths of the truth are {:.4g} times those of the estimate: with that scale "
-                  "the RMSE is {:.3g} m, as read {:.3g} m",
-                  m.scale, m.scaled_ate_m, m.ate_m),
-      advice,
-      m.scale,
-      1,
-      "1"};
+  advice +=
+      "for an estimate without a scale of its own (one camera alone) use --align sim3; otherwise "
+      "lengths of the estimate or of the truth are wrong";
+  return {"Scale",
+          VerdictLevel::kCaution,
+          fmt::format("lengths of the truth are {:.4g} times those of the estimate: after sim3 the "
+                      "RMSE is {:.3g} m, after se3 {:.3g} m",
+                      m.scale, m.scaled_ate_m, m.ate_m),
+          std::move(advice),
+          m.scaled_ate_m / m.ate_m,
+          0.5,
+          "share"};
+}
+
+/// What to do where stamps are off by the positions, by whether angular rates say so, too.
+std::string clockAdvice(const ClockMismatch& m) {
+  const std::string given = fmt::format("--time-offset {:.4f}", m.given_s + m.positions_s);
+  const std::optional<bool> confirmed = ratesConfirm(m);
+  if (!confirmed) {
+    return fmt::format(
+        "if the clocks are off, run again with {} in all; where the motion is mostly "
+        "forward, a body that travels ahead of the other does the same",
+        given);
+  }
+  if (!*confirmed) {
+    return "the clocks are not off so far: look for a body that travels ahead of the other, with "
+           "--hand-eye auto";
+  }
+  constexpr double kDefaultRange = 0.8;  // with room to the default of --clock-range, 1 s
+  return fmt::format("run again with --clock-offset auto{}, and find out whose stamps are wrong",
+                     std::abs(*m.rates_s) > kDefaultRange ? " --clock-range 3" : "");
 }
 
 Finding clockFinding(const ClockMismatch& m) {
-  return {"Clocks",
-          VerdictLevel::kCaution,
-          fmt::format("with the estimate's stamps moved by {:+.4f} s the RMSE is {:.3g} m, as they "
-                      "are {:.3g} m",
-                      m.more_s, m.moved_ate_m, m.ate_m),
-          fmt::format("run again with --clock-offset auto, which is more accurate but needs "
-                      "orientations, or with --time-offset {:.4f}; and find out which stamps are "
-                      "wrong",
-                      m.time_offset_s),
-          m.more_s,
-          0,
-          "s"};
+  std::string evidence = fmt::format(
+      "with the estimate's stamps moved by {:+.3f} s the RMSE is {:.3g} m, as they are {:.3g} m "
+      "(after {})",
+      m.positions_s, m.moved_ate_m, m.ate_m, m.alignment);
+  if (m.rates_s) evidence += fmt::format("; angular rates ask for {:+.3f} s", *m.rates_s);
+  return {"Clocks",       VerdictLevel::kCaution,  std::move(evidence),
+          clockAdvice(m), m.moved_ate_m / m.ate_m, 0.5,
+          "share"};
+}
+
+/// The run of `calibration` to which `what` matters most, and of how many it is one.
+template <class Mismatch>
+void addMismatch(const TrajectoryStudy& study, const std::string& calibration,
+                 std::optional<Mismatch> TrajectoryRun::*what,
+                 Finding (*findingOf)(const Mismatch&), Findings& findings) {
+  std::size_t with = 0, compared = 0;
+  std::optional<Finding> worst;
+  std::string name;
+  for (const TrajectoryRun& run : study.runs) {
+    if (run.calibration != calibration) continue;
+    if (run.*what || run.ate_translation_m.n > 0) ++compared;
+    if (!(run.*what)) continue;
+    ++with;
+    Finding finding = findingOf(*(run.*what));
+    if (worst && worst->value <= finding.value) continue;
+    worst = std::move(finding);
+    name = nameOf(run);
+  }
+  if (!worst) return;
+  worst->rule += ofCalibration(calibration);
+  if (compared > 1) {
+    worst->evidence = fmt::format("{} of {} runs{}{}: {}", with, compared, name.empty() ? "" : "; ",
+                                  name, worst->evidence);
+  }
+  findings.push_back(*std::move(worst));
+}
+
+/// Causes that were tried out, before what they do to the runs.
+void addMismatches(const TrajectoryStudy& study, Findings& findings) {
+  for (const RunsSummary& s : overAll(study)) {
+    addMismatch(study, s.calibration, &TrajectoryRun::scale_mismatch, scaleFinding, findings);
+    addMismatch(study, s.calibration, &TrajectoryRun::clock_mismatch, clockFinding, findings);
+  }
 }
 
 /// Rotations that are off by more than an estimator errs. Runs whose file conventions are known to
@@ -377,10 +411,9 @@ RunsSummary summaryOf(const std::vector<TrajectoryRun>& runs, const std::string*
 
 Verdict trajectoryVerdict(const TrajectoryStudy& study) {
   Findings findings;
+  addMismatches(study, findings);
   for (const RunsSummary& s : overAll(study)) findings.push_back(completion(study, s));
   addConventions(study, findings);
-  addMismatch(study, &TrajectoryRun::scale_mismatch, scaleFinding, findings);
-  addMismatch(study, &TrajectoryRun::clock_mismatch, clockFinding, findings);
   addOrientation(study, findings);
   addCovariances(study, findings);
   Verdict verdict = makeVerdict(std::move(findings));

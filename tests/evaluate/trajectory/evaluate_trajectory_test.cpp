@@ -66,6 +66,37 @@ TEST(EvaluateTrajectories, AnotherScaleIsSaidUnlessTheAlignmentTakesItAway) {
   EXPECT_FALSE(evaluateTrajectories(in_mm, spiralFrom(0), sim3)->scale_mismatch);
 }
 
+// A hand-eye transform takes up part of what a late clock does: the truth is looked at as it was
+// read.
+TEST(EvaluateTrajectories, ALateClockIsSaidUnderHandEyeUnlessItIsEstimated) {
+  const auto wayFrom = [](double start_s) {
+    Trajectory way;
+    for (int i = 0; i < 400; ++i) {
+      const double a = 0.05 * i;
+      const Eigen::AngleAxisd yaw(std::sin(0.8 * a) + 0.4 * std::sin(1.9 * a),
+                                  Eigen::Vector3d::UnitZ());
+      const Eigen::AngleAxisd pitch(0.6 * std::sin(1.1 * a), Eigen::Vector3d::UnitY());
+      way.poses.push_back({toNanoseconds(start_s + a),
+                           {std::sin(0.9 * a) + 0.3 * std::sin(2.3 * a), std::cos(0.61 * a),
+                            0.4 * std::sin(1.3 * a)},
+                           Eigen::Quaterniond(yaw * pitch)});
+    }
+    return way;
+  };
+  TrajectoryMetricOptions options;
+  for (const bool hand_eye : {false, true}) {
+    options.hand_eye = hand_eye;
+    const auto run = evaluateTrajectories(wayFrom(0.3), wayFrom(0), options);
+    ASSERT_TRUE(run.ok());
+    ASSERT_TRUE(run->clock_mismatch) << hand_eye;
+    EXPECT_NEAR(run->clock_mismatch->positions_s, -0.3, 0.01);
+  }
+  options.clock = ClockOffsetOptions{};
+  const auto known = evaluateTrajectories(wayFrom(0.3), wayFrom(0), options);
+  ASSERT_TRUE(known.ok());
+  EXPECT_FALSE(known->clock_mismatch);
+}
+
 TEST(EvaluateTrajectories, CoverageLeavesOutHoles) {
   Trajectory half = spiralFrom(0);
   half.poses.erase(half.poses.begin() + 50, half.poses.begin() + 149);

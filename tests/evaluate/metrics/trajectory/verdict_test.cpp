@@ -3,6 +3,9 @@
 #include "evaluate/metrics/trajectory/verdict.h"
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +13,7 @@
 namespace plumbline {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
@@ -59,22 +63,57 @@ TEST(TrajectoryVerdict, AnotherScaleIsNeverGoodAndUnitsAreNamed) {
   run.scale_mismatch = ScaleMismatch{1002, 2297, 53.7};
   const Verdict mm = trajectoryVerdict(studyOf({completeRun("", "0"), run}));
   EXPECT_EQ(mm.level, VerdictLevel::kCaution);
-  EXPECT_THAT(mm.headline, HasSubstr("convert the file of the truth from mm"));
+  EXPECT_THAT(mm.headline, HasSubstr("the file of the truth is in mm, convert it"));
   EXPECT_THAT(mm.headline, HasSubstr("1 of 2 runs; MH_01 1: "));
   run.scale_mismatch = ScaleMismatch{0.0099, 2297, 0.0537};
   EXPECT_THAT(trajectoryVerdict(studyOf({run})).headline,
-              HasSubstr("convert the file of the estimate from cm"));
+              HasSubstr("the file of the estimate is in cm"));
   run.scale_mismatch = ScaleMismatch{3.1, 2.3, 0.0537};  // no unit that anybody writes
-  EXPECT_THAT(trajectoryVerdict(studyOf({run})).headline, HasSubstr("--align sim3"));
+  EXPECT_THAT(trajectoryVerdict(studyOf({run})).headline,
+              AllOf(HasSubstr("--align sim3"), Not(HasSubstr("convert"))));
 }
 
-TEST(TrajectoryVerdict, AnotherOffsetOfTheClocksIsNeverGood) {
+TEST(TrajectoryVerdict, AScaleStandsBeforeTheDivergenceThatItMakes) {
   TrajectoryRun run = completeRun("", "1");
-  run.clock_mismatch = ClockMismatch{-0.25, -0.5, 0.176, 0.0535};
-  const Verdict v = trajectoryVerdict(studyOf({run}));
-  EXPECT_EQ(v.level, VerdictLevel::kCaution);
-  EXPECT_THAT(v.headline, HasSubstr("moved by -0.5000 s the RMSE is 0.0535 m"));
-  EXPECT_THAT(v.headline, HasSubstr("--time-offset -0.2500"));
+  run.status = RunStatus::kPartial;
+  run.problem = "diverged: ATE 2271.040 m";
+  run.scale_mismatch = ScaleMismatch{1e-3, 2271, 0.0471};
+  EXPECT_THAT(trajectoryVerdict(studyOf({run})).headline,
+              HasSubstr(" Scale: lengths of the truth"));
+}
+
+TEST(TrajectoryVerdict, AnotherOffsetOfTheClocksIsNeverGoodAndTheRatesTellItsCause) {
+  TrajectoryRun run = completeRun("", "1");
+  const auto headlineWith = [&](std::optional<double> rates_s, double positions_s = -0.5) {
+    run.clock_mismatch = ClockMismatch{0.25, positions_s, rates_s, "se3", 0.176, 0.0535};
+    const Verdict v = trajectoryVerdict(studyOf({run}));
+    EXPECT_EQ(v.level, VerdictLevel::kCaution);
+    EXPECT_THAT(v.headline, HasSubstr("the RMSE is 0.0535 m, as they are 0.176 m (after se3)"));
+    return v.headline;
+  };
+  EXPECT_THAT(headlineWith(-0.49),
+              AllOf(HasSubstr("--clock-offset auto"), HasSubstr("angular rates ask for -0.490 s"),
+                    Not(HasSubstr("--clock-range"))));
+  EXPECT_THAT(headlineWith(-1.3, -1.31), HasSubstr("--clock-offset auto --clock-range 3"));
+  EXPECT_THAT(headlineWith(0.001),
+              AllOf(HasSubstr("clocks are not off so far"), HasSubstr("--hand-eye auto")));
+  EXPECT_THAT(headlineWith(std::nullopt), HasSubstr("the clocks are off, run again with "
+                                                    "--time-offset -0.2500 in all"));
+}
+
+TEST(TrajectoryVerdict, MismatchesAreSaidOfEachCalibration) {
+  TrajectoryRun late = completeRun("kalibr", "1"), worse = completeRun("kalibr", "2");
+  late.clock_mismatch = ClockMismatch{0, -0.3, -0.3, "se3", 0.12, 0.0535};
+  worse.clock_mismatch = ClockMismatch{0, -0.5, -0.5, "se3", 0.176, 0.0535};
+  TrajectoryStudy study = studyOf({late, worse, completeRun("ours", "1")});
+  study.summary.push_back(study.summary[0]);
+  study.summary[1].calibration = "ours";
+  std::vector<std::string> clocks;
+  for (const Finding& f : trajectoryVerdict(study).findings) {
+    if (f.rule.starts_with("Clocks")) clocks.push_back(f.rule + ": " + f.evidence);
+  }
+  ASSERT_THAT(clocks, SizeIs(1));
+  EXPECT_THAT(clocks[0], HasSubstr("Clocks of kalibr: 2 of 2 runs; MH_01 2: "));
 }
 
 TEST(TrajectoryVerdict, WithoutACompleteRunSaysSo) {
