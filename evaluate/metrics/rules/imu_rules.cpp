@@ -9,14 +9,13 @@
 #include <fmt/core.h>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/stage.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kPessimisticFactor = 1.0 / 5;  // densities further from what the data need
 
 /// Errors of cameras look like noise of the IMU: what is said of those that were given.
 std::string adviceOnDensity(const CalibrationRecord& record) {
@@ -213,11 +212,16 @@ Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,
     rule.advice =
         "The density in imu.yaml is larger than this recording needs: its inertial data are "
         "under-weighted.";
+    // Within 3/2, for a stated density is seldom exactly what the data show.
+    const bool may_be_degrees = std::abs(std::log(check.factor * kDegrees)) < std::log(1.5);
+    if (sensor == "gyroscope" && may_be_degrees) {
+      rule.advice += " If gyroscope_noise_density is in degrees, convert it to radians.";
+    }
     level = VerdictLevel::kCaution;
   }
   return {finding(
       rule, level, check.factor,
-      fmt::format("the residuals suggest {:.2f} times the assumed density (redundancy {:.0f})",
+      fmt::format("the residuals suggest {:.3g} times the assumed density (redundancy {:.0f})",
                   check.factor, check.redundancy))};
 }
 

@@ -136,6 +136,8 @@ Findings judgeSampling(const CameraImuStageResult& stage);
 /// fit ahead of the batch, where faults could not be tested (caution at most).
 Findings judgeStatements(const CalibrationRecord& record, const VerdictThresholds& t);
 Findings judgePlausibility(const CameraImuStageResult& stage, const VerdictThresholds& t);
+/// A density is said to be larger than the data need below this share of it that they ask for.
+inline constexpr double kPessimisticFactor = 1.0 / 5;
 /// One density of imu.yaml against what the residuals say of it, if they say enough. `record` is
 /// that of the check, with its camera-IMU stage.
 Findings judgeDensity(const std::string& sensor, const ImuNoiseCheck& check,

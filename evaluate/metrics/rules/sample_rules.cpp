@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -219,12 +220,23 @@ Findings judgeLongResiduals(const CameraImuStageResult& stage, const VerdictThre
     // What residuals within segments call for: the RMS expected under the stated density, times the
     // factor by which they say it is too small.
     const double ratio = rms / (check.expected_rms * check.factor);
-    findings.push_back(above(
-        {fmt::format("Residuals of the {} over the whole recording", sensor), "x", t.long_residuals,
-         "Segments of the recording are consistent in themselves, but not with each other: look "
-         "for a jump of a bias, a knock, a loose mount, a moving target; calibrate its parts "
-         "separately."},
-        ratio, fmt::format("{:.1f} times what its noise within segments explains", ratio)));
+    std::string advice =
+        "Segments of the recording are consistent in themselves, but not with each other: look "
+        "for a jump of a bias, a knock, a loose mount, a moving target; calibrate its parts "
+        "separately.";
+    // Under far too weak a sensor the whole follows the corners, whose errors then are the
+    // sensor's.
+    if (check.factor < kPessimisticFactor) {
+      advice = fmt::format(
+          "Correct the noise density of the {} first: under one that is so much too large, "
+          "segments "
+          "and the whole cannot be compared.",
+          sensor);
+    }
+    findings.push_back(
+        above({fmt::format("Residuals of the {} over the whole recording", sensor), "x",
+               t.long_residuals, std::move(advice)},
+              ratio, fmt::format("{:.1f} times what its noise within segments explains", ratio)));
   };
   add("gyroscope", summary.gyro_normalised_rms, summary.noise.gyro);
   add("accelerometer", summary.accel_normalised_rms, summary.noise.accel);

@@ -120,6 +120,30 @@ TEST(VerdictRules, CornersWithoutNoiseDoNotAccuseTheImu) {
   EXPECT_EQ(judge(record).level, VerdictLevel::kGood);
 }
 
+// A density in degrees is 57 times too large: residuals of segments then say nothing of the
+// whole's.
+TEST(VerdictRules, ADensityInDegreesIsMendedBeforeTheRecordingIsBlamed) {
+  CalibrationRecord record = bothStages();
+  ImuNoiseCheck& gyro = record.camera_imu->imu_summary.noise.gyro;
+  const auto adviceOf = [&](const char* rule) {
+    for (const Finding& f : judge(record).findings) {
+      if (f.rule == rule) return f.level == VerdictLevel::kGood ? "good" : f.advice;
+    }
+    return std::string("absent");
+  };
+  const char* density = "Noise density of the gyroscope";
+  const char* whole = "Residuals of the gyroscope over the whole recording";
+  gyro.factor = 0.0136;
+  record.camera_imu->imu_summary.gyro_normalised_rms = 3 * gyro.expected_rms * gyro.factor;
+  EXPECT_THAT(adviceOf(density), ::testing::HasSubstr("is in degrees, convert it to radians"));
+  EXPECT_THAT(adviceOf(whole), ::testing::HasSubstr("Correct the noise density of the gyroscope"));
+  gyro.factor = 0.15;  // no unit
+  EXPECT_THAT(adviceOf(density), ::testing::Not(::testing::HasSubstr("degrees")));
+  gyro.factor = 1;
+  record.camera_imu->imu_summary.gyro_normalised_rms = 3 * gyro.expected_rms;
+  EXPECT_THAT(adviceOf(whole), ::testing::HasSubstr("a jump of a bias"));
+}
+
 void expectItsFindingAlone(const RuleCase& c) {
   CalibrationRecord record = bothStages();
   c.disorder(*record.camera, *record.camera_imu);
