@@ -110,7 +110,8 @@ const FailureRow kRows[] = {
 
     {Code::kCamerasShareNoFrame, "{apart} never saw the target in the same frame as {together}",
      "record the target where the cameras' fields of view overlap, check the stamps of the "
-     "cameras, or calibrate these cameras separately"},
+     "cameras (those of one frame agree, or differ by a constant of at most a quarter of the "
+     "cameras' interval), or calibrate these cameras separately"},
     {Code::kNoTagSeen, "no camera saw a tag in any of {images} images",
      "look at the images: they must show the target, sharp and neither black nor overexposed; its "
      "tags are of the family 36h11, with the black border that --border-bits states, and tagRows "
