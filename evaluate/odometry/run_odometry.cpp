@@ -10,7 +10,7 @@
 #include "datasets/files/file_io.h"
 #include "datasets/session/imu.h"
 #include "evaluate/metrics/calibration/parameters.h"
-#include "evaluate/metrics/trajectory/verdict.h"
+#include "evaluate/metrics/trajectory/run_comparison.h"
 #include "evaluate/odometry/judged_run.h"
 #include "evaluate/odometry/sensitivity.h"
 #include "evaluate/results/text.h"

@@ -15,7 +15,7 @@
 #include "calibrator/base/error.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/trajectory/errors.h"
-#include "evaluate/metrics/trajectory/verdict.h"
+#include "evaluate/metrics/trajectory/run_comparison.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/trajectory/find_runs.h"
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "calibrator/base/transform.h"
-#include "evaluate/metrics/trajectory/verdict.h"
+#include "evaluate/metrics/trajectory/run_comparison.h"
 #include "tests/report/synthetic_record.h"
 
 namespace plumbline::test {

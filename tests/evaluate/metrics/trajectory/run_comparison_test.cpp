@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paired differences: which pairs count, the exact sign test, an interval that covers.
 
+#include "evaluate/metrics/trajectory/run_comparison.h"
+
 #include <cmath>
 #include <random>
 #include <string>
@@ -8,7 +10,6 @@
 
 #include <gtest/gtest.h>
 
-#include "evaluate/metrics/trajectory/verdict.h"
 #include "tests/report/synthetic_studies.h"
 
 namespace plumbline {
