@@ -115,8 +115,7 @@ std::string divergenceOf(const TrajectoryRun& run, const RunsRequest& request) {
   // An estimate that stands still has the truth's spread as its ATE, after the best alignment.
   // A least-squares scale (sim3) may shrink an estimate to a point, which has just this ATE, so
   // that none exceeds it: half of it is an estimate that explains three quarters of the squared
-  // distances.
-  // The truth as kept for plots: every k-th matched pose.
+  // distances. Its spread is of the truth as kept for plots, every k-th matched pose.
   const bool shrinks = run.alignment.kind == toString(AlignmentKind::kSim3);
   const double limit = request.max_ate_m.value_or((shrinks ? 0.5 : 1) * spreadOf(run.truth_m));
   const double ate = run.ate_translation_m.rmse;

@@ -56,19 +56,11 @@ std::size_t usedTwice(const std::vector<PosePair>& pairs) {
   return count;
 }
 
-double intervalOf(const Trajectory& trajectory) {
-  std::vector<TimeNs> intervals;
-  for (std::size_t i = 1; i < trajectory.poses.size(); ++i) {
-    intervals.push_back(trajectory.poses[i].t - trajectory.poses[i - 1].t);
-  }
-  return intervals.empty() ? 0 : 1e-9 * static_cast<double>(middleOf(std::move(intervals)));
-}
-
 /// Of the poses of a denser truth the nearest is up to half an interval off, whatever the clocks
 /// are: it is then the distance of two grids of stamps.
 bool isLeftByGrid(double median_dt_s, const Trajectory& estimate, const Trajectory& truth) {
-  const double interval = intervalOf(truth);
-  return 2 * interval <= intervalOf(estimate) && 2 * std::abs(median_dt_s) <= interval;
+  const double interval = usualInterval(truth.poses);
+  return 2 * interval <= usualInterval(estimate.poses) && 2 * std::abs(median_dt_s) <= interval;
 }
 
 const char* whose(bool truth, bool estimate) {

@@ -25,7 +25,8 @@ endfunction()
 # A static library `plumbline_NAME` of every source below the current folder, with the project's flags.
 # Headers are included from the root of the repository: #include "calibrator/base/time.h".
 # KERNELS: folders optimised further than all else. CMake makes unity sources of what shares its options only: they
-# are compiled as a target of their own, `plumbline_NAME_kernels`.
+# are compiled as a target of their own, `plumbline_NAME_kernels`. Its objects stand first in the library: of an
+# inline function in both the linker keeps the first.
 function(plumbline_library name)
   cmake_parse_arguments(ARG "" "EXCLUDE" "KERNELS;SOURCES;DEPENDS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)

@@ -239,6 +239,12 @@ class ClosestFirst {
 
 }  // namespace
 
+double usualInterval(const std::vector<StampedPose>& poses) {
+  std::vector<TimeNs> intervals;
+  for (std::size_t i = 1; i < poses.size(); ++i) intervals.push_back(poses[i].t - poses[i - 1].t);
+  return intervals.empty() ? 0 : 1e-9 * static_cast<double>(middleOf(std::move(intervals)));
+}
+
 Interpolated poseAt(const std::vector<StampedPose>& poses, TimeNs t, TimeNs max_gap) {
   const auto after =
       std::lower_bound(poses.begin(), poses.end(), t,

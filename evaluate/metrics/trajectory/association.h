@@ -58,6 +58,9 @@ std::vector<StampMatch> nearestOfShorter(const Ticks& estimate, const Ticks& tru
 /// early pose may take the partner of a later, closer one. O(n).
 std::vector<StampMatch> forwardSweep(const Ticks& estimate, const Ticks& truth, double max_dt);
 
+/// Median interval of stamps [s]; 0 for fewer than two.
+double usualInterval(const std::vector<StampedPose>& poses);
+
 struct Interpolated {
   std::optional<StampedPose> pose;  ///< none outside of the poses' span or within a wide gap
   bool in_gap = false;              ///< none because the neighbours are too far apart

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <utility>
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/time.h"
@@ -15,7 +13,6 @@
 namespace plumbline {
 namespace {
 
-constexpr double kFarBetter = 0.5;       // ATE with, as a share of that without
 constexpr double kOwnScale = 1.25;       // up to it, and to its inverse, a scale is an error
 constexpr double kExplainsTruth = 0.1;   // ATE as a share of the truth's spread
 constexpr double kLeastExplained = 0.1;  // of the squared errors, by a shift in time
@@ -32,18 +29,15 @@ constexpr int kMostSteps = 20;
 struct Aligned {
   AlignedPoses poses;
   double scale = 1;
-  double ate_m = std::numeric_limits<double>::quiet_NaN();
+  double ate_m = 0;
 };
 
 std::optional<Aligned> alignedBy(const std::vector<PosePair>& pairs, AlignmentKind kind) {
   const Result<AlignmentRecord> alignment = align(pairs, {kind});
   if (!alignment) return std::nullopt;
   Aligned aligned{alignedPoses(pairs, *alignment), alignment->scale};
-  double sum = 0;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    sum += (aligned.poses.truth[i].t - aligned.poses.estimate[i].t).squaredNorm();
-  }
-  aligned.ate_m = std::sqrt(sum / static_cast<double>(pairs.size()));
+  aligned.ate_m =
+      sampleStatistics(absoluteErrors(aligned.poses, AbsoluteMeasure::kTranslation)).rmse;
   return aligned;
 }
 
@@ -51,13 +45,6 @@ std::vector<Eigen::Vector3d> positionsOf(const std::vector<Transform>& poses) {
   std::vector<Eigen::Vector3d> positions;
   for (const Transform& pose : poses) positions.push_back(pose.t);
   return positions;
-}
-
-/// Median interval of stamps [s]; 0 for fewer than two.
-double usualInterval(const std::vector<StampedPose>& poses) {
-  std::vector<TimeNs> intervals;
-  for (std::size_t i = 1; i < poses.size(); ++i) intervals.push_back(poses[i].t - poses[i - 1].t);
-  return intervals.empty() ? 0 : 1e-9 * static_cast<double>(middleOf(std::move(intervals)));
 }
 
 /// The two trajectories by an offset in addition to the one that was given.
@@ -146,7 +133,7 @@ std::optional<double> ratesOffset(const Trajectory& estimate, const Trajectory& 
   std::vector<StampedPose> poses = estimate.poses;
   for (StampedPose& pose : poses) pose.t += toNanoseconds(given_s);
   ClockOffsetOptions wide;
-  wide.max_offset_s = kMostOffset + 1;
+  wide.max_offset_s = kRatesRange;
   const auto found = estimateClockOffset(poses, truth.poses, wide);
   if (!found) return std::nullopt;
   return found->offset_s;

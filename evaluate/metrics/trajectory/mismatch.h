@@ -10,6 +10,11 @@
 
 namespace plumbline {
 
+/// The most that the ATE with another scale or clock may be of that without.
+inline constexpr double kFarBetter = 0.5;
+/// Within which the angular rates are asked for an offset [s].
+inline constexpr double kRatesRange = 3;
+
 /// The scale by which the positions of `pairs` agree, where by lengths as they are they do not: s
 /// of sim3 is outside of 0.8 to 1.25, the ATE after it at most half of that after se3, and a tenth
 /// of the RMS distance of the truth from its mean. So an estimate that diverged, of which a small
@@ -37,7 +42,7 @@ struct ClockTrialOptions {
 ///
 /// Positions that are ahead along the way may also be those of another body, which travels ahead (a
 /// vehicle's antenna). Where both have orientations the angular rates therefore tell the offset,
-/// too (estimateClockOffset, within 3 s): `rates_s`, where these do.
+/// too (estimateClockOffset, within kRatesRange): `rates_s`, where these do.
 std::optional<ClockMismatch> clockMismatch(const Trajectory& estimate, const Trajectory& truth,
                                            const ClockTrialOptions& options);
 

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "calibrator/initialise/clock_offset.h"
 #include "evaluate/metrics/headline.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/trajectory/mismatch.h"
@@ -92,7 +93,7 @@ Finding scaleFinding(const ScaleMismatch& m) {
                       m.scale, m.scaled_ate_m, m.ate_m),
           std::move(advice),
           m.scaled_ate_m / m.ate_m,
-          0.5,
+          kFarBetter,
           "share"};
 }
 
@@ -110,9 +111,10 @@ std::string clockAdvice(const ClockMismatch& m) {
     return "the clocks are not off so far: look for a body that travels ahead of the other, with "
            "--hand-eye auto";
   }
-  constexpr double kDefaultRange = 0.8;  // with room to the default of --clock-range, 1 s
+  // Not at the edge of the range that is searched without the option.
+  const bool is_far = std::abs(*m.rates_s) > 0.8 * ClockOffsetOptions().max_offset_s;
   return fmt::format("run again with --clock-offset auto{}, and find out whose stamps are wrong",
-                     std::abs(*m.rates_s) > kDefaultRange ? " --clock-range 3" : "");
+                     is_far ? fmt::format(" --clock-range {:g}", kRatesRange) : "");
 }
 
 Finding clockFinding(const ClockMismatch& m) {
@@ -122,7 +124,7 @@ Finding clockFinding(const ClockMismatch& m) {
       m.positions_s, m.moved_ate_m, m.ate_m, m.alignment);
   if (m.rates_s) evidence += fmt::format("; angular rates ask for {:+.3f} s", *m.rates_s);
   return {"Clocks",       VerdictLevel::kCaution,  std::move(evidence),
-          clockAdvice(m), m.moved_ate_m / m.ate_m, 0.5,
+          clockAdvice(m), m.moved_ate_m / m.ate_m, kFarBetter,
           "share"};
 }
 
