@@ -10,6 +10,8 @@
 #include <tuple>
 #include <utility>
 
+#include "calibrator/base/statistics/statistics.h"
+
 namespace plumbline {
 namespace {
 
