@@ -18,6 +18,7 @@
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/sample_intervals.h"
 #include "evaluate/results/provenance.h"
+#include "evaluate/results/text.h"
 #include "evaluate/session/load_session.h"
 
 namespace plumbline {
@@ -162,10 +163,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
 
 std::string evaluationSummary(const CalibrationRecord& record) {
   const HeldCalibration& evaluation = *record.held;
-  std::size_t width = 0;
-  for (const CalibrationScore& score : evaluation.scores) {
-    width = std::max(width, nameOf(score).size());
-  }
+  const std::size_t width = nameWidth(evaluation.scores, 11, nameOf);
   std::string text = fmt::format("{}\n{:<{}}{:>11}", evaluation.file, "RMSE [px]", width, "all");
   const std::vector<std::string> cameras = cameraNames(evaluation.scores);
   for (const std::string& camera : cameras) text += fmt::format("{:>11}", camera);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include <fmt/format.h>
@@ -224,13 +225,17 @@ TrajectoryRecord runOdometry(const OdometryRequest& request, const fs::path& out
 
 std::string odometrySummary(const TrajectoryRecord& record) {
   Text text;
-  add(text, "\n{:<16} {:<20} {:>4} {:>9} {:>9} {:>8} {:>7}\n", "sequence", "calibration", "run",
-      "seconds", "x speed", "skipped", "losses");
+  const std::size_t sequence = nameWidth(record.runs, 17, std::mem_fn(&TrajectoryRun::sequence));
+  const std::size_t calibration =
+      nameWidth(record.runs, 21, std::mem_fn(&TrajectoryRun::calibration));
+  add(text, "\n{:<{}}{:<{}}{:>4} {:>9} {:>9} {:>8} {:>7}\n", "sequence", sequence, "calibration",
+      calibration, "run", "seconds", "x speed", "skipped", "losses");
   for (const TrajectoryRun& run : record.runs) {
     if (!run.odometry) continue;
     const OdometryRunRecord& o = *run.odometry;
-    add(text, "{:<16} {:<20} {:>4} {:>9.1f} {:>9.1f} {:>8} {:>7}\n", run.sequence, run.calibration,
-        run.run, o.seconds, o.real_time_factor, o.frames_skipped, o.losses);
+    add(text, "{:<{}}{:<{}}{:>4} {:>9.1f} {:>9.1f} {:>8} {:>7}\n", run.sequence, sequence,
+        run.calibration, calibration, run.run, o.seconds, o.real_time_factor, o.frames_skipped,
+        o.losses);
   }
   for (const TrajectoryRun& run : record.runs) {
     if (run.odometry && run.odometry->offset_calibrated_s) add(text, "{}", hintText(run));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <sstream>
 #include <string>
@@ -23,6 +25,13 @@ using Text = fmt::memory_buffer;
 template <class... Args>
 void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
   text.append(fmt::format(format, std::forward<Args>(args)...));
+}
+
+/// Width of a column of names: two blanks behind the longest, at least `least`.
+template <class Rows, class Name>
+std::size_t nameWidth(const Rows& rows, std::size_t least, const Name& name) {
+  for (const auto& row : rows) least = std::max(least, std::string(name(row)).size() + 2);
+  return least;
 }
 
 /// What stands between blanks and line ends.

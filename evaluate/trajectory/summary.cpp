@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/trajectory/summary.h"
 
+#include <cstddef>
+#include <functional>
+
 #include <fmt/format.h>
 
 #include "calibrator/base/transform.h"
@@ -64,13 +67,17 @@ std::string nameOr(const std::string& name, const char* otherwise) {
 }
 
 std::string summaryTable(const TrajectoryStudy& study) {
-  std::string text = fmt::format("{:<16}{:<24}{:>10}{:>9}{:>8}{:>18}\n", "sequence", "calibration",
-                                 "complete", "partial", "failed", "median ATE [m]");
+  const std::size_t sequence = nameWidth(study.summary, 16, std::mem_fn(&RunsSummary::sequence));
+  const std::size_t calibration =
+      nameWidth(study.summary, 24, std::mem_fn(&RunsSummary::calibration));
+  std::string text =
+      fmt::format("{:<{}}{:<{}}{:>10}{:>9}{:>8}{:>18}\n", "sequence", sequence, "calibration",
+                  calibration, "complete", "partial", "failed", "median ATE [m]");
   for (const RunsSummary& s : study.summary) {
     const std::string ate = s.ate_median_m ? fmt::format("{:.4f}", *s.ate_median_m) : "-";
-    text += fmt::format("{:<16}{:<24}{:>10}{:>9}{:>8}{:>18}\n", nameOr(s.sequence, "all"),
-                        nameOr(s.calibration, "-"), fmt::format("{}/{}", s.complete, s.expected),
-                        s.partial, s.failed, ate);
+    text += fmt::format("{:<{}}{:<{}}{:>10}{:>9}{:>8}{:>18}\n", nameOr(s.sequence, "all"), sequence,
+                        nameOr(s.calibration, "-"), calibration,
+                        fmt::format("{}/{}", s.complete, s.expected), s.partial, s.failed, ate);
   }
   return text;
 }

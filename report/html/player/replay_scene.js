@@ -2,12 +2,17 @@
 // The target, the cameras and the candidates in space, painted from back to front on a canvas: no
 // GPU is needed. Coordinates are those of the target's frame F [m].
 (() => {
-  const STOPS = [[195, 211, 226], [90, 185, 225], [30, 111, 208], [92, 20, 120]];
-  const UNSCORED = 'rgb(172,178,186)', BEST = '#e8590c', KEPT = 'rgba(20,121,79,.5)', ASKED = '#e07b00';
+  const BEST = '#e8590c', ASKED = '#e07b00';
+  // What is worth most stands out most from the ground; .ramp of player.css has the same stops.
+  const LIGHT = {stops: [[195, 211, 226], [90, 185, 225], [30, 111, 208], [92, 20, 120]], unscored: 'rgb(172,178,186)', kept: 'rgba(20,121,79,.5)'};
+  const DARK = {stops: [[72, 84, 98], [45, 120, 190], [90, 185, 225], [226, 190, 255]], unscored: 'rgb(96,104,114)', kept: 'rgba(79,195,138,.5)'};
+  const scheme = matchMedia('(prefers-color-scheme: dark)');
+  const ink = () => scheme.matches ? DARK : LIGHT;
 
   const ramp = (unit) => {
-    const at = Math.min(0.9999, Math.max(0, unit)) * (STOPS.length - 1);
-    const [a, b] = [STOPS[Math.floor(at)], STOPS[Math.floor(at) + 1]];
+    const {stops} = ink();
+    const at = Math.min(0.9999, Math.max(0, unit)) * (stops.length - 1);
+    const [a, b] = [stops[Math.floor(at)], stops[Math.floor(at) + 1]];
     return `rgb(${a.map((v, i) => Math.round(v + (at % 1) * (b[i] - v))).join(',')})`;
   };
 
@@ -150,11 +155,11 @@
       const kept = this.data.keptBy(this.frame).filter((f) => this.data.pose(f));
       const stage = this.data.word('stage', this.frame);
       if (stage === 'camera-imu') {  // every frame is kept: their path says it
-        this.stroke(ctx, KEPT, 1.2, () => this.line(ctx, kept.map((f) => { const T = this.data.pose(f); return [T[3], T[7], T[11]]; }), false));
+        this.stroke(ctx, ink().kept, 1.2, () => this.line(ctx, kept.map((f) => { const T = this.data.pose(f); return [T[3], T[7], T[11]]; }), false));
         return;
       }
       const step = Math.ceil(kept.length / 150) || 1;
-      this.stroke(ctx, KEPT, 1, () => {
+      this.stroke(ctx, ink().kept, 1, () => {
         for (let i = 0; i < kept.length; i += step) this.frustumLines(ctx, frustum(this.data.pose(kept[i]), this.data.cameras[0].frustum, 0.07 * this.size));
       });
     }
@@ -178,7 +183,7 @@
         this.spots.push({x: at[0], y: at[1], text: `${round.names[i]}: ${this.score(round, i)}`});
         if (i === round.best) continue;
         const worth = this.worth(round, i), scored = !Number.isNaN(worth);
-        const colour = scored ? ramp(worth / most) : UNSCORED;
+        const colour = scored ? ramp(worth / most) : ink().unscored;
         this.stroke(ctx, colour, scored ? 1.3 : 0.8, () => this.frustumLines(ctx, shape));
       }
       if (round.best < 0) return most;
@@ -248,10 +253,10 @@
     say(round, most, suggestion) {
       const legend = this.box.querySelector('[data-part="legend"]');
       const parts = [this.data.pose(this.frame) ? '<span><b>current</b> thick</span>' : '<span><b>no pose</b> at this frame</span>',
-        `<span style="color:#14794f">kept: ${this.data.table.kept[this.frame] || 0}</span>`];
-      if (suggestion) parts.push('<span style="color:#b4600a">suggested: dashed</span>');
+        `<span class="kept">kept: ${this.data.table.kept[this.frame] || 0}</span>`];
+      if (suggestion) parts.push('<span class="asked">suggested: dashed</span>');
       if (round && round.poses.length && !this.isListed(round)) {
-        parts.push(`<span>candidates${this.byError(round) ? ' lower the error by' : ''} <i class="ramp"></i>0 to ${this.worthText(round, most)}</span><span>grey: not scored</span><span style="color:${BEST}">best: ring</span>`);
+        parts.push(`<span>candidates${this.byError(round) ? ' lower the error by' : ''} <i class="ramp"></i>0 to ${this.worthText(round, most)}</span><span>grey: not scored</span><span class="best">best: ring</span>`);
       }
       if (legend.innerHTML !== parts.join('')) legend.innerHTML = parts.join('');
       this.list(round);

@@ -20,6 +20,16 @@
   links.forEach((_, id) => { const part = document.getElementById(id); if (part) watcher.observe(part); });
 })();
 
+// Long names of files, calibrations and sequences may break after an underscore, a dash or a slash; short ones
+// (T_SC0) stay whole.
+document.querySelectorAll('th, td, .card .label, .verdict p').forEach((part) => {
+  const long = /([\w./-]{24,})/;
+  [...part.childNodes].filter((node) => node.nodeType === Node.TEXT_NODE && long.test(node.data)).forEach((node) => {
+    const pieces = node.data.split(long).flatMap((words, i) => i % 2 ? words.split(/(?<=[_/-])/).flatMap((piece) => [piece, document.createElement('wbr')]) : [words]);
+    node.replaceWith(...pieces);
+  });
+});
+
 // Tables with a head: a click on a column sorts by it (again: the other way round), and a button copies
 // the table as CSV.
 (() => {

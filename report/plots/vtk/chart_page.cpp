@@ -22,10 +22,12 @@ namespace plumbline::internal {
 namespace {
 
 constexpr double kCharacter = 6.65;  // width of a tick label's character at 12 px [px]
-constexpr double kTitleBand = 26;    // [px]
-constexpr double kLegendBand = 20;   // [px]
-constexpr double kColourBar = 86;    // room for bar, its labels and title [px]
-constexpr double kMargin = 14;       // around everything [px]
+// The same of a name: letters of a wide font (DejaVu Sans), where labels of digits have slack.
+constexpr double kLetter = 7.2;
+constexpr double kTitleBand = 26;   // [px]
+constexpr double kLegendBand = 20;  // [px]
+constexpr double kColourBar = 86;   // room for bar, its labels and title [px]
+constexpr double kMargin = 14;      // around everything [px]
 constexpr Colour kInk{64, 70, 80, 255};
 // zoom.js finds the lines of the grid by this colour.
 constexpr Colour kGrid{228, 231, 236, 255};
@@ -33,10 +35,10 @@ constexpr Colour kFrame{150, 156, 166, 255};
 
 /// By the length of the words: the page's font is the browser's, and measuring another would not
 /// help.
-double widestLabel(const std::vector<AxisTick>& ticks) {
+double widestLabel(const std::vector<AxisTick>& ticks, double character = kCharacter) {
   std::size_t longest = 1;
   for (const AxisTick& tick : ticks) longest = std::max(longest, characterCount(tick.label));
-  return kCharacter * static_cast<double>(longest);
+  return character * static_cast<double>(longest);
 }
 
 }  // namespace
@@ -94,7 +96,7 @@ double ChartPage::unitY(double value) const {
 void ChartPage::place(const PageLayout& layout) {
   const bool legend =
       std::ranges::any_of(layout.legend, [](const LegendEntry& e) { return !e.name.empty(); });
-  const double x_labels = frame_.x.upright_labels ? widestLabel(x_ticks_) : 14;
+  const double x_labels = frame_.x.upright_labels ? widestLabel(x_ticks_, kLetter) : 14;
   // Whole pixels, as VTK hands on clips in integers.
   // From the edge inwards: margin, the axis' title, the widest label, its distance from the axis.
   left_ = std::ceil(kMargin + (frame_.y.label.empty() ? 0 : 16) + widestLabel(y_ticks_) + 10);
@@ -157,7 +159,7 @@ void ChartPage::setUpAxis(int which, const PlotAxis& axis, const std::vector<Axi
       // Beside the widest label of all ticks, those that are left out too: place() made room so.
       drawText(painter, left_ - widestLabel(ticks) - 20, middle_y, axis.label, turned);
     } else {
-      const double labels_height = axis.upright_labels ? widestLabel(ticks) : 14;
+      const double labels_height = axis.upright_labels ? widestLabel(ticks, kLetter) : 14;
       drawText(painter, (left_ + right_) / 2, bottom_ - labels_height - 18, axis.label, title);
     }
   });

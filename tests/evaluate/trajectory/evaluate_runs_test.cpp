@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -117,6 +118,21 @@ TEST_F(EvaluateRuns, CompleteRunsAreSummarisedAndPaired) {
               find(record, "poor_one", "MH_01", "1").ate_translation_m.rmse -
                   find(record, "good", "MH_01", "1").ate_translation_m.rmse,
               1e-12);
+}
+
+TEST(RunsSummary, NamesOfAnyLengthKeepTheirColumns) {
+  TrajectoryStudy study;
+  for (const char* calibration : {"a", "of_kalibr_with_the_corner_filter"}) {
+    study.summary.push_back({.sequence = "euroc_vicon_room_V2_02", .calibration = calibration});
+  }
+  const std::string text = runsSummary(study);
+  EXPECT_THAT(text, HasSubstr("euroc_vicon_room_V2_02  a  "));
+  EXPECT_THAT(text, HasSubstr("euroc_vicon_room_V2_02  of_kalibr_with_the_corner_filter  "));
+  std::istringstream lines(text);
+  std::string head, first, second;
+  std::getline(std::getline(std::getline(lines, head), first), second);
+  EXPECT_EQ(head.size(), first.size());
+  EXPECT_EQ(first.size(), second.size());
 }
 
 TEST_F(EvaluateRuns, NothingIsDropped) {

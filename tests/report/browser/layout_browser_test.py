@@ -21,7 +21,7 @@ import zlib
 from browser import FLAT, Chromium, fail
 
 WIDTHS = (1400, 800, 390)
-KINDS = ("calibration", "perturbation", "trajectory", "comparison", "study", "replay")
+KINDS = ("calibration", "perturbation", "trajectory", "long-names", "comparison", "study", "replay")
 MOST_SHEETS = 8
 SHOWN = 6  # faults of a page that are printed
 

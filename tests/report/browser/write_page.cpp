@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes the page of a synthetic record: write_page FILE [frames] [camera-only], or write_page FILE
-// perturbation|trajectory|comparison|study. The browser test opens what it writes; with the frames
-// of a long recording it is also the timing of a page.
+// perturbation|trajectory|long-names|comparison|study. The browser test opens what it writes; with
+// the frames of a long recording it is also the timing of a page.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <string>
 
+#include "evaluate/metrics/trajectory/run_comparison.h"
 #include "report/html/pages.h"
 #include "tests/report/synthetic_record.h"
 #include "tests/report/synthetic_studies.h"
@@ -15,11 +16,23 @@
 
 namespace {
 
+/// Of sequences and calibrations with names as long as those of whole experiments.
+plumbline::TrajectoryRecord longNames() {
+  plumbline::TrajectoryRecord r = plumbline::test::syntheticTrajectories();
+  for (plumbline::TrajectoryRun& run : r.runs) {
+    run.sequence = "euroc_vicon_room_" + run.sequence + "_medium";
+    run.calibration = "calibration_with_kalibr_and_corner_filter_" + run.calibration;
+  }
+  static_cast<plumbline::TrajectoryStudy&>(r) = plumbline::studyOf(std::move(r.runs));
+  return r;
+}
+
 /// Empty for a word that is no study.
 std::string studyPage(const std::string& kind) {
   using namespace plumbline;
   if (kind == "perturbation") return renderPerturbationPage(test::syntheticPerturbation());
   if (kind == "trajectory") return renderTrajectoryPage(test::syntheticTrajectories());
+  if (kind == "long-names") return renderTrajectoryPage(longNames());
   if (kind == "study") return renderStudyPage(test::syntheticUserStudy());
   if (kind == "comparison") return renderComparisonPage(test::syntheticComparison());
   return "";
