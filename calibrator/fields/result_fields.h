@@ -144,8 +144,8 @@ void fields(auto& v, ModelCandidate& m) {
   v("excess_std_px2", m.excess_std_px2, "px^2", "standard deviation of that mean");
 }
 
-constexpr std::array<const char*, 4> enumWords(ModelReason /*of*/) {
-  return {"not tested", "stated", "smallest", "common"};
+constexpr std::array<const char*, 5> enumWords(ModelReason /*of*/) {
+  return {"not tested", "stated", "smallest", "tangential", "common"};
 }
 
 void fields(auto& v, ModelChoice& m) {
@@ -153,9 +153,9 @@ void fields(auto& v, ModelChoice& m) {
   v("camera_model", m.projection, "the chosen projection");
   v("distortion_model", m.distortion, "its distortion");
   v("reason", m.reason,
-    "why: within one standard error of the best, `stated` or `smallest`; `common` to all cameras "
-    "at "
-    "less than 1 % of the squares; or `not tested`");
+    "why: within one standard error of the best, `stated`, `tangential` (the smallest with such "
+    "terms) or `smallest`; `common` to all cameras at less than 1 % of the squares; or `not "
+    "tested`");
   v("candidates", m.candidates, "models that were tried, the best first");
 }
 

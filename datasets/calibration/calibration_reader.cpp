@@ -316,6 +316,10 @@ CalibrationExtras readCalibrationExtras(const std::string& path) {
     const YamlMap provenance = file.map("provenance", "where the result comes from");
     extras.input = provenance.textOr("input", "");
     extras.input_hash = provenance.textOr("input_hash", "");
+    const YAML::Node hashes = provenance.node("camera_hashes");
+    for (std::size_t i = 0; hashes && hashes.IsSequence() && i < hashes.size(); ++i) {
+      if (hashes[i].IsScalar()) extras.camera_hashes.push_back(hashes[i].Scalar());
+    }
   }
   return extras;
 }

@@ -64,8 +64,9 @@ struct CalibrationExtras {
   std::string tool;  ///< who wrote it: "plumbline", "kalibr", "openvins", "yac", "basalt"
   /// Ours: of the last stage that estimated the cameras; names as in the file ("cam0.fu").
   std::optional<ParameterCovariance> cameras = {};
-  std::string input = {};                 ///< ours: name of the session that it was estimated from
-  std::string input_hash = {};            ///< and its hash, "algorithm:hex"
+  std::string input = {};       ///< ours: name of the session that it was estimated from
+  std::string input_hash = {};  ///< and its hash, "algorithm:hex"
+  std::vector<std::string> camera_hashes = {};  ///< and of what each of its cameras recorded
   std::vector<std::string> remarks = {};  ///< on what readCalibration() simplified, a sentence each
 };
 

@@ -67,13 +67,24 @@ void addSizes(FileLines& lines, const std::string& folder, const std::string& na
   }
 }
 
+/// What it recorded: corners, or names and sizes of its images, which beside corners are not read.
+void addViews(FileLines& lines, const std::string& camera, const std::string& name) {
+  addContent(lines, camera + "/corners.csv", name + "/corners.csv");
+  if (!fs::exists(camera + "/corners.csv")) addSizes(lines, camera + "/data", name + "/data");
+}
+
 void addCamera(FileLines& lines, const std::string& camera) {
   const std::string name = fs::path(camera).filename().string();
-  for (const char* file : {"corners.csv", "data.csv", "sensor.yaml"}) {
+  for (const char* file : {"data.csv", "sensor.yaml"}) {
     addContent(lines, camera + "/" + file, name + "/" + file);
   }
-  // Beside corners images are not read.
-  if (!fs::exists(camera + "/corners.csv")) addSizes(lines, camera + "/data", name + "/data");
+  addViews(lines, camera, name);
+}
+
+std::string hashOf(FileLines lines) {
+  // A folder is listed in no order.
+  std::sort(lines.begin(), lines.end());
+  return "xxh64:" + contentHash(fmt::format("{}", fmt::join(lines, "")));
 }
 
 }  // namespace
@@ -147,9 +158,18 @@ std::string inputHash(const std::string& session, const SessionReadOptions& opti
   for (std::size_t i = 0; i < others.size(); ++i) {
     addContent(lines, others[i], fmt::format("given/{}", i));
   }
-  // A folder is listed in no order.
-  std::sort(lines.begin(), lines.end());
-  return "xxh64:" + contentHash(fmt::format("{}", fmt::join(lines, "")));
+  return hashOf(std::move(lines));
+}
+
+std::vector<std::string> cameraHashes(const std::string& session) {
+  std::vector<std::string> hashes;
+  for (const std::string& camera : findSession(session).cameras) {
+    FileLines lines;
+    // Under any name: a folder may have been renamed.
+    addViews(lines, camera, "");
+    if (!lines.empty()) hashes.push_back(hashOf(std::move(lines)));
+  }
+  return hashes;
 }
 
 }  // namespace plumbline

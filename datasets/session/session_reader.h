@@ -67,4 +67,9 @@ void selectFrames(Recording& recording, const SessionReadOptions& options);
 std::string inputHash(const std::string& session, const SessionReadOptions& options = {},
                       const std::vector<std::string>& others = {});
 
+/// The same over what each camera recorded alone, without names of folders, target, lens, IMU and
+/// options: sessions that have one in common are of one recording. A camera without corners and
+/// images has none.
+std::vector<std::string> cameraHashes(const std::string& session);
+
 }  // namespace plumbline

@@ -126,6 +126,8 @@ void addModels(Text& text, const std::vector<ModelChoice>& models) {
         m.reason == ModelReason::kStated ? "as stated; none predicts held-out frames better"
         : m.reason == ModelReason::kSmallest
             ? "the smallest of those that predict held-out frames best"
+        : m.reason == ModelReason::kTangential
+            ? "the smallest with tangential terms of those that predict held-out frames best"
         : m.reason == ModelReason::kCommon
             ? "that of all cameras together, which costs this one less than 1 %"
             : "others were not tested, or this recording does not determine them");

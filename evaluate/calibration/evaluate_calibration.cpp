@@ -34,17 +34,6 @@ LoadRequest loadOf(const std::string& session, const LoadRequest& first) {
   return load;
 }
 
-/// The same by the hash of the recording with its IMU, where it is read without, and the reverse:
-/// the calibration may have been estimated otherwise than it is scored.
-std::optional<bool> wasEstimatedFrom(const CalibrationExtras& from, const LoadedSession& loaded,
-                                     const LoadRequest& load) {
-  const std::optional<bool> as_read = wasEstimatedFrom(from, loaded);
-  if (as_read != false) return as_read;
-  SessionReadOptions otherwise = load.read;
-  otherwise.read_imu = !otherwise.read_imu;
-  return from.input_hash == inputHash(load.session, otherwise);
-}
-
 /// All but what was computed.
 CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibrationRequest& asked) {
   CalibrationRecord record;
@@ -130,7 +119,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
         FailureCode::kNoScore,
         {{"calibration", label}, {"session", whole.session}, {"problem", whole.problem}}};
   }
-  on_session.scores.front().held_out = wasEstimatedFrom(from, loaded, asked.load) == false;
+  on_session.scores.front().held_out = wasEstimatedFrom(from, loaded) == false;
   CalibrationRecord record = recordOf(loaded, asked);
   record.provenance.input_hash = inputFilesHash({asked.calibration}, loaded.input_hash);
   record.camera = std::move(on_session.camera);
@@ -148,8 +137,8 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
     progress("scoring " + other.session.name, -1);
     CalibrationScore score = scoreHeldOut(scored_on_other, other.session, asked.score);
     // The user says so; the files may say otherwise.
-    const bool seen =
-        other.input_hash == loaded.input_hash || wasEstimatedFrom(from, other, load) == true;
+    const bool seen = haveOneInCommon(other.camera_hashes, loaded.camera_hashes) ||
+                      wasEstimatedFrom(from, other) == true;
     if (seen) score.held_out = false;
     record.held->scores.push_back(std::move(score));
   }

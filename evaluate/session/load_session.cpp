@@ -92,6 +92,34 @@ void noteDeepImages(const Recording& recording, const LoadRequest& request) {
   }
 }
 
+/// Whether both saw the same corners at the same instants, and some.
+bool sawTheSame(const CameraStream& a, const CameraStream& b) {
+  const auto same_corner = [](const Corner& x, const Corner& y) {
+    return x.id == y.id && x.uv == y.uv;
+  };
+  const auto same_view = [&](const ImageView& x, const ImageView& y) {
+    return x.t == y.t && std::ranges::equal(x.corners, y.corners, same_corner);
+  };
+  const auto is_seen = [](const ImageView& view) { return !view.corners.empty(); };
+  return std::ranges::any_of(a.views, is_seen) && std::ranges::equal(a.views, b.views, same_view);
+}
+
+/// A camera under two names would be two cameras in one place, without a word.
+void checkDistinct(const std::vector<CameraStream>& cameras, const std::string& session) {
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    for (std::size_t j = i + 1; j < cameras.size(); ++j) {
+      if (!sawTheSame(cameras[i], cameras[j])) continue;
+      throw badInput(session,
+                     {InputFault::kDuplicate,
+                      cameras[j].name + " shows the very corners of " + cameras[i].name +
+                          ", at the same stamps to the last digit",
+                      "recordings of two cameras",
+                      "check the topics, links or copies that the folders were made from; leave "
+                      "one out (--only)"});
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<std::string> defaultCacheFolder() {
@@ -145,6 +173,7 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   }
   // Of the files as they are, before anything is detected: the cache has no say in it.
   loaded.input_hash = inputHash(request.session, request.read, others);
+  loaded.camera_hashes = cameraHashes(request.session);
   loaded.load_s = reading.seconds();
   if (recording.needsDetection()) {
     const Stopwatch detecting;
@@ -158,6 +187,7 @@ LoadedSession loadSession(const LoadRequest& request, const ProgressSink& progre
   if (std::filesystem::exists(std::filesystem::path(request.session) / kDetectionFile)) {
     loaded.common_error_share = kDetectorCommonError;
   }
+  checkDistinct(recording.session.cameras, request.session);
   for (const CameraStream& camera : recording.session.cameras) {
     loaded.counts.push_back(countsOf(camera));
   }

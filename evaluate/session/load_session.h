@@ -98,8 +98,9 @@ struct LoadedSession {
   std::vector<CameraCounts> counts;  ///< one per camera
   /// Per camera, parallel to its views; empty for a camera that comes as corners.
   std::vector<std::vector<ImageFile>> images;
-  std::optional<double> shown_spacing;  ///< of the target, by detectCorners(); empty: unknown
-  std::string input_hash;               ///< "algorithm:hex" of the files that were read
+  std::optional<double> shown_spacing;     ///< of the target, by detectCorners(); empty: unknown
+  std::string input_hash;                  ///< "algorithm:hex" of the files that were read
+  std::vector<std::string> camera_hashes;  ///< of what each camera recorded
   /// CameraStageOptions::common_error_share of its corners: of our own detector where it found some
   /// of them, now or before (cache, kDetectionFile); 0 where all were given.
   double common_error_share = 0;
@@ -133,15 +134,20 @@ void attribute(Record& record, const Provenance& provenance, const LoadedSession
   record.provenance = provenance;
   record.provenance.input = loaded.session.name;
   record.provenance.input_hash = loaded.input_hash;
+  record.provenance.camera_hashes = loaded.camera_hashes;
 }
 
 /// Where found corners are kept unless the user says otherwise: $XDG_CACHE_HOME/plumbline, or
 /// ~/.cache/plumbline; empty without either.
 std::optional<std::string> defaultCacheFolder();
 
-/// Whether a calibration's file says that it was estimated from this recording: by the input's
-/// hash, or by its name, since the hash covers options and files beside the recording too. Empty
-/// where the file does not say what it was estimated from.
+/// Of camera_hashes: whether two sessions are of one recording.
+bool haveOneInCommon(const std::vector<std::string>& a, const std::vector<std::string>& b);
+
+/// Whether a calibration's file says that it was estimated from this recording: by what a camera
+/// recorded, under whatever options and files beside it, or by the input's name (images whose
+/// corners were detected before are other files). Empty where the file does not say what it was
+/// estimated from.
 std::optional<bool> wasEstimatedFrom(const CalibrationExtras& from, const LoadedSession& loaded);
 
 /// File with the board's shape beside a calibration that may have been estimated with it, where the

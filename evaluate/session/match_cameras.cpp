@@ -155,9 +155,14 @@ Calibration matchCalibration(const Calibration& given, const std::string& path,
   return matched;
 }
 
+bool haveOneInCommon(const std::vector<std::string>& a, const std::vector<std::string>& b) {
+  return std::ranges::find_first_of(a, b) != a.end();
+}
+
 std::optional<bool> wasEstimatedFrom(const CalibrationExtras& from, const LoadedSession& loaded) {
   if (from.input_hash.empty()) return std::nullopt;
-  return from.input_hash == loaded.input_hash || from.input == loaded.session.name;
+  return from.input_hash == loaded.input_hash || from.input == loaded.session.name ||
+         haveOneInCommon(from.camera_hashes, loaded.camera_hashes);
 }
 
 std::vector<CameraCalibration> readCameras(const std::string& path, const Session& session) {

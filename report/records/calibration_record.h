@@ -90,7 +90,8 @@ std::vector<std::vector<Finding>> findingsByCure(const std::vector<Finding>& fin
 /// Where a result comes from: with the command line, paths included, it can be made again.
 struct Provenance {
   std::string version, command, input, input_hash, date;
-  Named<std::string> options;  ///< in their order
+  Named<std::string> options = {};  ///< in their order
+  std::vector<std::string> camera_hashes = {};
 };
 
 void fields(auto& v, Provenance& p) {
@@ -98,6 +99,8 @@ void fields(auto& v, Provenance& p) {
   v("command", p.command, "command line, quoted for a shell");
   v("input", p.input, "name of the recording");
   v("input_hash", p.input_hash, "`algorithm:hex` over the files that were read");
+  v.ifSet("camera_hashes", p.camera_hashes,
+          "the same of what each camera recorded alone: recordings that share one are the same");
   v("options", p.options, "those given, as text");
   v("date", p.date, "ISO 8601, UTC");
 }

@@ -287,6 +287,7 @@ CalibrationRecord syntheticRecord(const SyntheticRecordOptions& options) {
                        "sha256:0f3a9c",
                        "2026-01-02T03:04:05Z",
                        {{"loss", "cauchy:1.5"}, {"pixel-sigma", "1"}, {"seed", "1"}}};
+  record.provenance.camera_hashes = {"xxh64:01", "xxh64:02"};
   record.assumptions.loss = "cauchy:1.5";
   record.assumptions.imu_noise = ImuNoise();
   record.counts = {{options.frames + 4, options.frames, 9600, 2400},

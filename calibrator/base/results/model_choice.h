@@ -68,11 +68,12 @@ struct ModelCandidate {
 
 /// Why a model was chosen.
 enum class ModelReason {
-  kNotTested,  ///< too short a recording, or no other model has a solution, or the recording does
-               ///< not determine those that predict unseen frames best
-  kStated,     ///< the recording states it, and no model predicts unseen frames better
-  kSmallest,   ///< the fewest parameters of those that predict unseen frames as well as the best
-  kCommon,     ///< the one for all cameras together; by itself the camera would have another
+  kNotTested,   ///< too short a recording, or no other model has a solution, or the recording does
+                ///< not determine those that predict unseen frames best
+  kStated,      ///< the recording states it, and no model predicts unseen frames better
+  kSmallest,    ///< the fewest parameters of those that predict unseen frames as well as the best
+  kTangential,  ///< the fewest parameters of those among these that have tangential terms
+  kCommon,      ///< the one for all cameras together; by itself the camera would have another
 };
 
 /// The lens model of one camera, chosen by the error of unseen frames.

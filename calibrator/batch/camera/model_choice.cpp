@@ -20,6 +20,7 @@ constexpr double kRuledOutSigmas = 3;          // of the mean excess
 constexpr double kAlike = 0.01;                // of a camera's squares: hardly worth another model
 constexpr double kRuledOutShare = 0.1;         // of the best one's squares
 constexpr std::size_t kLeastJudgedBlocks = 4;  // fewer have no scatter
+constexpr double kNotBeaten = 2;               // standard errors that a stated lens may exceed
 constexpr std::size_t kFitCorners = 2000;      // that fit a lens for a start
 
 /// One camera with its own views and poses.
@@ -111,10 +112,37 @@ MeanGain excess(const Trialled& trial, const Trialled& best) {
   return meanGain(trial.error->cost, best.error->cost);
 }
 
-/// Whether a model leaves hardly more than the best, by its standard error and by the squares.
-bool isAsGood(const Trialled& trial, const Trialled& best) {
+/// Poses turn with a decentred lens and hide it from held-out frames: without tangential terms that
+/// leaves 1e-4 of 0.5 px^2, and T_SC0 turns with the poses, by 0.1 deg of p1 = 6e-4.
+bool hasTangentialTerms(const CameraModelPair& model) {
+  return model.distortion == DistortionModel::kRadtan ||
+         model.distortion == DistortionModel::kRational;
+}
+
+bool isUsualTangential(const Trialled& t) {
+  return hasTangentialTerms(t.model) && t.parameters() <= kUsualParameters;
+}
+
+/// Whether what a model leaves more than the best is next to nothing.
+bool isAlike(const MeanGain& over, const Trialled& best) {
+  return over.mean <= kAlike * best.cost();
+}
+
+/// Whether a model cannot be told from the best: within one standard error; a stated one with
+/// tangential terms within two, if it is alike (one block that fails has mean and error alike,
+/// too).
+bool isTied(const Trialled& trial, const Trialled& best,
+            const std::optional<CameraModelPair>& stated) {
   const MeanGain over = excess(trial, best);
-  return over.mean <= over.std && over.mean <= kAlike * best.cost();
+  if (over.mean <= over.std) return true;
+  return stated == trial.model && hasTangentialTerms(trial.model) && isAlike(over, best) &&
+         over.mean <= kNotBeaten * over.std;
+}
+
+/// Whether a model leaves hardly more than the best, by its standard error and by the squares.
+bool isAsGood(const Trialled& trial, const Trialled& best,
+              const std::optional<CameraModelPair>& stated) {
+  return isTied(trial, best, stated) && isAlike(excess(trial, best), best);
 }
 
 /// Whether a model need not be tried on more frames: it is far behind the best, or it has more
@@ -161,13 +189,17 @@ ModelCandidate candidateOf(const Trialled& trial, const Trialled& best) {
 std::size_t chosenOf(const std::vector<Trialled>& open,
                      const std::optional<CameraModelPair>& stated) {
   const Trialled& best = open.front();
+  // Tangential terms first, at no more than the usual parameters; then few.
+  const auto rank_of = [&](const Trialled& t) {
+    const bool first = isUsualTangential(t) && isAlike(excess(t, best), best);
+    return std::pair(!first, t.parameters());
+  };
   std::size_t chosen = 0;
   for (std::size_t i = 0; i < open.size(); ++i) {
     if (!open[i].error) continue;
-    const MeanGain over = excess(open[i], best);
-    if (over.mean > over.std) continue;
+    if (!isTied(open[i], best, stated)) continue;
     if (stated == open[i].model) return i;
-    if (open[i].parameters() < open[chosen].parameters()) chosen = i;
+    if (rank_of(open[i]) < rank_of(open[chosen])) chosen = i;
   }
   return chosen;
 }
@@ -214,7 +246,7 @@ const Trialled* find(const std::vector<Trialled>& open, const CameraModelPair& m
 bool isSettled(const CameraTrial& trial, const std::optional<CameraModelPair>& stated) {
   if (!stated || !trial.open.front().error) return false;
   const Trialled* own = find(trial.open, *stated);
-  return own && own->error && isAsGood(*own, trial.open.front());
+  return own && own->error && isAsGood(*own, trial.open.front(), stated);
 }
 
 /// Scores the open models of all cameras, shared out over the threads.
@@ -271,7 +303,8 @@ std::vector<Trialled> together(const std::vector<CameraTrial>& trials) {
 }
 
 /// The model that the cameras have in common: that chosen on all of them together, if it is within
-/// one standard error of the best of each, and costs none a hundredth of its squares. Lenses of a
+/// one standard error of the best of each (a stated one with tangential terms: two), and costs none
+/// a hundredth of its squares. Lenses of a
 /// rig are mostly of one make, so that of models that cannot be told apart they get the same. One
 /// that can be told from the best is none of these, however little it costs: 0.002 px of a radtan
 /// lens under equidistant turned T_SC0 by twenty of its deviations.
@@ -286,8 +319,9 @@ std::optional<CameraModelPair> commonModel(
       std::ranges::all_of(stated, [&](const auto& s) { return s == stated.front(); });
   const CameraModelPair model =
       joint[chosenOf(joint, one_stated ? stated.front() : std::nullopt)].model;
-  for (const CameraTrial& trial : trials) {
-    if (!isAsGood(*find(trial.open, model), trial.open.front())) return std::nullopt;
+  for (std::size_t c = 0; c < trials.size(); ++c) {
+    const std::vector<Trialled>& open = trials[c].open;
+    if (!isAsGood(*find(open, model), open.front(), stated[c])) return std::nullopt;
   }
   return model;
 }
@@ -301,6 +335,7 @@ ModelChoice choiceOf(const CameraTrial& trial, const std::optional<CameraModelPa
     const Trialled& chosen = common ? *find(trial.open, *common) : own;
     choice.reason = chosen.model != own.model ? ModelReason::kCommon
                     : stated == own.model     ? ModelReason::kStated
+                    : isUsualTangential(own)  ? ModelReason::kTangential
                                               : ModelReason::kSmallest;
     lens = *chosen.lens;
     for (const Trialled& t : trial.open) {

@@ -83,9 +83,10 @@ void addCandidates(const std::vector<ModelChoice>& earlier, std::vector<ModelCho
 ///   80 frames and none on 200 is ruled out too; a stated model that is within one standard error
 ///   and 1 % of the best is settled before;
 /// - of the models within one standard error of the best (of the mean difference over blocks of
-///   time), the one that the session states; otherwise the one with fewest parameters, and among
-///   these the best (Breiman et al., "Classification and regression trees", 1984: the one-standard-
-///   error rule);
+///   time), the one that the session states (with tangential terms it may exceed the best by two,
+///   and 1 %); otherwise, of those with tangential terms, at most the usual parameters and an
+///   excess of 1 % where there are some, the one with fewest parameters, and among these the best
+///   (Breiman et al., "Classification and regression trees", 1984: the one-standard-error rule);
 /// - cameras that can have one model in common at a cost below 1 % of their squares get that.
 /// Models with more than `most_parameters` are not tried.
 ChosenModels chooseModels(const Session& session, const CameraProblem& problem,

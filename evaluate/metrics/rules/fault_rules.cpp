@@ -232,11 +232,30 @@ std::string firstCause(const FaultDiagnosis& diagnosis, const CameraImuStageResu
          "; this recording does not distinguish the two)";
 }
 
-/// What mends it: of two that are not told apart each one's, as the other's would do harm.
+/// Whether the accelerometer's three scales are one, within what gravity differs by on Earth (9.764
+/// to 9.834 m/s^2): then another gravity than was assumed looks the same.
+bool mayBeGravity(const FaultTest& test) {
+  constexpr double kOnEarth = 0.005;
+  if (test.fault != UnmodelledFault::kAccelScale || test.std.hasNaN()) return false;
+  const double mean = test.estimate.mean();
+  const Eigen::ArrayXd apart = (test.estimate.array() - mean).abs();
+  return std::abs(mean) < kOnEarth && (apart <= kKnown * test.std.array()).all();
+}
+
+/// What mends it.
+std::string cureOf(const FaultTest& test) {
+  const std::string cure = wordsOf(test.fault).cure;
+  if (!mayBeGravity(test)) return cure;
+  return "look up gravity at the place of the recording and state it (--gravity): the three axes "
+         "err alike, as they would under another gravity than was assumed; only if it is right, " +
+         cure;
+}
+
+/// The same of two that are not told apart each one's, as the other's would do harm.
 std::string firstCure(const FaultDiagnosis& diagnosis) {
-  const std::string cure = wordsOf(diagnosis.causes.front().fault).cure;
+  const std::string cure = cureOf(diagnosis.causes.front());
   if (!diagnosis.alternative) return cure;
-  const std::string other = wordsOf(diagnosis.alternative->fault).cure;
+  const std::string other = cureOf(*diagnosis.alternative);
   if (other == cure) return cure;
   return fmt::format("find out which of the two it is. If the former: {}. If the latter: {}", cure,
                      other);
@@ -390,7 +409,7 @@ Failure notConverged(const CameraImuStageResult& stage) {
   std::vector<std::string> faults{firstCause(diagnosis, stage)}, cures{firstCure(diagnosis)};
   for (auto cause = diagnosis.causes.begin() + 1; cause != diagnosis.causes.end(); ++cause) {
     faults.push_back(sentence(*cause, stage));
-    cures.emplace_back(wordsOf(cause->fault).cure);
+    cures.push_back(cureOf(*cause));
   }
   const std::string found = faults.size() == 1
                                 ? "one fault explains the residuals best: "
@@ -427,7 +446,7 @@ Findings judgeFaults(const CalibrationRecord& record, const VerdictThresholds& t
     findings.push_back(first ? findingOf(cause, diagnosis, "Unmodelled fault",
                                          firstCause(diagnosis, stage), firstCure(diagnosis), t)
                              : findingOf(cause, diagnosis, "Further unmodelled fault",
-                                         sentence(cause, stage), wordsOf(cause.fault).cure, t));
+                                         sentence(cause, stage), cureOf(cause), t));
   }
   return findings;
 }

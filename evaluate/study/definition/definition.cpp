@@ -205,6 +205,7 @@ StudyDefinition readStudy(const std::string& path, const StudyOptionChecks& chec
   // What rests on a list that was refused is not judged by what is left of it.
   if (faults.attempt([&] { study.held_out = recordingsOf(map, "held_out", false); })) {
     faults.attempt([&] { readTargetShape(map, study); });
+    if (has_sessions) faults.attempt([&] { refuseSeenRecordings(map, study); });
   }
   faults.attempt([&] {
     study.calibrate =

@@ -133,6 +133,7 @@ SessionEntry sessionOf(const YamlMap& map, const StudyDefinition& study) {
 
 void readSessions(const YamlMap& map, StudyDefinition& study) {
   Names names;
+  std::map<std::filesystem::path, std::string> recordings;
   FaultList faults;
   std::set<std::pair<std::string, int>> periods;
   for (const YamlMap& entry : map.maps("sessions", "a list of sessions")) {
@@ -140,6 +141,12 @@ void readSessions(const YamlMap& map, StudyDefinition& study) {
       SessionEntry session = sessionOf(entry, study);
       // By itself, so that the period is looked at too where a name is given twice.
       faults.attempt([&] { names.add(entry, session.row.name); });
+      const auto [first, fresh] = recordings.emplace(session.path, session.row.name);
+      if (!fresh) {
+        throw entry.fault("path", {InputFault::kDuplicate,
+                                   "the recording is that of session " + first->second + ", too",
+                                   "a recording of its own for each session"});
+      }
       if (!periods.insert({session.row.participant, session.row.period}).second) {
         throw entry.fault("period", {InputFault::kContradiction,
                                      fmt::format("participant {} has two sessions in period {}",
@@ -153,6 +160,24 @@ void readSessions(const YamlMap& map, StudyDefinition& study) {
   if (study.sessions.empty()) {
     throw map.fault("sessions", {InputFault::kEmpty, "there are no sessions", "one or more"});
   }
+}
+
+void refuseSeenRecordings(const YamlMap& map, const StudyDefinition& study) {
+  if (study.held_out.empty()) return;
+  FaultList faults;
+  std::size_t at = 0;
+  for (const YamlMap& entry : map.maps("held_out", "")) {
+    const auto seen =
+        std::ranges::find(study.sessions, study.held_out[at++].path, &SessionEntry::path);
+    if (seen == study.sessions.end()) continue;
+    faults.attempt([&] {
+      throw entry.fault("path", {InputFault::kContradiction,
+                                 "the recording is that of session " + seen->row.name +
+                                     ", whose calibration would be scored on its own corners",
+                                 "recordings that no session is calibrated from"});
+    });
+  }
+  faults.raise();
 }
 
 void refuseWithoutPair(const YamlMap& map, const StudyDefinition& study) {

@@ -88,6 +88,8 @@ StudyCommandOptions optionsOf(const YamlMap& map, const std::string& options_key
 
 /// The key `sessions` of a study whose methods and limit were read.
 void readSessions(const YamlMap& map, StudyDefinition& study);
+/// What is held out was calibrated from by nobody.
+void refuseSeenRecordings(const YamlMap& map, const StudyDefinition& study);
 /// Every participant used every method: what is compared is compared within participants.
 void refuseWithoutPair(const YamlMap& map, const StudyDefinition& study);
 

@@ -27,6 +27,13 @@ std::string reasonText(const ModelChoice& choice) {
           "{}: {}, the one with fewest parameters of the models that predict held-out frames as "
           "well as the best, within one standard error.",
           choice.camera, nameOf(choice));
+    case ModelReason::kTangential:
+      return fmt::format(
+          "{}: {}, the one with fewest parameters of the models with tangential terms that predict "
+          "held-out frames as well as the best, within one standard error. Poses hide from "
+          "held-out "
+          "frames what a decentred lens does, and T_SC0 would turn with them.",
+          choice.camera, nameOf(choice));
     case ModelReason::kCommon:
       return fmt::format(
           "{}: {}, the model chosen for all cameras together, at less than 1 % of this camera's "

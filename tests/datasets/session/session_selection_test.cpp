@@ -124,6 +124,19 @@ TEST_F(Selection, TheHashFollowsEveryFileThatIsRead) {
   EXPECT_EQ(inputHash(folder_.path()), before);
 }
 
+TEST_F(Selection, ACamerasHashFollowsWhatItRecordedAlone) {
+  const std::vector<std::string> before = cameraHashes(folder_.path());
+  ASSERT_EQ(before.size(), 1U);
+  for (const char* name : {"target.yaml", "imu.yaml", "imu0/data.csv", "cam0/sensor.yaml"}) {
+    std::ofstream(folder_.path(name), std::ios::app) << "# a comment\n";
+  }
+  EXPECT_EQ(cameraHashes(folder_.path()), before);
+  std::filesystem::rename(folder_.path("cam0"), folder_.path("cam7"));
+  EXPECT_EQ(cameraHashes(folder_.path()), before) << "under another name";
+  std::ofstream(folder_.path("cam7/corners.csv"), std::ios::app) << "# a comment\n";
+  EXPECT_NE(cameraHashes(folder_.path()), before);
+}
+
 TEST_F(Selection, TheHashLeavesOutAnImuThatIsNotRead) {
   options_.read_imu = false;
   const std::string before = inputHash(folder_.path(), options_);

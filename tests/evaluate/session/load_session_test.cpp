@@ -110,6 +110,15 @@ TEST(LoadSession, KeepsTheCamerasAskedForInTheirOrder) {
   EXPECT_THAT(refusalOf([&] { w.loaded(); }), HasSubstr("no camera cam2; it has cam0, cam1"));
 }
 
+TEST(LoadSession, OneCameraUnderTwoNamesIsRefused) {
+  WrittenSession w;
+  w.session.cameras[1].views = w.session.cameras[0].views;
+  writeCornerSession(w.session, w.folder.path("rec"));
+  EXPECT_THAT(refusalOf([&] { w.loaded(); }), HasSubstr("cam1 shows the very corners of cam0"));
+  w.request.only = {"cam1"};
+  EXPECT_EQ(refusalOf([&] { w.loaded(); }), "");
+}
+
 TEST(LoadSession, ACacheWithinTheRecordingIsRefused) {
   WrittenSession w;
   for (const char* inside : {"rec", "rec/mav0/cache", "other/../rec/cache"}) {
@@ -308,6 +317,20 @@ TEST(WasEstimatedFrom, GoesByTheHashOrTheName) {
   EXPECT_EQ(wasEstimatedFrom(from, loaded), false);
   from.input_hash = "sha256:aa";
   EXPECT_EQ(wasEstimatedFrom(from, loaded), true) << "renamed";
+}
+
+// Another name, another shape of the board, without the IMU: the corners are the same.
+TEST(WasEstimatedFrom, GoesByWhatACameraRecorded) {
+  LoadedSession loaded;
+  loaded.input_hash = "xxh64:aa";
+  loaded.camera_hashes = {"xxh64:1", "xxh64:2"};
+  CalibrationExtras from;
+  from.input = "elsewhere";
+  from.input_hash = "xxh64:bb";
+  from.camera_hashes = {"xxh64:3"};
+  EXPECT_EQ(wasEstimatedFrom(from, loaded), false);
+  from.camera_hashes.push_back("xxh64:2");
+  EXPECT_EQ(wasEstimatedFrom(from, loaded), true);
 }
 
 TEST(AssumptionsOf, AreThoseOfTheStagesAndOfTheSessionsImu) {

@@ -113,6 +113,10 @@ TEST_F(DefinitionTest, RefusesSessionsWithFileAndLine) {
   const Case cases[] = {
       {"{name: a, participant: p1, method: free, period: 1, path: nowhere}", "nowhere"},
       {"{name: b, participant: p1, method: free, period: 1, path: p1_free}", "'b' is given twice"},
+      {"{name: a, participant: p1, method: free, period: 1, path: p1_guided}",
+       "that of session a, too"},
+      {"{name: a, participant: p1, method: free, period: 1, path: eval}",
+       "that of session a, whose calibration would be scored on its own corners"},
       {"{name: a/b, participant: p1, method: free, period: 1, path: p1_free}", "cannot name"},
       {"{name: .., participant: p1, method: free, period: 1, path: p1_free}", "cannot name"},
       {"{name: a, participant: p1, method: best, period: 1, path: p1_free}", "one of free, guided"},

@@ -123,7 +123,9 @@ TEST_F(EvaluateRuns, CompleteRunsAreSummarisedAndPaired) {
 TEST(RunsSummary, NamesOfAnyLengthKeepTheirColumns) {
   TrajectoryStudy study;
   for (const char* calibration : {"a", "of_kalibr_with_the_corner_filter"}) {
-    study.summary.push_back({.sequence = "euroc_vicon_room_V2_02", .calibration = calibration});
+    RunsSummary& runs = study.summary.emplace_back();
+    runs.sequence = "euroc_vicon_room_V2_02";
+    runs.calibration = calibration;
   }
   const std::string text = runsSummary(study);
   EXPECT_THAT(text, HasSubstr("euroc_vicon_room_V2_02  a  "));

@@ -261,6 +261,28 @@ TEST(FaultRules, AFaultSaysWhichOfItsComponentsWereNotTested) {
                                    "motion: x, y, z"));
 }
 
+TEST(FaultRules, ThreeScalesThatAreOneMayBeGravity) {
+  CalibrationRecord record;
+  CameraImuStageResult& stage = record.camera_imu.emplace();
+  stage.frames.push_back({0, {0}});
+  FaultTest test;
+  test.fault = UnmodelledFault::kAccelScale;
+  test.chi2 = 100;
+  test.std = Eigen::Vector3d::Constant(1e-4);
+  FaultDiagnosis& faults = stage.faults.emplace();
+  faults.formal_std.setConstant(1e-9);
+  test.shift.setConstant(1e-3);
+  const auto advice = [&](double x, double y, double z) {
+    test.estimate = Eigen::Vector3d(x, y, z);
+    faults.tests = faults.causes = {test};
+    return findingOf(judge(record), "Unmodelled fault").advice;
+  };
+  EXPECT_THAT(advice(-1.1e-3, -1.3e-3, -1.4e-3), ::testing::HasSubstr("(--gravity)"));
+  EXPECT_THAT(advice(-1.1e-3, -1.3e-3, 0), ::testing::Not(::testing::HasSubstr("--gravity")));
+  EXPECT_THAT(advice(0.02, 0.02, 0.02), ::testing::Not(::testing::HasSubstr("--gravity")))
+      << "no place on Earth has that";
+}
+
 TEST(FaultRules, APosesChangeIsToldInTheUnitOfEachComponent) {
   CalibrationRecord record = cameraRecord(0.3, 0.8);
   CameraImuStageResult& stage = record.camera_imu.emplace();
