@@ -256,6 +256,7 @@ TEST_F(CommandCompare, TheSessionItselfCanBeLeftOut) {
 TEST_F(CommandCompare, OnlyAnotherRecordingIsHeldOut) {
   json other = json::parse(read(ours()));
   other["provenance"]["input_hash"] = "xxh64:0123456789abcdef";
+  other["provenance"]["camera_hashes"] = {"xxh64:0123456789abcdef"};
   fs::create_directories(scratch());
   write(scratch() / "options.json", other.dump());
   other["provenance"]["input"] = "another";

@@ -113,7 +113,9 @@ TEST(LoadSession, KeepsTheCamerasAskedForInTheirOrder) {
 TEST(LoadSession, OneCameraUnderTwoNamesIsRefused) {
   WrittenSession w;
   w.session.cameras[1].views = w.session.cameras[0].views;
-  writeCornerSession(w.session, w.folder.path("rec"));
+  std::filesystem::create_directories(w.folder.path("copy"));
+  writeCornerSession(w.session, w.folder.path("copy"));
+  w.request.session = w.folder.path("copy");
   EXPECT_THAT(refusalOf([&] { w.loaded(); }), HasSubstr("cam1 shows the very corners of cam0"));
   w.request.only = {"cam1"};
   EXPECT_EQ(refusalOf([&] { w.loaded(); }), "");
