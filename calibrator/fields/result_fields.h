@@ -153,9 +153,9 @@ void fields(auto& v, ModelChoice& m) {
   v("camera_model", m.projection, "the chosen projection");
   v("distortion_model", m.distortion, "its distortion");
   v("reason", m.reason,
-    "why: within one standard error of the best, `stated`, `tangential` (the smallest with such "
-    "terms) or `smallest`; `common` to all cameras at less than 1 % of the squares; or `not "
-    "tested`");
+    "why: within one standard error of the best, `stated` (with tangential terms: two), "
+    "`tangential` (the smallest with such terms) or `smallest`; `common` to all cameras at less "
+    "than 1 % of the squares; or `not tested`");
   v("candidates", m.candidates, "models that were tried, the best first");
 }
 

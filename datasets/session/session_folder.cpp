@@ -81,6 +81,19 @@ void addCamera(FileLines& lines, const std::string& camera) {
   addViews(lines, camera, name);
 }
 
+/// Whether there is a corner, or else an image: tables of corners without a row are all alike.
+bool hasViews(const std::string& camera) {
+  const std::string corners = camera + "/corners.csv";
+  if (!fs::exists(corners)) return true;
+  const MappedFile file(corners);
+  const std::string_view text = file.text();
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] != '#' && text[at] != '\n' && text[at] != '\r') return true;
+    at = std::min(text.find('\n', at), text.size());
+  }
+  return false;
+}
+
 std::string hashOf(FileLines lines) {
   // A folder is listed in no order.
   std::sort(lines.begin(), lines.end());
@@ -166,7 +179,7 @@ std::vector<std::string> cameraHashes(const std::string& session) {
   for (const std::string& camera : findSession(session).cameras) {
     FileLines lines;
     // Under any name: a folder may have been renamed.
-    addViews(lines, camera, "");
+    if (hasViews(camera)) addViews(lines, camera, "");
     if (!lines.empty()) hashes.push_back(hashOf(std::move(lines)));
   }
   return hashes;

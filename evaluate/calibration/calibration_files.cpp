@@ -123,7 +123,8 @@ void addModels(Text& text, const std::vector<ModelChoice>& models) {
   for (const ModelChoice& m : models) {
     add(text, "Lens model of {}: {}-{} ({})", m.camera, toString(m.projection),
         toString(m.distortion),
-        m.reason == ModelReason::kStated ? "as stated; none predicts held-out frames better"
+        m.reason == ModelReason::kStated
+            ? "as stated; none predicts held-out frames significantly better"
         : m.reason == ModelReason::kSmallest
             ? "the smallest of those that predict held-out frames best"
         : m.reason == ModelReason::kTangential

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -213,14 +214,15 @@ Result<SessionsTarget> fitTargetOverSessions(const TargetFitRequest& request,
   SessionsTarget out;
   std::vector<BoardSystem> systems;
   std::optional<AprilGrid> board;
-  std::map<std::string, std::string> hashes;  // of the recordings, with their names
+  std::vector<std::pair<std::string, std::vector<std::string>>> seen;  // names, camera_hashes
   const auto asStated = [&](LoadedSession& loaded) {
     // Twice, its noise would be taken for two witnesses' agreement.
-    const auto [seen, is_new] = hashes.emplace(loaded.input_hash, loaded.session.name);
-    if (!is_new) {
+    for (const auto& [name, hashes] : seen) {
+      if (!haveOneInCommon(hashes, loaded.camera_hashes)) continue;
       throw InputError(fmt::format("{} is the same recording as {}; give each session once",
-                                   loaded.session.name, seen->second));
+                                   loaded.session.name, name));
     }
+    seen.emplace_back(loaded.session.name, loaded.camera_hashes);
     // About the even grid in every session, so that their terms compare.
     loaded.session.target.shape = {};
     if (!board) board = loaded.session.target;

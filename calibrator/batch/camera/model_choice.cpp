@@ -112,8 +112,8 @@ MeanGain excess(const Trialled& trial, const Trialled& best) {
   return meanGain(trial.error->cost, best.error->cost);
 }
 
-/// Poses turn with a decentred lens and hide it from held-out frames: without tangential terms that
-/// leaves 1e-4 of 0.5 px^2, and T_SC0 turns with the poses, by 0.1 deg of p1 = 6e-4.
+/// Poses turn with a decentred lens and hide it from held-out frames: without these terms p1 = -p2
+/// = 6e-4 leave 1e-4 of 0.5 px^2, and T_SC0 turns with the poses, by 0.15 deg.
 bool hasTangentialTerms(const CameraModelPair& model) {
   return model.distortion == DistortionModel::kRadtan ||
          model.distortion == DistortionModel::kRational;
@@ -304,10 +304,10 @@ std::vector<Trialled> together(const std::vector<CameraTrial>& trials) {
 
 /// The model that the cameras have in common: that chosen on all of them together, if it is within
 /// one standard error of the best of each (a stated one with tangential terms: two), and costs none
-/// a hundredth of its squares. Lenses of a
-/// rig are mostly of one make, so that of models that cannot be told apart they get the same. One
-/// that can be told from the best is none of these, however little it costs: 0.002 px of a radtan
-/// lens under equidistant turned T_SC0 by twenty of its deviations.
+/// a hundredth of its squares. Lenses of a rig are mostly of one make, so that of models that
+/// cannot be told apart they get the same. One that can be told from the best is none of these,
+/// however little it costs: 0.002 px of a radtan lens under equidistant turned T_SC0 by twenty of
+/// its deviations.
 std::optional<CameraModelPair> commonModel(
     const std::vector<CameraTrial>& trials,
     const std::vector<std::optional<CameraModelPair>>& stated) {

@@ -80,8 +80,8 @@ void addCandidates(const std::vector<ModelChoice>& earlier, std::vector<ModelCho
 ///   three standard deviations and 10 %, or gains less than 1 % by more than the usual eight
 ///   parameters, unless the session states it; then the others on 200. The excess of a model that
 ///   is ruled out is over the best on the frames that it was tried on. One that has a solution on
-///   80 frames and none on 200 is ruled out too; a stated model that is within one standard error
-///   and 1 % of the best is settled before;
+///   80 frames and none on 200 is ruled out too; a stated model that cannot be told from the best
+///   (next point) and is within 1 % of it is settled before;
 /// - of the models within one standard error of the best (of the mean difference over blocks of
 ///   time), the one that the session states (with tangential terms it may exceed the best by two,
 ///   and 1 %); otherwise, of those with tangential terms, at most the usual parameters and an

@@ -20,7 +20,7 @@ std::string reasonText(const ModelChoice& choice) {
     case ModelReason::kStated:
       return fmt::format(
           "{}: {}, as the recording states it: no model predicts held-out frames better by more "
-          "than one standard error.",
+          "than one standard error (two, where it has tangential terms).",
           choice.camera, nameOf(choice));
     case ModelReason::kSmallest:
       return fmt::format(

@@ -135,6 +135,9 @@ TEST_F(Selection, ACamerasHashFollowsWhatItRecordedAlone) {
   EXPECT_EQ(cameraHashes(folder_.path()), before) << "under another name";
   std::ofstream(folder_.path("cam7/corners.csv"), std::ios::app) << "# a comment\n";
   EXPECT_NE(cameraHashes(folder_.path()), before);
+  folder_.write("cam7/corners.csv", "#timestamp [ns],corner_id,u [px],v [px]\n");
+  EXPECT_TRUE(cameraHashes(folder_.path()).empty())
+      << "who saw nothing is like all others that did";
 }
 
 TEST_F(Selection, TheHashLeavesOutAnImuThatIsNotRead) {

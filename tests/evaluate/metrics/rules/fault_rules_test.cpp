@@ -19,6 +19,15 @@ using test::cameraRecord;
 using test::findingOf;
 using test::levelOf;
 
+/// The diagnosis, to be filled, of a stage of one frame.
+FaultDiagnosis& diagnosisIn(CalibrationRecord& record, double formal_std) {
+  CameraImuStageResult& stage = record.camera_imu.emplace();
+  stage.frames.push_back({0, {0}});
+  FaultDiagnosis& faults = stage.faults.emplace();
+  faults.formal_std.setConstant(formal_std);
+  return faults;
+}
+
 TEST(FaultRules, SaysWhereFaultsAndGivenCamerasWereNotTested) {
   CalibrationRecord record = cameraRecord(0.3, 0.8);
   record.camera_imu = CameraImuStageResult();
@@ -233,15 +242,12 @@ TEST(FaultRules, AReadoutTimeIsToldOfItsCameraOrAsOneEstimateForAll) {
 
 TEST(FaultRules, AFaultSaysWhichOfItsComponentsWereNotTested) {
   CalibrationRecord record;
-  CameraImuStageResult& stage = record.camera_imu.emplace();
-  stage.frames.push_back({0, {0}});
   FaultTest test;
   test.fault = UnmodelledFault::kGyroScale;
   test.chi2 = 100;
   test.estimate = Eigen::Vector3d(0.02, 0, 0);
   test.std = Eigen::Vector3d(1e-3, 1e-3, std::nan(""));
-  FaultDiagnosis& faults = stage.faults.emplace();
-  faults.formal_std.setConstant(1e-4);
+  FaultDiagnosis& faults = diagnosisIn(record, 1e-4);
   FaultTest beyond = test;
   beyond.fault = UnmodelledFault::kAccelScale;
   beyond.chi2 = 0;
@@ -263,14 +269,11 @@ TEST(FaultRules, AFaultSaysWhichOfItsComponentsWereNotTested) {
 
 TEST(FaultRules, ThreeScalesThatAreOneMayBeGravity) {
   CalibrationRecord record;
-  CameraImuStageResult& stage = record.camera_imu.emplace();
-  stage.frames.push_back({0, {0}});
   FaultTest test;
   test.fault = UnmodelledFault::kAccelScale;
   test.chi2 = 100;
   test.std = Eigen::Vector3d::Constant(1e-4);
-  FaultDiagnosis& faults = stage.faults.emplace();
-  faults.formal_std.setConstant(1e-9);
+  FaultDiagnosis& faults = diagnosisIn(record, 1e-9);
   test.shift.setConstant(1e-3);
   const auto advice = [&](double x, double y, double z) {
     test.estimate = Eigen::Vector3d(x, y, z);
@@ -285,14 +288,11 @@ TEST(FaultRules, ThreeScalesThatAreOneMayBeGravity) {
 
 TEST(FaultRules, APosesChangeIsToldInTheUnitOfEachComponent) {
   CalibrationRecord record = cameraRecord(0.3, 0.8);
-  CameraImuStageResult& stage = record.camera_imu.emplace();
-  stage.frames.push_back({0, {0}});
   FaultTest test;
   test.fault = UnmodelledFault::kImuMoved;
   test.estimate = Eigen::VectorXd::Zero(6);
   test.std = Eigen::VectorXd::Constant(6, 1e-4);
-  FaultDiagnosis& faults = stage.faults.emplace();
-  faults.formal_std.setConstant(3e-4);
+  FaultDiagnosis& faults = diagnosisIn(record, 3e-4);
   const auto evidence = [&] {
     faults.tests = faults.causes = {test};
     return findingOf(judge(record), "Unmodelled fault").evidence;
