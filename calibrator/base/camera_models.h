@@ -59,6 +59,10 @@ constexpr bool canBeCalibrated(ProjectionModel projection, DistortionModel disto
   }
   return false;
 }
+/// Whether a model has p1 and p2, for a lens that is decentred.
+constexpr bool hasTangentialTerms(DistortionModel distortion) {
+  return distortion == DistortionModel::kRadtan || distortion == DistortionModel::kRational;
+}
 /// "pinhole-none, pinhole-radtan, ... or ds-none".
 std::string calibratedModelWords();
 

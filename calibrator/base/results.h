@@ -93,6 +93,21 @@ struct BiasRatio {
   int patches = 0;      ///< on which noise_px stands; 0: too few, the ratio says nothing
 };
 
+/// What tangential terms beside a camera's model would be, and what turns with them
+/// (calibrator/batch/camera/decentring.h).
+struct Decentring {
+  std::string camera;
+  Eigen::Vector2d p = Eigen::Vector2d::Zero();    ///< p1, p2, of a pinhole's scale on the axis
+  Eigen::Vector2d std = Eigen::Vector2d::Zero();  ///< cluster-robust
+  double f = 0;                                   ///< Fisher's F of p against zero
+  double limit = 0;  ///< what one centred lens in ten thousand exceeds by chance
+  /// By how much the target would turn in the camera's frame, mean over its views [rad]: T_SC0
+  /// turns by as much the other way, seen from the camera.
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+
+  bool isSignificant() const { return f > limit; }
+};
+
 /// Camera stage: intrinsics, extrinsics, and the pose of camera 0 in every frame used.
 struct CameraStageResult {
   std::vector<CameraCalibration> cameras;
@@ -104,6 +119,7 @@ struct CameraStageResult {
   std::optional<TargetFit> target_fit;  ///< where the shape was asked for
   std::vector<ModelChoice> models;      ///< one per camera, where they were to be chosen
   std::vector<BiasRatio> bias;          ///< one per camera
+  std::vector<Decentring> decentring;   ///< of cameras without tangential terms
   /// Cluster-robust, of the parameters in the order of `summary.covariance`, then of the board's
   /// terms where they were estimated; empty where too few blocks of time tell. Not stored.
   std::optional<RobustCovariance> robust_covariance;

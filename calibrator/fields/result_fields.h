@@ -167,6 +167,15 @@ void fields(auto& v, BiasRatio& b) {
   v("patches", b.patches, "1", "number of patches behind `noise_px`; 0: too few");
 }
 
+void fields(auto& v, Decentring& d) {
+  v("camera", d.camera, "its name");
+  v("p", d.p, "1", "p1 and p2 of tangential terms beside the model, of a pinhole's scale");
+  v("std", d.std, "1", "cluster-robust standard deviations");
+  v("f", d.f, "1", "Fisher's F of `p` against zero");
+  v("limit", d.limit, "1", "`f` that one centred lens in ten thousand exceeds by chance");
+  v("turn", d.turn, "rad", "of the target in the camera's frame if they were modelled, mean");
+}
+
 void fields(auto& v, CameraStageResult& s) {
   figures(v, s.summary);
   v("seconds", s.summary.seconds, "wall clock");
@@ -175,6 +184,8 @@ void fields(auto& v, CameraStageResult& s) {
   v("target_fit", s.target_fit, "the board's shape as estimated, whether or not it was kept");
   v.ifSet("model_choice", s.models, "lens models tried for each camera, and the one chosen");
   v.ifSet("bias", s.bias, "systematic error that lens model and board do not explain, per camera");
+  v.ifSet("decentring", s.decentring,
+          "whether lenses whose models have no tangential terms ask for them, per camera");
   v.array("frames", s.frames, "frames of the solution");
   v.array("T_FC0", s.T_FC0, "camera 0 in the target's frame, one per frame");
   v.array("residuals", s.residuals, "corners' reprojection errors");

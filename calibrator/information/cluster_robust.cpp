@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "calibrator/linear/dense.h"
 
@@ -17,6 +18,8 @@ using Eigen::VectorXd;
 
 constexpr double kUncorrelated = 0.1;  // where the correlation of pieces is taken to end
 constexpr double kLengths = 2;         // of it in a block
+constexpr int kMostBlocks = 40;        // they know a variance to 22 %
+constexpr int kMostUnits = 240;
 // What a block alone determines leaves no residual to judge by: the score there is zero but for
 // rounding, which is not to be magnified.
 constexpr double kLeastRedundancy = 1e-3;
@@ -47,6 +50,44 @@ ClusterRobust clusterRobust(const BlockScores& blocks, const MatrixXd& covarianc
   // S^-1 u = C (I - G)^(-1/2) C' s, for (I - H S^-1)^(-1/2) = C'^-1 (I - G)^(-1/2) C'.
   const MatrixXd root = C * half;
   out.matrix = root * root.transpose();
+  return out;
+}
+
+ScorePieces::ScorePieces(Index parameters, int pieces)
+    : scores(MatrixXd::Zero(parameters, pieces)),
+      information_(std::min(kMostUnits, pieces), MatrixXd::Zero(parameters, parameters)) {}
+
+MatrixXd ScorePieces::totalInformation() const {
+  MatrixXd total = MatrixXd::Zero(scores.rows(), scores.rows());
+  for (const MatrixXd& unit : information_) total += unit;
+  return total;
+}
+
+BlockScores ScorePieces::blocks(int count) const {
+  BlockScores out{MatrixXd(scores.rows(), count), {}};
+  for (int b = 0; b < count; ++b) {
+    const int begin = b * units() / count;
+    const int end = (b + 1) * units() / count;
+    const int first = firstOfUnit(begin);
+    out.scores.col(b) = scores.middleCols(first, firstOfUnit(end) - first).rowwise().sum();
+    MatrixXd sum = information_[begin];
+    for (int u = begin + 1; u < end; ++u) sum += information_[u];
+    out.information.push_back(std::move(sum));
+  }
+  return out;
+}
+
+std::optional<RobustCovariance> robustCovarianceOf(const ScorePieces& pieces,
+                                                   const MatrixXd& covariance) {
+  if (pieces.pieces() < kLeastBlocks) return std::nullopt;
+  RobustCovariance out;
+  out.correlation_frames = correlationLength(pieces.scores, covariance);
+  out.blocks = std::min(kMostBlocks, blocksOf(pieces.pieces(), out.correlation_frames));
+  ClusterRobust robust = clusterRobust(pieces.blocks(out.blocks), covariance);
+  // What neighbouring blocks share is in no block's own square: the sum is too small by that.
+  const double per_block = static_cast<double>(pieces.pieces()) / out.blocks;
+  out.matrix = robust.matrix / shareWithin(per_block, out.correlation_frames);
+  out.degrees = std::move(robust.degrees);
   return out;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "calibrator/base/statistics/statistics.h"
@@ -31,6 +32,36 @@ struct ClusterRobust {
 /// blocks as they are given.
 /// Units may differ between parameters. `covariance` is positive definite.
 ClusterRobust clusterRobust(const BlockScores& blocks, const Eigen::MatrixXd& covariance);
+
+/// What consecutive pieces of time (frames) say of n parameters, everything else eliminated.
+class ScorePieces {
+ public:
+  /// Of so many parameters and pieces; all say nothing yet.
+  ScorePieces(Eigen::Index parameters, int pieces);
+
+  /// n x pieces: gradients of the pieces' costs.
+  Eigen::MatrixXd scores;
+
+  int pieces() const { return static_cast<int>(scores.cols()); }
+  /// Information is kept in runs of neighbouring pieces: at most 240, six or more to a block, so
+  /// that any number of blocks cuts the recording about evenly, and no matrix is kept per piece.
+  int units() const { return static_cast<int>(information_.size()); }
+  int firstOfUnit(int unit) const { return unit * pieces() / units(); }
+  /// n x n: the share of a unit's pieces in the information.
+  Eigen::MatrixXd& information(int unit) { return information_[unit]; }
+
+  Eigen::MatrixXd totalInformation() const;
+  /// Blocks each of whole units and of about as many.
+  BlockScores blocks(int count) const;
+
+ private:
+  std::vector<Eigen::MatrixXd> information_;
+};
+
+/// clusterRobust() of pieces in blocks of two correlation lengths of their scores, 40 at most, over
+/// shareWithin(). `covariance` as there. Empty of fewer than kLeastBlocks pieces.
+std::optional<RobustCovariance> robustCovarianceOf(const ScorePieces& pieces,
+                                                   const Eigen::MatrixXd& covariance);
 
 /// Pieces of time (frames, seconds) over which scores err together: 1 + 2 sum rho(k), rho the
 /// correlation of whitened scores (a column a piece) k pieces apart, up to where it ends, or a

@@ -33,20 +33,6 @@ Eigen::MatrixXd cameraRows(const ImpliedShift& shift, const CameraEstimate& esti
   return M;
 }
 
-constexpr int kMostBlocks = 40;  // they know a variance to 22 %
-// Frames are summed to at most as many before they make blocks: six or more to a block, so that any
-// number of blocks cuts the recording about evenly, and no matrix is kept per frame.
-constexpr int kUnits = 240;
-
-/// Frames' scores, and information in runs of neighbouring frames.
-struct Pieces {
-  Eigen::MatrixXd scores;                    ///< a column per frame
-  std::vector<Eigen::MatrixXd> information;  ///< per unit
-  int frames() const { return static_cast<int>(scores.cols()); }
-  int units() const { return static_cast<int>(information.size()); }
-  int firstOfUnit(int unit) const { return unit * frames() / units(); }
-};
-
 /// Gradient of one frame's cost in cameras and terms, its pose eliminated, without priors, and the
 /// frame's share of the information.
 void addFrame(const CameraProblem& one, const CameraEstimate& at, Eigen::Ref<Eigen::VectorXd> score,
@@ -63,10 +49,8 @@ void addFrame(const CameraProblem& one, const CameraEstimate& at, Eigen::Ref<Eig
   score -= (R * n.P).transpose() * (R * n.b_pose);
 }
 
-Pieces piecesOf(const CameraProblem& problem, const CameraEstimate& estimate) {
-  const int size = CameraLayout(estimate).size;
-  Pieces out{Eigen::MatrixXd(size, problem.frameCount()), {}};
-  out.information.assign(std::min(kUnits, problem.frameCount()), Eigen::MatrixXd::Zero(size, size));
+ScorePieces piecesOf(const CameraProblem& problem, const CameraEstimate& estimate) {
+  ScorePieces out(CameraLayout(estimate).size, problem.frameCount());
   parallelCalls(out.units(), problem.threads, [&](int u) {
     CameraProblem one = problem;
     one.threads = 1;
@@ -76,25 +60,9 @@ Pieces piecesOf(const CameraProblem& problem, const CameraEstimate& estimate) {
       one.frames = {problem.frames[f]};
       one.weights = {problem.weight(f)};
       at.T_C0F = {estimate.T_C0F[f]};
-      addFrame(one, at, out.scores.col(f), out.information[u]);
+      addFrame(one, at, out.scores.col(f), out.information(u));
     }
   });
-  return out;
-}
-
-/// Scores and information of blocks, each of whole units and of about as many.
-BlockScores sums(const Pieces& pieces, int blocks) {
-  BlockScores out{Eigen::MatrixXd(pieces.scores.rows(), blocks), {}};
-  for (int b = 0; b < blocks; ++b) {
-    const int begin = b * pieces.units() / blocks;
-    const int end = (b + 1) * pieces.units() / blocks;
-    const int first = pieces.firstOfUnit(begin);
-    out.scores.col(b) =
-        pieces.scores.middleCols(first, pieces.firstOfUnit(end) - first).rowwise().sum();
-    Eigen::MatrixXd information = pieces.information[begin];
-    for (int u = begin + 1; u < end; ++u) information += pieces.information[u];
-    out.information.push_back(std::move(information));
-  }
   return out;
 }
 
@@ -141,20 +109,14 @@ Result<CameraInformation> cameraInformation(const Session& session, const Camera
 std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
                                                  const CameraSolution& solution,
                                                  const std::optional<HigherShare>& share) {
-  const int frames = problem.frameCount();
   const auto bread = covarianceOf(reducedInformation(solution.normals));
-  if (frames < kLeastBlocks || !bread) return std::nullopt;
-  Pieces pieces = piecesOf(problem, solution.estimate);
+  if (problem.frameCount() < kLeastBlocks || !bread) return std::nullopt;
+  ScorePieces pieces = piecesOf(problem, solution.estimate);
   // Before the correlation is looked for: the higher terms take away what neighbours have of them.
   if (share) pieces.scores = share->eliminatedFrom(pieces.scores);
-  RobustCovariance out;
-  out.correlation_frames = correlationLength(pieces.scores, *bread);
-  out.blocks = std::min(kMostBlocks, blocksOf(frames, out.correlation_frames));
-  ClusterRobust robust = clusterRobust(sums(pieces, out.blocks), *bread);
-  // What neighbouring blocks share is in no block's own square: the sum is too small by that.
-  out.matrix =
-      robust.matrix / shareWithin(static_cast<double>(frames) / out.blocks, out.correlation_frames);
-  out.degrees = std::move(robust.degrees);
+  auto robust = robustCovarianceOf(pieces, *bread);
+  if (!robust) return std::nullopt;
+  RobustCovariance& out = *robust;
   const auto addKnown = [&out](const Eigen::MatrixXd& part) {
     out.known = out.known.size() > 0 ? out.known + part : part;
     out.matrix += part;
@@ -170,7 +132,7 @@ std::optional<RobustCovariance> robustCovariance(const CameraProblem& problem,
     out.common = moves * moves.transpose();
     addKnown(out.common);
   }
-  return out;
+  return robust;
 }
 
 }  // namespace plumbline

@@ -112,15 +112,10 @@ MeanGain excess(const Trialled& trial, const Trialled& best) {
   return meanGain(trial.error->cost, best.error->cost);
 }
 
-/// Poses turn with a decentred lens and hide it from held-out frames: without these terms p1 = -p2
-/// = 6e-4 leave 1e-4 of 0.5 px^2, and T_SC0 turns with the poses, by 0.15 deg.
-bool hasTangentialTerms(const CameraModelPair& model) {
-  return model.distortion == DistortionModel::kRadtan ||
-         model.distortion == DistortionModel::kRational;
-}
-
+/// Poses turn with a decentred lens and hide it from held-out frames: without tangential terms p1 =
+/// -p2 = 6e-4 leave 1e-4 of 0.5 px^2, and T_SC0 turns with the poses, by 0.15 deg.
 bool isUsualTangential(const Trialled& t) {
-  return hasTangentialTerms(t.model) && t.parameters() <= kUsualParameters;
+  return hasTangentialTerms(t.model.distortion) && t.parameters() <= kUsualParameters;
 }
 
 /// Whether what a model leaves more than the best is next to nothing.
@@ -135,7 +130,7 @@ bool isTied(const Trialled& trial, const Trialled& best,
             const std::optional<CameraModelPair>& stated) {
   const MeanGain over = excess(trial, best);
   if (over.mean <= over.std) return true;
-  return stated == trial.model && hasTangentialTerms(trial.model) && isAlike(over, best) &&
+  return stated == trial.model && hasTangentialTerms(trial.model.distortion) && isAlike(over, best) &&
          over.mean <= kNotBeaten * over.std;
 }
 

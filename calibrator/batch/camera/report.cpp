@@ -9,6 +9,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/board/higher_terms.h"
+#include "calibrator/batch/camera/decentring.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/halves.h"
@@ -291,6 +292,7 @@ Result<CameraStageResult> stageResult(const Session& session, const CameraProble
     result.target.higher_std = higherDeviations(*share, problem, result, *formal);
   }
   result.bias = biasRatios(session.target, result);
+  result.decentring = testDecentring(problem, solution.estimate, result.cameras);
   return result;
 }
 

@@ -138,6 +138,52 @@ Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t) {
   return findings;
 }
 
+/// The rotation that turns with a camera's poses.
+LargestStd rotationOn(const CalibrationRecord& record, std::size_t camera) {
+  if (camera == 0 && record.camera_imu) {
+    return largestStd(parameterEstimates(record, Stage::kCameraImu), {"rx", "ry", "rz"}, "T_SC0",
+                      false);
+  }
+  const std::string transform = fmt::format("T_C0C{}.", std::max<std::size_t>(camera, 1));
+  return largestStd(parameterEstimates(record, Stage::kCamera), {"rx", "ry", "rz"}, transform,
+                    false);
+}
+
+Findings judgeDecentring(const CalibrationRecord& record, const VerdictThresholds& t) {
+  Findings findings;
+  for (const Decentring& d : record.camera->decentring) {
+    const auto& cameras = record.camera->cameras;
+    const auto at = std::ranges::find(cameras, d.camera, &CameraCalibration::name);
+    const LargestStd rotation = rotationOn(record, at - cameras.begin());
+    if (rotation.name.empty()) continue;
+    const double sigma = d.turn.norm() / rotation.value;
+    const std::string what = rotation.name.substr(0, rotation.name.find('.'));
+    const Intrinsics& lens = at->intrinsics;
+    const Rule rule{
+        fmt::format("Decentring of {}", d.camera), "sigma", t.fault_sigma,
+        fmt::format("Calibrate with --models pinhole-rational, which has them, for less than 180 "
+                    "degrees of view (Kalibr's files have no such model). Where the recording "
+                    "does not determine it, take the turn for the accuracy of {}'s rotation.",
+                    what)};
+    const std::string evidence = fmt::format(
+        "{}-{} has no tangential terms; beside it they are p1 {:.2g} +- {:.1g}, p2 {:.2g} +- "
+        "{:.1g} "
+        "(F {:.1f}, bound {:.1f})",
+        toString(lens.projection_model), toString(lens.distortion_model), d.p[0], d.std[0], d.p[1],
+        d.std[1], d.f, d.limit);
+    const std::string effect =
+        fmt::format("with them {} would turn by {:.2g} deg, {:.1f} times its {}", what,
+                    kDegrees * d.turn.norm(), sigma, rotation.kind);
+    // Terms that may as well be zero, and would matter if they were not: nobody knows.
+    if (!d.isSignificant() && levelAbove(sigma, rule.bound) != VerdictLevel::kGood) {
+      findings.push_back(notJudged(rule, evidence + ", which is not significant; " + effect));
+      continue;
+    }
+    findings.push_back(above(rule, sigma, evidence + "; " + effect));
+  }
+  return findings;
+}
+
 /// d log(pixelsPerRadian) / d stacked(), by central differences.
 Eigen::VectorXd axialGradient(const Intrinsics& camera) {
   const Eigen::VectorXd k = camera.stacked();

@@ -93,6 +93,30 @@ TEST(ObservabilityRules, EveryComponentBetweenCamerasIsJudged) {
   }
 }
 
+// A lens that is decentred turns what stands on its camera's poses; by how much counts in the
+// deviation that is stated of it.
+TEST(ObservabilityRules, ADecentredLensCountsByTheRotationThatTurnsWithIt) {
+  CalibrationRecord record = cameraRecord(0.3, 0.8);
+  CameraStageResult& stage = *record.camera;
+  stage.decentring = {{"cam0", {6e-4, 0}, {2e-5, 2e-5}, 400, 13, {3e-4, 0, 0}}};
+  for (const Finding& f : judge(record).findings) EXPECT_NE(f.rule, "Decentring of cam0");
+  stage.cameras.resize(2, stage.cameras[0]);
+  stage.cameras[1].name = "cam1";
+  stage.decentring.push_back(stage.decentring[0]);
+  stage.decentring[1].camera = "cam1";
+  stage.decentring[1].turn *= 0.1;
+  setDeviation(stage.summary, {"T_C0C1.rx", "T_C0C1.ry", "T_C0C1.rz"}, "T_C0C1.ry", 1e-6, 1e-4);
+  const auto judged = [&](const char* rule) { return findingOf(judge(record), rule); };
+  EXPECT_NEAR(judged("Decentring of cam0").value, 3, 1e-12);
+  EXPECT_EQ(judged("Decentring of cam0").level, VerdictLevel::kCaution);
+  EXPECT_EQ(judged("Decentring of cam0").subject, FindingSubject::kCameras);
+  EXPECT_EQ(judged("Decentring of cam1").level, VerdictLevel::kGood);
+  // Without significance nobody knows; where it would not matter it need not be known.
+  for (Decentring& d : stage.decentring) d.f = 5;
+  EXPECT_TRUE(isNotJudged(judged("Decentring of cam0")));
+  EXPECT_FALSE(isNotJudged(judged("Decentring of cam1")));
+}
+
 TEST(ObservabilityRules, EveryComponentOfTheImusPoseIsJudgedInItsUnit) {
   const std::vector<std::string> names{"T_SC0.tx", "T_SC0.ty", "T_SC0.tz",   "T_SC0.rx",
                                        "T_SC0.ry", "T_SC0.rz", "time_offset"};
