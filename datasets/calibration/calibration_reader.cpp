@@ -303,6 +303,11 @@ bool statesTimeOffset(const std::string& path) {
   return toolOf(file) != Tool::kKalibr || readKalibrCamchain(path).statesTimeOffset();
 }
 
+bool statesImuPlacesTwice(const std::string& path) {
+  const YamlMap file = YamlMap::load(path, kKnownCalibrations);
+  return toolOf(file) == Tool::kKalibr && readKalibrCamchain(path).statesImuPlacesTwice();
+}
+
 CalibrationExtras readCalibrationExtras(const std::string& path) {
   const YamlMap file = YamlMap::load(path, "a calibration");
   const Tool tool = toolOf(file);

@@ -59,6 +59,10 @@ bool statesImuNoise(const std::string& path);
 /// (ImuCalibration::time_offsets is then 0). Throws InputError for a file that cannot be parsed.
 bool statesTimeOffset(const std::string& path);
 
+/// Whether it states where several cameras lie to the IMU beside where they lie to each other
+/// (Kalibr's T_cam_imu and T_cn_cnm1), which agree. Throws InputError as readCalibration() does.
+bool statesImuPlacesTwice(const std::string& path);
+
 /// What a calibration's file says beside the calibration itself.
 struct CalibrationExtras {
   std::string tool;  ///< who wrote it: "plumbline", "kalibr", "openvins", "yac", "basalt"

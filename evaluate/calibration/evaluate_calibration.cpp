@@ -12,6 +12,7 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/session/session_reader.h"
 #include "evaluate/calibration/calibrate_session.h"
+#include "evaluate/lint/lint.h"
 #include "evaluate/metrics/calibration/held_cameras.h"
 #include "evaluate/metrics/calibration/held_imu.h"
 #include "evaluate/metrics/calibration/parameters.h"
@@ -67,6 +68,18 @@ std::vector<Finding> heldImuFindings(const EvaluateCalibrationRequest& asked,
                       calibrateCameraImu(session, calibration.cameras, free));
 }
 
+/// Mistakes of convention and of units, in the file and against the recording. Densities are not
+/// the file's here: those of the recording's imu.yaml are used.
+std::vector<Finding> conventionFindings(const EvaluateCalibrationRequest& asked,
+                                        const Calibration& calibration, const Session& session) {
+  LintedCalibration linted = lintedFrom(asked.calibration, calibration);
+  linted.noise_known = false;
+  if (!asked.score.use_imu) linted.calibration.imu.reset();
+  std::vector<Finding> found = lintCalibrations({&linted, 1});
+  append(found, lintAgainstSession({&linted, 1}, session));
+  return found;
+}
+
 std::string rmse(const ErrorStatistics* e) {
   const bool known = e != nullptr && e->count > 0;
   return known ? fmt::format("{:>11.4f}", e->rmse_px) : fmt::format("{:>11}", "-");
@@ -113,11 +126,14 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   checkTargetLayout(loaded, {});
   SessionScores on_session = scoreSession(scored, loaded.session, asked.score, progress);
   const CalibrationScore& whole = on_session.scores.front();
+  const std::vector<Finding> mistakes =
+      conventionFindings(asked, scored.calibration, loaded.session);
   // Without a single corner there is nothing to show: the reason is the result.
   if (whole.reprojection.count == 0) {
-    return Failure{
-        FailureCode::kNoScore,
-        {{"calibration", label}, {"session", whole.session}, {"problem", whole.problem}}};
+    std::string problem = whole.problem;
+    for (const Finding& f : mistakes) problem += fmt::format("; {}: {}", f.evidence, f.advice);
+    return Failure{FailureCode::kNoScore,
+                   {{"calibration", label}, {"session", whole.session}, {"problem", problem}}};
   }
   on_session.scores.front().held_out = wasEstimatedFrom(from, loaded) == false;
   CalibrationRecord record = recordOf(loaded, asked);
@@ -146,7 +162,8 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   std::vector<Finding> held = judgeHeldCameras(*record.camera, loaded.session, asked.score);
   append(held, heldImuFindings(asked, scored.calibration, loaded.session, progress),
          FindingSubject::kExtrinsics);
-  record.verdict = scoreVerdict(record, unusedShapeOf(asked.calibration, from, asked.load), held);
+  record.verdict =
+      scoreVerdict(record, unusedShapeOf(asked.calibration, from, asked.load), {mistakes, held});
   return record;
 }
 

@@ -12,6 +12,7 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/export/calibration_export.h"
 #include "datasets/session/imu.h"
+#include "evaluate/lint/lint.h"
 #include "generated/version.h"
 
 namespace plumbline {
@@ -106,12 +107,18 @@ CalibrationExport exportCalibrationFile(const ExportRequest& request) {
                               request.imu.has_value() || statesImuNoise(request.calibration),
                               request.camera_rate_hz, statesTimeOffset(request.calibration)};
   Calibration calibration = requestedCalibration(request);
+  // Mistakes of units and of convention would go into the other tool without a word.
+  const LintedCalibration linted = lintedFrom(request.calibration, calibration);
+  const std::vector<Finding> mistakes = lintCalibrations({&linted, 1});
   CalibrationExport out;
   if (request.model) {
     out.conversions = convertModels(calibration, *request.model, request.calibration);
   }
   // The files alone; what the conversion lost stands in `out` already.
   static_cast<ExportedFiles&>(out) = exportCalibration(calibration, request.tool, options);
+  for (const Finding& f : mistakes) {
+    out.warnings.push_back(fmt::format("{}: {}; {}", f.rule, f.evidence, f.advice));
+  }
   return out;
 }
 

@@ -16,7 +16,7 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr/run.h"
 #include "evaluate/compare/findings.h"
-#include "evaluate/compare/lint.h"
+#include "evaluate/lint/lint.h"
 #include "evaluate/compare/on_session.h"
 #include "evaluate/compare/parameters.h"
 #include "evaluate/metrics/calibration/parameters.h"

@@ -84,13 +84,18 @@ std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
 /// calibration was estimated with the file is not known.
 Finding unusedShape(const std::string& file);
 
+/// What was found of a calibration that was held fixed beside its scores.
+struct HeldFindings {
+  std::vector<Finding> mistakes;  ///< of convention and units (evaluate/lint)
+  std::vector<Finding> tests;     ///< judgeHeldCameras(), and judgeHeldImu() where both have an IMU
+};
+
 /// What the scores of a calibration that was held fixed say: its errors over the image on the
 /// recording, with the thresholds of a calibration's own verdict, and the scores that could not be
 /// had. The headline leads with its RMSE on every session, held out where it is known to be.
 /// For a record with `held`. `unused_shape` is the file of the board's shape that lies beside
-/// the calibration, where the board was taken as stated all the same ("": none). `held` is what
-/// judgeHeldCameras() says, and judgeHeldImu() where both sides have an IMU.
+/// the calibration, where the board was taken as stated all the same ("": none).
 Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape = "",
-                     const std::vector<Finding>& held = {});
+                     const HeldFindings& held = {});
 
 }  // namespace plumbline

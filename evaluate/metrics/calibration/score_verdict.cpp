@@ -112,9 +112,10 @@ std::vector<Finding> judgeScored(const std::optional<CameraStageResult>& camera,
 }
 
 Verdict scoreVerdict(const CalibrationRecord& record, const std::string& unused_shape,
-                     const std::vector<Finding>& held) {
-  Findings findings = judgeScored(record.camera, record.camera_imu);
-  append(findings, held);
+                     const HeldFindings& held) {
+  Findings findings = held.mistakes;
+  append(findings, judgeScored(record.camera, record.camera_imu));
+  append(findings, held.tests);
   append(findings, judgeHeldOut(record.held->scores));
   addUnscored(record.held->scores, findings);
   if (!unused_shape.empty()) findings.push_back(unusedShape(unused_shape));

@@ -76,6 +76,15 @@ TEST_F(CommandExport, JsonListsFilesAndWarnings) {
   EXPECT_EQ(json["warnings"].size(), 3U) << outcome.text;  // time, camera 2, rate
 }
 
+TEST_F(CommandExport, MistakesOfUnitsAreSaidBeforeAnotherToolTakesThem) {
+  auto json = nlohmann::json::parse(read(kConfigs / "source/calibration.json"));
+  json["cameras"][1]["T_C0Ci"][0][3] = 110.07;
+  write(root_ / "mm.json", json.dump());
+  const Outcome outcome = exported(root_ / "mm.json", "--to basalt");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("warning: "), HasSubstr("110.07")));
+}
+
 TEST_F(CommandExport, ReplacesItsOwnFolderOnlyIfToldToAndNoOthers) {
   ASSERT_EQ(exportedSource("--to basalt").exit_code, 0);
   const auto first = contents(out());

@@ -86,6 +86,48 @@ TEST_F(EvaluateCalibration, CamerasOtherThanTheCornersAskForAreACaution) {
   EXPECT_EQ(document().at("verdict").at("level"), "caution");
 }
 
+// They explain all else that the recording says of the file, and lead the verdict.
+TEST_F(EvaluateCalibration, MistakesOfUnitsAndConventionsComeFirst) {
+  const auto firstOf = [&](const nlohmann::json& calibration) {
+    fs::create_directories(scratch());
+    write(scratch() / "edited.json", calibration.dump());
+    const Outcome outcome = score((scratch() / "edited.json").string(), session(), "--no-report");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    const nlohmann::json verdict = document().at("verdict");
+    EXPECT_EQ(verdict.at("level"), "bad");
+    return verdict.at("findings").at(0).at("rule").get<std::string>();
+  };
+  const auto own = nlohmann::json::parse(read(ours()));
+  nlohmann::json late = own;
+  late["imu"]["time_offset_s"] = own["imu"]["time_offset_s"].get<double>() + 0.02;
+  EXPECT_EQ(firstOf(late), "Contradicting time offset");
+  nlohmann::json inverted = own;
+  const auto T = own["imu"]["T_SC0"];
+  for (int i = 0; i < 3; ++i) {
+    double t = 0;
+    for (int k = 0; k < 3; ++k) {
+      inverted["imu"]["T_SC0"][i][k] = T[k][i];
+      t -= T[k][i].get<double>() * T[k][3].get<double>();
+    }
+    inverted["imu"]["T_SC0"][i][3] = t;
+  }
+  EXPECT_EQ(firstOf(inverted), "Inverted transform");
+}
+
+// No frame has a pose under a baseline of 110 m: the cause is in the message.
+TEST_F(EvaluateCalibration, MillimetresAreNamedWhereNothingCanBeScored) {
+  nlohmann::json calibration = nlohmann::json::parse(read(ours()));
+  for (int k = 0; k < 3; ++k) {
+    auto& t = calibration["cameras"][1]["T_C0Ci"][k][3];
+    t = 1000 * t.get<double>();
+  }
+  fs::create_directories(scratch());
+  write(scratch() / "mm.json", calibration.dump());
+  const Outcome outcome = score((scratch() / "mm.json").string(), session());
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("in millimetres it would be 0.11"));
+}
+
 TEST_F(EvaluateCalibration, FoldsAndHeldOutSessionsAreScoredBesideIt) {
   const fs::path other = scratch() / "other";
   fs::create_directories(scratch());

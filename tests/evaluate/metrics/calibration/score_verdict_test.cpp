@@ -98,7 +98,7 @@ TEST(ScoreVerdict, ACalibrationThatDoesNotFitTheRecordingIsBad) {
 TEST(ScoreVerdict, AnExtrinsicThatCouldNotBeTestedIsNotGood) {
   Finding f;
   f.level = VerdictLevel::kCaution;
-  EXPECT_EQ(scoreVerdict(record({score("euroc", "all", 0.36)}), "", {f}).level,
+  EXPECT_EQ(scoreVerdict(record({score("euroc", "all", 0.36)}), "", {{}, {f}}).level,
             VerdictLevel::kCaution);
 }
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "calibrator/base/calibration.h"
-#include "evaluate/compare/lint/rules.h"
+#include "datasets/calibration/calibration_reader.h"
+#include "evaluate/lint/rules.h"
 
 namespace plumbline::lint {
 namespace {
@@ -157,3 +160,13 @@ std::vector<Finding> alone(const LintedCalibration& linted) {
 }
 
 }  // namespace plumbline::lint
+
+namespace plumbline {
+
+LintedCalibration lintedFrom(const std::string& path, Calibration calibration) {
+  const bool noise_known = calibration.imu && statesImuNoise(path);
+  return {std::filesystem::path(path).filename().string(), std::move(calibration), noise_known,
+          statesTimeOffset(path), statesImuPlacesTwice(path)};
+}
+
+}  // namespace plumbline

@@ -7,7 +7,7 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera_imu/stage.h"
-#include "evaluate/compare/lint/rules.h"
+#include "evaluate/lint/rules.h"
 
 namespace plumbline::lint {
 

@@ -22,6 +22,9 @@ struct LintedCalibration {
   bool imu_places_agree = false;
 };
 
+/// A calibration read from `path`, its cameras as they are to be held against others.
+LintedCalibration lintedFrom(const std::string& path, Calibration calibration);
+
 /// Looks for mistakes of convention and of units in calibrations of one rig: each by itself, and,
 /// where there are several, against each other. One finding for each fault, none for clean files;
 /// `advice` names file and field. Rules: see docs/conventions.md. Pure; deterministic.

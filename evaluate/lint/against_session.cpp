@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/compare/lint/against_session.h"
+#include "evaluate/lint/against_session.h"
 
 #include <algorithm>
 #include <cmath>

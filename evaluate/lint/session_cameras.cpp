@@ -7,7 +7,7 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
-#include "evaluate/compare/lint/against_session.h"
+#include "evaluate/lint/against_session.h"
 
 namespace plumbline::lint {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/transform.h"
-#include "evaluate/compare/lint/rig.h"
+#include "evaluate/lint/rig.h"
 
 namespace plumbline::lint {
 namespace {

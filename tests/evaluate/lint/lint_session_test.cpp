@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrator/simulate/simulate_session.h"
-#include "evaluate/compare/lint.h"
-#include "tests/evaluate/compare/lint_cases.h"
+#include "evaluate/lint/lint.h"
+#include "tests/evaluate/lint/lint_cases.h"
 
 namespace plumbline {
 namespace {

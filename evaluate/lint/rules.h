@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibrator/base/transform.h"
-#include "evaluate/compare/lint.h"
+#include "evaluate/lint/lint.h"
 #include "evaluate/metrics/verdict.h"
 
 namespace plumbline::lint {

@@ -12,8 +12,8 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr/run.h"
 #include "datasets/session/session_reader.h"
-#include "evaluate/compare/lint.h"
-#include "tests/evaluate/compare/lint_cases.h"
+#include "evaluate/lint/lint.h"
+#include "tests/evaluate/lint/lint_cases.h"
 
 namespace plumbline {
 namespace {

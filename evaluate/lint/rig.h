@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluate/compare/lint/rules.h"
+#include "evaluate/lint/rules.h"
 
 namespace plumbline::lint {
 

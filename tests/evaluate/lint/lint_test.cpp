@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A good calibration with one mistake: lint names that mistake and nothing else.
-#include "evaluate/compare/lint.h"
+#include "evaluate/lint/lint.h"
 
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/evaluate/compare/lint_cases.h"
+#include "tests/evaluate/lint/lint_cases.h"
 
 namespace plumbline {
 namespace {

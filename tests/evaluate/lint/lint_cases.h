@@ -8,7 +8,7 @@
 
 #include "calibrator/base/transform.h"
 #include "calibrator/simulate/rig.h"
-#include "evaluate/compare/lint.h"
+#include "evaluate/lint/lint.h"
 
 namespace plumbline {
 
