@@ -57,6 +57,41 @@ const Truth* truthOf(const Truths& truths, const std::string& sequence) {
   return found == truths.end() ? nullptr : &found->second;
 }
 
+constexpr std::size_t kNamed = 5;  // of a list in a message
+
+/// "'MH_01', 'MH_02' and 3 more".
+template <class Names>
+std::string someOf(const Names& names) {
+  std::vector<std::string> quoted;
+  for (const std::string& name : names) {
+    if (quoted.size() < kNamed) quoted.push_back("'" + name + "'");
+  }
+  const std::string text = fmt::format("{}", fmt::join(quoted, ", "));
+  const std::size_t rest = names.size() - quoted.size();
+  return rest == 0 ? text : fmt::format("{} and {} more", text, rest);
+}
+
+std::string namesOf(const Truths& truths) {
+  std::vector<std::string> names;
+  for (const auto& [sequence, truth] : truths) names.push_back(sequence);
+  return someOf(names);
+}
+
+/// Where no run at all has a truth it is the patterns that do not go together.
+void refuseWithoutTruths(const std::vector<RunFile>& files, const Truths& truths,
+                         const RunsRequest& request) {
+  std::set<std::string> sequences;
+  for (const RunFile& file : files) {
+    if (truthOf(truths, file.sequence) != nullptr) return;
+    sequences.insert(file.sequence);
+  }
+  throw InputError(request.runs, 0,
+                   fmt::format("has the sequences {}, and {} has the truths {}: none in common; "
+                               "name what differs between repetitions {{run}}, e.g. "
+                               "'{{sequence}}_{{run}}.txt'",
+                               someOf(sequences), request.truth, namesOf(truths)));
+}
+
 void refuseUnknown(const std::vector<RunFile>& files, const RunsRequest& request) {
   const std::vector<std::string>& known = request.calibrations;
   if (known.empty()) return;
@@ -151,7 +186,10 @@ TrajectoryRun judged(const TrajectoryRun& expected, const Truths& truths,
     return failedRun(expected, "no file, though another calibration has this sequence and run");
   }
   const Truth* truth = truthOf(truths, expected.sequence);
-  if (truth == nullptr) return failedRun(expected, "no truth for this sequence");
+  if (truth == nullptr) {
+    return failedRun(expected, fmt::format("no truth for the sequence '{}': {} has {}",
+                                           expected.sequence, request.truth, namesOf(truths)));
+  }
   return judgedRun(expected, truth->path, truth->file, request);
 }
 
@@ -207,6 +245,7 @@ TrajectoryRecord evaluateRuns(const RunsRequest& request) {
                      "'results/{calibration}/{sequence}_{run}.txt'");
   }
   refuseUnknown(files, request);
+  refuseWithoutTruths(files, truths, request);
   std::vector<TrajectoryRun> runs = expectedRuns(files, request.calibrations);
   parallelFor(runs.size(), request.threads,
               [&](int, std::size_t i) { runs[i] = judged(runs[i], truths, request); });

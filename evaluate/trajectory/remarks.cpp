@@ -13,6 +13,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "evaluate/metrics/trajectory/errors.h"
+#include "evaluate/metrics/trajectory/mismatch.h"
 #include "evaluate/metrics/trajectory/quaternion_order.h"
 
 namespace plumbline {
@@ -225,6 +226,23 @@ RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
           truth && estimate ? "--truth-inverted or --estimate-inverted"
           : truth           ? "--truth-inverted"
                             : "--estimate-inverted"};
+}
+
+std::string remarkOnReading(const std::vector<PosePair>& pairs, bool with_rotation) {
+  const auto mismatch = readingMismatch(pairs, with_rotation);
+  if (!mismatch) return "";
+  const auto [reading, ate_m, other_ate_m] = *mismatch;
+  if (reading == PoseReading::kMirrored) {
+    return fmt::format(
+        "the RMSE is {:.3g} m (after se3), but {:.3g} m where the estimate is "
+        "mirrored: one of the two has a left-handed world; convert its file",
+        ate_m, other_ate_m);
+  }
+  return fmt::format(
+      "the RMSE is {:.3g} m (after se3), but {:.3g} m where all poses of the {} are "
+      "inverted: its file probably maps the world into the body (T_CW); invert its "
+      "poses, positions included",
+      ate_m, other_ate_m, reading == PoseReading::kTruthInverted ? "truth" : "estimate");
 }
 
 std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs) {

@@ -46,6 +46,10 @@ struct RotationRemark {
 RotationRemark remarkOnRotations(const std::vector<PosePair>& pairs,
                                  const AlignmentRecord& alignment, AlignmentKind kind);
 
+/// That positions agree far better where all poses of one side are inverted, or mirrored
+/// (readingMismatch()); "" where they do not.
+std::string remarkOnReading(const std::vector<PosePair>& pairs, bool with_rotation);
+
 /// kImplausible with the cure where quaternions were read in the wrong order, see
 /// quaternionOrderFault.
 std::optional<Failure> explainQuaternionOrder(const std::vector<PosePair>& pairs);

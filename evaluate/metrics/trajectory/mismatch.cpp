@@ -18,7 +18,6 @@ constexpr double kExplainsTruth = 0.1;   // ATE as a share of the truth's spread
 constexpr double kLeastExplained = 0.1;  // of the squared errors, by a shift in time
 constexpr double kMostOffset = 2;        // [s]
 constexpr double kSettled = 1e-4;        // a step that changes nothing more [s]
-constexpr double kLeastOffset = 1e-3;    // [s]
 constexpr double kLeastHalf = 0.02;      // of the interval over which a velocity is taken [s]
 constexpr double kBridged = 3;           // usual intervals of the truth, whatever gap is allowed
 constexpr double kHidden = 1e-6;         // share of v^T v that no alignment can take, at least
@@ -45,6 +44,21 @@ std::vector<Eigen::Vector3d> positionsOf(const std::vector<Transform>& poses) {
   std::vector<Eigen::Vector3d> positions;
   for (const Transform& pose : poses) positions.push_back(pose.t);
   return positions;
+}
+
+void invert(StampedPose& pose) {
+  const Transform inverse = pose.transform().inverse();
+  pose.p = inverse.t;
+  pose.q = inverse.quaternion();
+}
+
+std::vector<PosePair> readAs(std::vector<PosePair> pairs, PoseReading reading) {
+  for (PosePair& pair : pairs) {
+    if (reading == PoseReading::kMirrored) pair.estimate.p.z() *= -1;
+    if (reading == PoseReading::kEstimateInverted) invert(pair.estimate);
+    if (reading == PoseReading::kTruthInverted) invert(pair.truth);
+  }
+  return pairs;
 }
 
 /// The two trajectories by an offset in addition to the one that was given.
@@ -151,6 +165,26 @@ std::optional<ScaleMismatch> scaleMismatch(const std::vector<PosePair>& pairs) {
   if (!(scaled->ate_m <= kExplainsTruth * spreadOf(positionsOf(scaled->poses.truth))))
     return std::nullopt;
   return ScaleMismatch{s, as_is->ate_m, scaled->ate_m};
+}
+
+std::optional<ReadingMismatch> readingMismatch(const std::vector<PosePair>& pairs,
+                                               bool with_rotation) {
+  const auto as_read = alignedBy(pairs, AlignmentKind::kSe3);
+  if (!as_read) return std::nullopt;
+  std::vector<PoseReading> readings{PoseReading::kMirrored};
+  if (with_rotation) {
+    readings.insert(readings.end(), {PoseReading::kEstimateInverted, PoseReading::kTruthInverted});
+  }
+  std::optional<ReadingMismatch> best;
+  for (const PoseReading reading : readings) {
+    const auto other = alignedBy(readAs(pairs, reading), AlignmentKind::kSe3);
+    if (!other || !(other->ate_m <= kFarBetter * as_read->ate_m)) continue;
+    const double spread = spreadOf(positionsOf(other->poses.truth));
+    if (!(other->ate_m <= kExplainsTruth * spread)) continue;
+    if (best && best->other_ate_m <= other->ate_m) continue;
+    best = ReadingMismatch{reading, as_read->ate_m, other->ate_m};
+  }
+  return best;
 }
 
 std::optional<ClockMismatch> clockMismatch(const Trajectory& estimate, const Trajectory& truth,

@@ -12,6 +12,8 @@ namespace plumbline {
 
 /// The most that the ATE with another scale or clock may be of that without.
 inline constexpr double kFarBetter = 0.5;
+/// Offsets of the clocks below this are nobody's fault [s].
+inline constexpr double kLeastOffset = 1e-3;
 /// Within which the angular rates are asked for an offset [s].
 inline constexpr double kRatesRange = 3;
 
@@ -20,6 +22,25 @@ inline constexpr double kRatesRange = 3;
 /// of the RMS distance of the truth from its mean. So an estimate that diverged, of which a small
 /// scale makes a point, has none. Of all pairs, whatever the alignment of the figures. O(n).
 std::optional<ScaleMismatch> scaleMismatch(const std::vector<PosePair>& pairs);
+
+/// What was done to all poses of one side before the alignment.
+enum class PoseReading {
+  kEstimateInverted,  ///< T_BW was read for T_WB
+  kTruthInverted,
+  kMirrored,  ///< one of the two has a left-handed world
+};
+
+/// Poses that agree far better when read otherwise.
+struct ReadingMismatch {
+  PoseReading reading = PoseReading::kMirrored;
+  double ate_m = 0, other_ate_m = 0;  ///< after se3, as they were read and otherwise
+};
+
+/// The reading by which the positions of `pairs` agree best, where as they were read they do not:
+/// the ATE after se3 is at most half, and a tenth of the RMS distance of the truth from its mean.
+/// Inversions are tried where both sides have orientations. O(n).
+std::optional<ReadingMismatch> readingMismatch(const std::vector<PosePair>& pairs,
+                                               bool with_rotation);
 
 struct ClockTrialOptions {
   double time_offset_s = 0;  ///< that was given: added to the estimate's stamps first

@@ -102,6 +102,23 @@ TEST_F(EvaluateRuns, BadPatternsAreRefused) {
   EXPECT_THROW(evaluateRuns(truth), InputError);
 }
 
+// Without _{run} the sequences are "MH_01_0", ..., of which no truth is.
+TEST_F(EvaluateRuns, PatternsThatGoTogetherInNothingAreRefusedByTheNamesFound) {
+  RunsRequest r = request();
+  r.runs = (folder_ / "results/{calibration}/{sequence}.txt").string();
+  try {
+    static_cast<void>(evaluateRuns(r));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("'MH_01_0'"), HasSubstr("and 1 more"),
+                                             HasSubstr("'MH_02'"), HasSubstr("{run}")));
+  }
+  fs::remove(folder_ / "truth/MH_02.txt");
+  const TrajectoryRecord record = evaluateRuns(request());
+  EXPECT_THAT(find(record, "good", "MH_02", "0").problem,
+              testing::AllOf(HasSubstr("'MH_02'"), HasSubstr("'MH_01'")));
+}
+
 TEST_F(EvaluateRuns, CompleteRunsAreSummarisedAndPaired) {
   const TrajectoryRecord record = evaluateRuns(request());
   ASSERT_EQ(record.runs.size(), 12U);

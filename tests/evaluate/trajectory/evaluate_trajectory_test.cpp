@@ -33,6 +33,22 @@ Trajectory spiralFrom(double start_s) {
   return trajectory;
 }
 
+// A hand's way, 20 s at 20 Hz, that turns about two axes.
+Trajectory wayFrom(double start_s) {
+  Trajectory way;
+  for (int i = 0; i < 400; ++i) {
+    const double a = 0.05 * i;
+    const Eigen::AngleAxisd yaw(std::sin(0.8 * a) + 0.4 * std::sin(1.9 * a),
+                                Eigen::Vector3d::UnitZ());
+    const Eigen::AngleAxisd pitch(0.6 * std::sin(1.1 * a), Eigen::Vector3d::UnitY());
+    way.poses.push_back(
+        {toNanoseconds(start_s + a),
+         {std::sin(0.9 * a) + 0.3 * std::sin(2.3 * a), std::cos(0.61 * a), 0.4 * std::sin(1.3 * a)},
+         Eigen::Quaterniond(yaw * pitch)});
+  }
+  return way;
+}
+
 Failure refusal(const Trajectory& estimate, const Trajectory& truth) {
   const auto result = evaluateTrajectories(estimate, truth, {});
   EXPECT_FALSE(result.ok());
@@ -66,23 +82,27 @@ TEST(EvaluateTrajectories, AnotherScaleIsSaidUnlessTheAlignmentTakesItAway) {
   EXPECT_FALSE(evaluateTrajectories(in_mm, spiralFrom(0), sim3)->scale_mismatch);
 }
 
+TEST(EvaluateTrajectories, PosesThatAreInvertedOrMirroredAreSaid) {
+  const Trajectory truth = wayFrom(0);
+  Trajectory inverted = truth, mirrored = truth;
+  for (StampedPose& pose : inverted.poses) {
+    const Transform T_BW = pose.transform().inverse();
+    pose.p = T_BW.t;
+    pose.q = T_BW.quaternion();
+  }
+  for (StampedPose& pose : mirrored.poses) pose.p.y() *= -1;
+  mirrored.has_orientation = false;
+  const auto remarks = [](const Trajectory& estimate, const Trajectory& of_truth) {
+    return evaluateTrajectories(estimate, of_truth, {})->remarks;
+  };
+  EXPECT_THAT(remarks(inverted, truth), Contains(HasSubstr("all poses of the estimate are inver")));
+  EXPECT_THAT(remarks(truth, inverted), Contains(HasSubstr("all poses of the truth are inverted")));
+  EXPECT_THAT(remarks(mirrored, truth), Contains(HasSubstr("left-handed world")));
+}
+
 // A hand-eye transform takes up part of what a late clock does: the truth is looked at as it was
 // read.
 TEST(EvaluateTrajectories, ALateClockIsSaidUnderHandEyeUnlessItIsEstimated) {
-  const auto wayFrom = [](double start_s) {
-    Trajectory way;
-    for (int i = 0; i < 400; ++i) {
-      const double a = 0.05 * i;
-      const Eigen::AngleAxisd yaw(std::sin(0.8 * a) + 0.4 * std::sin(1.9 * a),
-                                  Eigen::Vector3d::UnitZ());
-      const Eigen::AngleAxisd pitch(0.6 * std::sin(1.1 * a), Eigen::Vector3d::UnitY());
-      way.poses.push_back({toNanoseconds(start_s + a),
-                           {std::sin(0.9 * a) + 0.3 * std::sin(2.3 * a), std::cos(0.61 * a),
-                            0.4 * std::sin(1.3 * a)},
-                           Eigen::Quaterniond(yaw * pitch)});
-    }
-    return way;
-  };
   TrajectoryMetricOptions options;
   for (const bool hand_eye : {false, true}) {
     options.hand_eye = hand_eye;
@@ -91,6 +111,17 @@ TEST(EvaluateTrajectories, ALateClockIsSaidUnderHandEyeUnlessItIsEstimated) {
     ASSERT_TRUE(run->clock_mismatch) << hand_eye;
     EXPECT_NEAR(run->clock_mismatch->positions_s, -0.3, 0.01);
   }
+  // A marker half a metre away: by positions alone the lever arm hides the clock.
+  const auto marker = [&](Trajectory way) {
+    for (StampedPose& pose : way.poses) pose.p += pose.q * Eigen::Vector3d(0.5, -0.2, 0.3);
+    return way;
+  };
+  const auto arm = evaluateTrajectories(wayFrom(0.2), marker(wayFrom(0)), options);
+  ASSERT_TRUE(arm.ok());
+  ASSERT_TRUE(arm->clock_mismatch);
+  EXPECT_NEAR(arm->clock_mismatch->positions_s, -0.2, 0.01);
+  EXPECT_LT(arm->clock_mismatch->moved_ate_m, 0.1 * arm->clock_mismatch->ate_m);
+  EXPECT_FALSE(evaluateTrajectories(wayFrom(0), marker(wayFrom(0)), options)->clock_mismatch);
   options.clock = ClockOffsetOptions{};
   const auto known = evaluateTrajectories(wayFrom(0.3), wayFrom(0), options);
   ASSERT_TRUE(known.ok());
