@@ -2,6 +2,7 @@
 #include "calibrator/batch/camera/decentring.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -25,6 +26,9 @@ constexpr int kTerms = 2;                // p1, p2
 constexpr double kCentredChance = 1e-4;  // of a lens that is centred, to be called decentred
 // Of p, by which corners are displaced to see how the gradient follows: a thousandth of a pixel.
 constexpr double kStep = 1e-6;
+
+// Up to twice as many take part: neighbours show nearly the same.
+constexpr std::size_t kMostViews = 400;
 
 /// Conrady's displacement by p1 = 1 and by p2 = 1 [px].
 Eigen::Matrix2d displacement(const Intrinsics& camera, double u, double v) {
@@ -58,12 +62,16 @@ class LoneCamera {
     problem_.threads = 1;
     // Re-weighted: with the loss' own curvature a view's information might be indefinite.
     problem_.gram = {problem.gram.cauchy_px, 0};
-    const Transform T_CiC0 = estimate.T_C0Ci[camera].inverse();
+    std::vector<std::size_t> seeing;
     for (std::size_t f = 0; f < problem.frames.size(); ++f) {
-      const int view = problem.frames[f].view[camera];
-      if (view < 0) continue;
-      problem_.frames.push_back({problem.frames[f].t, {view}});
-      estimate_.T_C0F.push_back(T_CiC0 * estimate.T_C0F[f]);
+      if (problem.frames[f].view[camera] >= 0) seeing.push_back(f);
+    }
+    const Transform T_CiC0 = estimate.T_C0Ci[camera].inverse();
+    const std::size_t stride = std::max<std::size_t>(1, seeing.size() / kMostViews);
+    for (std::size_t i = 0; i < seeing.size(); i += stride) {
+      const Frame& frame = problem.frames[seeing[i]];
+      problem_.frames.push_back({frame.t, {frame.view[camera]}});
+      estimate_.T_C0F.push_back(T_CiC0 * estimate.T_C0F[seeing[i]]);
     }
   }
 

@@ -19,6 +19,7 @@ namespace plumbline {
 ///
 /// Poses absorb most of such a displacement, so that neither residuals nor held-out frames show it,
 /// and what is estimated from poses turns with them (Decentring::turn).
+/// Of every n-th view, 400 to 800 of them where there are as many.
 /// Cameras whose model has such terms are not tested, nor those with too few frames, or which these
 /// do not determine.
 std::vector<Decentring> testDecentring(const CameraProblem& problem, const CameraEstimate& estimate,

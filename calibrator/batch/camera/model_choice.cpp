@@ -130,8 +130,8 @@ bool isTied(const Trialled& trial, const Trialled& best,
             const std::optional<CameraModelPair>& stated) {
   const MeanGain over = excess(trial, best);
   if (over.mean <= over.std) return true;
-  return stated == trial.model && hasTangentialTerms(trial.model.distortion) && isAlike(over, best) &&
-         over.mean <= kNotBeaten * over.std;
+  return stated == trial.model && hasTangentialTerms(trial.model.distortion) &&
+         isAlike(over, best) && over.mean <= kNotBeaten * over.std;
 }
 
 /// Whether a model leaves hardly more than the best, by its standard error and by the squares.
