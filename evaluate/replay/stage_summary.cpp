@@ -27,6 +27,44 @@ Eigen::MatrixXd sumOf(const std::vector<Eigen::MatrixXd>& shares, const std::vec
   return sum;
 }
 
+/// Why frames of this reason were no use; "" for reasons that are no refusal.
+const char* refusalWords(GuideReason reason) {
+  switch (reason) {
+    case GuideReason::kNoTarget:
+      return "they have too few corners in every camera";
+    case GuideReason::kNoPose:
+      return "their corners give no plausible pose with these cameras and this board";
+    case GuideReason::kBadFit:
+      return "their corners fit far worse than those of the views kept";
+    case GuideReason::kNotInformative:
+      return "they tell too little beside those before";
+    case GuideReason::kNoImu:
+      return "IMU samples do not cover them";
+    case GuideReason::kNotSolved:
+      return "the window with them did not converge";
+    default:
+      return "";
+  }
+}
+
+/// What most of a stage's frames were refused for; "" where it is less than half of them.
+std::string mostRefused(const ReplayRun& run, GuideStage stage) {
+  std::map<GuideReason, std::size_t> counts;
+  std::size_t all = 0;
+  for (const Decision& d : run.decisions) {
+    if (d.stage != stage) continue;
+    ++counts[d.reason];
+    ++all;
+  }
+  for (const auto& [reason, count] : counts) {
+    const std::string words = refusalWords(reason);
+    if (2 * count > all && !words.empty()) {
+      return fmt::format("; {} of {} were refused: {}", count, all, words);
+    }
+  }
+  return "";
+}
+
 /// Why a stage did not get to its start, from its last decision that says so: of a start that
 /// failed, if there was one, as frames after it may complain of something lesser.
 std::string startProblem(const ReplayRun& run, GuideStage stage) {
@@ -37,7 +75,8 @@ std::string startProblem(const ReplayRun& run, GuideStage stage) {
       return fmt::format("frame {}: {}", d->frame, d->detail);
     }
   }
-  return "the recording ended before the guide had enough frames to start from";
+  return "the recording ended before the guide had enough frames to start from" +
+         mostRefused(run, stage);
 }
 
 /// Why no frame came to the camera-IMU stage.

@@ -97,6 +97,18 @@ TEST_F(Summary, AStageThatStartedAnewStartedThen) {
   EXPECT_EQ(never.problem, "frame 20: the stage restarts");
 }
 
+TEST_F(Summary, SaysWhatMostFramesWereRefusedFor) {
+  for (Decision& d : decisions_) {
+    d.accepted = false;
+    d.reason = d.frame < 50 ? GuideReason::kNoPose : GuideReason::kInitialising;
+  }
+  EXPECT_THAT(summary().problem,
+              ::testing::AllOf(::testing::HasSubstr("enough frames to start from; 50 of 60"),
+                               ::testing::HasSubstr("give no plausible pose")));
+  for (Decision& d : decisions_) d.reason = GuideReason::kInitialising;
+  EXPECT_THAT(summary().problem, ::testing::EndsWith("enough frames to start from"));
+}
+
 TEST_F(Summary, SaysWhyNoFrameCameToTheCameraImuStage) {
   const auto problem = [&] { return summariseCameraImuStage(run(), {}).problem; };
   decisions_[44].detail = "the batch over the views kept failed: nothing moved";
