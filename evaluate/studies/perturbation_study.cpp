@@ -26,6 +26,7 @@ struct Solution {
   std::vector<TimeNs> frame_stamps;
   Eigen::MatrixXd by_cameras;          ///< of T_SC0 and the offset, see FaultDiagnosis
   Eigen::MatrixXd cameras_covariance;  ///< as of StudyInputs
+  CalibrationRecord judged;            ///< the last stage, for the verdict's rules; of the base
 };
 
 /// Before any solution: a study of hours must not end by its last case.
@@ -55,9 +56,10 @@ Result<Solution> solveCameras(const Session& session, const CameraStageOptions& 
   auto stage = calibrateCameras(session, options);
   if (!stage) return stage.failure();
   Solution solution;
-  solution.calibration.cameras = std::move(stage.value().cameras);
-  solution.summary = std::move(stage.value().summary);
+  solution.calibration.cameras = stage->cameras;
+  solution.summary = stage->summary;
   solution.frame_stamps = stampsOf(stage->frames);
+  solution.judged.camera = std::move(stage).value();
   return solution;
 }
 
@@ -68,11 +70,12 @@ Result<Solution> solveCameraImu(const Session& session,
   if (!stage) return stage.failure();
   if (!stage->summary.converged) return notConverged(*stage);
   Solution solution;
-  solution.calibration.cameras = std::move(stage.value().cameras);
+  solution.calibration.cameras = stage->cameras;
   solution.calibration.imu = stage->imu;
   if (stage->faults) solution.by_cameras = stage->faults->by_cameras;
-  solution.summary = std::move(stage.value().summary);
+  solution.summary = stage->summary;
   solution.frame_stamps = stampsOf(stage->frames);
+  solution.judged.camera_imu = std::move(stage).value();
   return solution;
 }
 
@@ -98,17 +101,20 @@ Result<Solution> solve(const StudyInputs& inputs, PerturbedInputs changed) {
   const Session& session = changed.session ? *changed.session : *inputs.session;
   std::vector<CameraCalibration> cameras = inputs.cameras;
   Eigen::MatrixXd uncertainty = inputs.cameras_covariance;
+  std::optional<CameraStageResult> judged_cameras;
   if (changed.calibrate_cameras) {
     auto camera = solveCameras(session, changed.camera);
     // Without an IMU the cameras are the result.
     if (!camera || !session.imu) return camera;
     cameras = std::move(camera.value().calibration.cameras);
     uncertainty = std::move(camera.value().summary.covariance.matrix);
+    judged_cameras = std::move(camera.value().judged.camera);
   }
   auto both = solveCameraImu(session, cameras, changed.camera_imu);
   if (both) {
     addCameraDeviations(uncertainty, both.value().by_cameras, *both.value().calibration.imu);
     both.value().cameras_covariance = std::move(uncertainty);
+    both.value().judged.camera = std::move(judged_cameras);
   }
   return both;
 }
@@ -189,6 +195,24 @@ Result<Solution> solveBase(StudyInputs& inputs) {
   return base;
 }
 
+/// What the verdict of a calibration says of the base: that offsets come back as they were put in
+/// says nothing of one that is wrong itself.
+Finding baseFinding(const StudyInputs& inputs, const Solution& base) {
+  CalibrationRecord record = base.judged;
+  record.assumptions = assumptionsOf(inputs.camera, inputs.camera_imu, inputs.session);
+  record.target = inputs.session->target;
+  const Verdict verdict = judge(record);
+  const auto worst = std::ranges::max_element(verdict.findings, {}, &Finding::level);
+  Finding finding{"Base calibration", verdict.level};
+  finding.evidence = verdict.level == VerdictLevel::kGood
+                         ? "the rules of a calibration's verdict are met"
+                         : fmt::format("{}: {}", worst->rule, worst->evidence);
+  if (verdict.level != VerdictLevel::kGood) {
+    finding.advice = "see what plumbline calibrate says of this recording first";
+  }
+  return finding;
+}
+
 StudyInputs inputsOf(const PerturbRequest& request, const Session& session) {
   StudyInputs inputs;
   inputs.session = &session;
@@ -229,7 +253,10 @@ Result<PerturbationRecord> perturbationStudy(const StudyInputs& asked,
                 record.cases[i] = runCase(inputs, perturbations[i], *base, record.base_std);
               });
   record.offset_bound_s = options.thresholds.offset_error_s.bad;
-  record.verdict = makeVerdict(perturbationFindings(record, options.thresholds));
+  std::vector<Finding> findings = perturbationFindings(record, options.thresholds);
+  // Before what of the cases could not be solved, which stands last.
+  findings.insert(findings.end() - 1, baseFinding(inputs, *base));
+  record.verdict = makeVerdict(std::move(findings));
   record.verdict.headline =
       headlineOf(record.verdict, "Stable: " + record.verdict.findings.front().evidence);
   return record;

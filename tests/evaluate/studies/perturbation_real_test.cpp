@@ -32,7 +32,12 @@ TEST(PerturbationOfEuroc, OffsetsOfUpToHalfASecondComeBackToATenthOfAMicrosecond
     EXPECT_EQ(c.problem, "") << c.amount;
     EXPECT_LT(std::abs(c.offset_error_s), 0.1e-6) << c.amount;
   }
-  EXPECT_EQ(record->verdict.level, VerdictLevel::kGood);
+  // Kalibr's cameras and this IMU have faults that calibrate names; the offsets all come back.
+  for (const Finding& f : record->verdict.findings) {
+    const auto expected =
+        f.rule == "Base calibration" ? VerdictLevel::kCaution : VerdictLevel::kGood;
+    EXPECT_EQ(f.level, expected) << f.rule << ": " << f.evidence;
+  }
 }
 
 }  // namespace
