@@ -49,25 +49,6 @@ CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibratio
   return record;
 }
 
-/// Whether T_SC0 and the offset suit the recording, tested with both free; nothing where either
-/// side has no IMU.
-std::vector<Finding> heldImuFindings(const EvaluateCalibrationRequest& asked,
-                                     const Calibration& calibration, const Session& session,
-                                     const ProgressSink& progress) {
-  const ScoreOptions& options = asked.score;
-  if (!options.use_imu || !calibration.imu || !session.imu) return {};
-  progress("testing T_SC0 and the time offset", -1);
-  CameraImuOptions free = options.camera_imu;
-  free.noise_check = false;
-  // Its tests vary the lenses, of which some models can only be scored.
-  free.diagnose_faults = canBeCalibrated(calibration);
-  free.cameras_given = free.diagnose_faults;
-  const HeldOffset offset =
-      statesTimeOffset(asked.calibration) ? HeldOffset::kStated : HeldOffset::kAssumed;
-  return judgeHeldImu(*calibration.imu, offset,
-                      calibrateCameraImu(session, calibration.cameras, free));
-}
-
 /// Mistakes of convention and of units, in the file and against the recording. Densities are not
 /// the file's here: those of the recording's imu.yaml are used.
 std::vector<Finding> conventionFindings(const EvaluateCalibrationRequest& asked,
@@ -160,7 +141,10 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   }
   progress("testing the cameras", -1);
   std::vector<Finding> held = judgeHeldCameras(*record.camera, loaded.session, asked.score);
-  append(held, heldImuFindings(asked, scored.calibration, loaded.session, progress),
+  progress("testing T_SC0 and the time offset", -1);
+  const HeldOffset offset =
+      statesTimeOffset(asked.calibration) ? HeldOffset::kStated : HeldOffset::kAssumed;
+  append(held, testHeldImu(scored.calibration, offset, loaded.session, asked.score),
          FindingSubject::kExtrinsics);
   record.verdict =
       scoreVerdict(record, unusedShapeOf(asked.calibration, from, asked.load), {mistakes, held});

@@ -72,8 +72,8 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
   o.session.declareOptional(app);
   app.get_option("--target-shape")
       ->description(
-          "Shape of the board: flat, or a target_shape.yaml (default: scores take it as flat; the "
-          "session's own calibration estimates it, as `calibrate` does)");
+          "Shape of the board: flat, or a target_shape.yaml (default: the session's own, where its "
+          "corners show one, else flat)");
   app.add_flag("--no-session-estimate", o.no_session_estimate,
                "Do not calibrate the session itself for the comparison")
       ->needs(app.get_option("--session"));

@@ -16,9 +16,11 @@
 #include "datasets/calibration/calibration_reader.h"
 #include "datasets/calibration/kalibr/run.h"
 #include "evaluate/compare/findings.h"
-#include "evaluate/lint/lint.h"
 #include "evaluate/compare/on_session.h"
 #include "evaluate/compare/parameters.h"
+#include "evaluate/lint/lint.h"
+#include "evaluate/metrics/calibration/held_cameras.h"
+#include "evaluate/metrics/calibration/held_imu.h"
 #include "evaluate/metrics/calibration/parameters.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/session/load_session.h"
@@ -154,7 +156,9 @@ OnSession scoreOn(const LoadedSession& loaded, const ComparedFile& file,
   OnSession out;
   out.scores = std::move(scored_on.scores);
   // Known only of files that state what they were estimated from.
-  out.scores.front().held_out = wasEstimatedFrom(file.extras, loaded) == false;
+  const std::optional<bool> own = wasEstimatedFrom(file.extras, loaded);
+  out.scores.front().held_out = own == false;
+  out.scores.front().in_sample = own == true;
   out.judged = judgeScored(scored_on.camera, scored_on.camera_imu);
   out.stage = std::move(scored_on.camera);
   if (out.stage) addUncertainty(loaded.session, request, out);
@@ -191,19 +195,53 @@ std::vector<Calibration> calibrationsOf(const std::vector<ComparedFile>& files) 
   return calibrations;
 }
 
+/// Where the board's shape is left to us: the recording's own, and that it is used.
+void findBoard(const CompareRequest& request, LoadedSession& loaded, const ProgressSink& progress,
+               std::vector<Finding>& findings) {
+  const bool is_asked = request.load->target == TargetMode::kAuto && !request.load->target_shape;
+  if (!is_asked || !request.session_estimate) return;
+  progress("looking at the board's shape", -1);
+  TargetShape& shape = loaded.session.target.shape;
+  shape = boardOf(loaded.session, request.score.camera);
+  if (shape.isFlat()) return;
+  findings.push_back(
+      {"Board of the recording", VerdictLevel::kGood,
+       fmt::format("its corners show a board that is {:.2g} mm (RMS) off the even grid: all scores "
+                   "stand on that shape",
+                   1e3 * shape.rms())});
+  findings.back().subject = FindingSubject::kRecording;
+}
+
+/// Tests of what is held on the recording, beside the scores: those of `evaluate calibration`.
+std::vector<Finding> heldFindings(const ComparedFile& file, const Session& session,
+                                  const ScoreOptions& options,
+                                  const std::optional<CameraStageResult>& scored) {
+  std::vector<Finding> findings;
+  if (scored) findings = judgeHeldCameras(*scored, session, options);
+  const Calibration& calibration = file.compared.calibration;
+  const HeldOffset offset = file.states_offset ? HeldOffset::kStated : HeldOffset::kAssumed;
+  append(findings, testHeldImu(calibration, offset, session, options), FindingSubject::kExtrinsics);
+  return findings;
+}
+
 /// Of files whose cameras are the recording's (matchToSession()); what the scores say of each file
 /// joins its remarks.
-std::vector<OnSession> scoreAll(const CompareRequest& request, const LoadedSession& loaded,
+std::vector<OnSession> scoreAll(const CompareRequest& request, LoadedSession& loaded,
                                 std::vector<ComparedFile>& files, const ProgressSink& progress,
                                 ComparisonRecord& record) {
   attribute(record, request.provenance, loaded);
+  findBoard(request, loaded, progress, record.verdict.findings);
   if (loaded.session.imu) record.assumptions.imu_noise = loaded.session.imu->noise;
   std::vector<OnSession> all;
   for (ComparedFile& file : files) {
     all.push_back(scoreOn(loaded, file, request, progress));
     append(file.remarks, worstOf(std::move(all.back().judged)));
+    progress("testing " + file.compared.label, -1);
+    append(file.remarks, heldFindings(file, loaded.session, request.score, all.back().stage));
     const std::string shape = unusedShapeOf(file.path, file.extras, *request.load);
-    if (!shape.empty()) file.remarks.push_back(unusedShape(shape));
+    if (!shape.empty() && loaded.session.target.shape.isFlat()) {
+      file.remarks.push_back(unusedShape(shape));
+    }
   }
   // Once for all: what the samples themselves show is one finding, whatever number of files.
   append(record.verdict.findings, lintAgainstSession(lintedOf(files), loaded.session));

@@ -79,9 +79,9 @@ struct CompareRequest {
   std::vector<std::string> calibrations;  ///< files; differences are to the first
   std::vector<std::string> labels;        ///< one each, or empty: made from the files' names
   /// Scores every calibration on this recording, and takes uncertainties and entropies from it.
-  /// Scores assume its board flat, or of `target_shape` (a shape beside a calibration that is not
-  /// given is a caution); without that `target` is of the session's
-  /// own estimate.
+  /// Scores assume its board to be of `target_shape`, or, with `target` kAuto and
+  /// session_estimate, as boardOf() finds it, else flat (where a shape beside a calibration is a
+  /// caution). Without `target_shape` `target` is of the session's own estimate.
   std::optional<LoadRequest> load;
   ScoreOptions score;
   bool session_estimate = true;  ///< calibrate the recording itself too: sessionEstimate()

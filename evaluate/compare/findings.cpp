@@ -113,7 +113,7 @@ std::vector<Geometry> geometryOf(const ComparisonRecord& record, std::size_t i) 
 std::string geometryWords(const std::vector<Geometry>& all) {
   const auto words = [](const Geometry& g) {
     const bool within = g.value > g.bound.caution && g.explained;
-    return fmt::format("{} {} {}{}", g.name, significant(g.value, 3), g.unit,
+    return fmt::format("{} {} {}{}", g.name, significantOrZero(g.value, 3), g.unit,
                        within ? " (within the standard deviations of both)" : "");
   };
   return joined(all, words, "; ");
@@ -153,8 +153,8 @@ std::string mapWords(const ImageMap& map, const MapExtremes& extremes) {
       "{} at {} ", map.camera,
       std::isfinite(map.range_m) ? fmt::format("{:g} m", map.range_m) : std::string("infinity"));
   if (extremes.undefined < 1) {
-    text += fmt::format("{} px at most, {} px at the centre", significant(extremes.worst, 3),
-                        significant(extremes.centre, 2));
+    text += fmt::format("{} px at most, {} px at the centre", significantOrZero(extremes.worst, 3),
+                        significantOrZero(extremes.centre, 2));
   }
   // There one of the two has no ray, or no pixel for the other's.
   if (extremes.undefined > 0) {
@@ -229,10 +229,13 @@ Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction
         p.difference_px2, p.views);
     return f;
   }
-  f.evidence = fmt::format(
-      "{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
-      p.isClear() ? (p.sigmas() < 0 ? p.label : first) + " is better" : "no clear difference",
-      p.difference_px2, p.std_px2, p.views);
+  const bool both_held_out = isHeldOut(record, p.label) && isHeldOut(record, first);
+  f.evidence =
+      fmt::format("{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
+                  p.isClear() ? (p.sigmas() < 0 ? p.label : first) +
+                                    (both_held_out ? " is better" : " has the lower error")
+                              : "no clear difference",
+                  p.difference_px2, p.std_px2, p.views);
   f.value = std::abs(p.sigmas());
   f.threshold = p.half_px2 / p.std_px2;
   f.unit = "sigma";

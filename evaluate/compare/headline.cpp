@@ -57,6 +57,17 @@ std::optional<Prediction> pooled(const ComparisonRecord& record, const std::stri
   return p;
 }
 
+/// What is known of where two calibrations come from, where not both are of other recordings.
+std::string sampleWords(const CalibrationScore& first, const CalibrationScore& other) {
+  std::vector<std::string> from_it;
+  for (const CalibrationScore* s : {&first, &other}) {
+    if (s->in_sample) from_it.push_back(s->label);
+  }
+  if (from_it.empty()) return "not known to be held out";
+  return joined(from_it, " and ") +
+         (from_it.size() == 1 ? " was estimated from them" : " were estimated from them");
+}
+
 // "better" only where the interval of the difference of mean squared errors excludes zero. The
 // difference of the RMSEs follows from the first one's: sqrt(m + d) - sqrt(m).
 std::string predictionWords(const ComparisonRecord& record, const std::string& label) {
@@ -71,10 +82,15 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   double low = rmseChange(p->difference_px2 - p->half_px2);
   double high = rmseChange(p->difference_px2 + p->half_px2);
   // Of both: who was estimated from these corners predicts them better anyway.
-  const std::string corners =
-      score->held_out && other_score->held_out
-          ? "held-out corners"
-          : fmt::format("the corners of {} (not known to be held out)", record.name);
+  const bool held_out = score->held_out && other_score->held_out;
+  const std::string corners = held_out ? "held-out corners"
+                                       : fmt::format("the corners of {} ({})", record.name,
+                                                     sampleWords(*score, *other_score));
+  const double change = rmseChange(p->difference_px2);
+  if (std::abs(change) < kOfConsequence * rmse) {
+    return fmt::format("{} and {} predict {} alike, to {} px RMSE of {:.3g}", label, first, corners,
+                       significantOrZero(std::abs(change), 1), rmse);
+  }
   if (low <= 0 && high >= 0) {
     return fmt::format(
         "{} and {} predict {} equally well within the 95 % interval of their difference, {:+.2g} "
@@ -82,13 +98,17 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
         label, first, corners, low, high);
   }
   const bool other = high < 0;
-  const double best = std::abs(rmseChange(p->difference_px2));
+  const double best = std::abs(change);
   // As a gain of the better one: positive, the smaller end first.
   if (other) low = -low, high = -high;
+  // Lower on what it may have been estimated from: no word of prediction.
+  const CalibrationScore& winner = other ? *other_score : *score;
+  const char* verb = winner.held_out || held_out ? "predicts" : "fits";
   return fmt::format(
-      "{} predicts {} better by {:.2g} px RMSE, every view counting alike (95 % interval {:.2g} to "
-      "{:.2g})",
-      other ? label : first, corners, best, std::min(low, high), std::max(low, high));
+      "{} {} {} better by {:.2g} px RMSE, every view counting alike (95 % interval {:.2g} to "
+      "{:.2g}){}",
+      other ? label : first, verb, corners, best, std::min(low, high), std::max(low, high),
+      winner.in_sample ? ", which says nothing of other recordings" : "");
 }
 
 /// In thirds of the image, rows from the top.
@@ -112,7 +132,9 @@ std::string projectionWords(const ComparisonRecord& record, const std::string& l
     worst = extremes.worst;
     place = placeOf(map, extremes.at);
   }
-  return place.empty() ? "" : fmt::format("by up to {} px at the {}", significant(worst, 2), place);
+  return place.empty()
+             ? ""
+             : fmt::format("by up to {} px at the {}", significantOrZero(worst, 2), place);
 }
 
 std::optional<double> differenceOf(const ComparisonRecord& record, const std::string& name,
@@ -125,10 +147,12 @@ std::string transformWords(const ComparisonRecord& record, std::size_t i) {
   const auto lever = differenceOf(record, "T_SC0.lever", i);
   const auto angle = differenceOf(record, "T_SC0.angle", i);
   if (!lever || !angle) return "";
-  std::string words = fmt::format("by {} mm and {} deg in T_SC0", significant(1e3 * *lever, 2),
-                                  significant(*angle * kDegrees, 2));
+  std::string words =
+      fmt::format("by {} mm and {} deg in T_SC0", significantOrZero(1e3 * *lever, 2),
+                  significantOrZero(*angle * kDegrees, 2));
   if (const auto offset = differenceOf(record, "time_offset", i)) {
-    words += fmt::format(", {} ms in the time offset", significant(1e3 * std::abs(*offset), 2));
+    words +=
+        fmt::format(", {} ms in the time offset", significantOrZero(1e3 * std::abs(*offset), 2));
   }
   return words;
 }

@@ -90,6 +90,18 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
   return out;
 }
 
+TargetShape boardOf(const Session& session, CameraStageOptions options) {
+  // Neither calibration's models: the shape may not depend on which of them comes first.
+  options.model_mode = ModelMode::kAuto;
+  options.models.clear();
+  options.start.clear();
+  options.target = TargetMode::kAuto;
+  const auto solved = calibrateCameras(session, options);
+  const bool bent =
+      solved && solved->target_fit && solved->target_fit->finding == TargetFinding::kBent;
+  return bent ? solved->target : session.target.shape;
+}
+
 SessionEstimate sessionEstimate(Session session, const std::vector<Calibration>& calibrations,
                                 const ScoreOptions& options, TargetMode target) {
   SessionEstimate own;

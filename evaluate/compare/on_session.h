@@ -22,6 +22,12 @@ std::vector<PairedPrediction> pairedPredictions(const CameraStageResult& first,
                                                 const CameraStageResult& other,
                                                 const std::string& label);
 
+/// The board on which calibrations are scored where nobody says which: the recording's own shape,
+/// where its corners, under the lens models that they ask for, say that it is not the stated one
+/// (TargetFinding::kBent), else the stated one. Cameras that were estimated under a wrong shape fit
+/// corners on that shape best: which of two is nearer to the truth only shows on the true one.
+TargetShape boardOf(const Session& session, CameraStageOptions options);
+
 /// Calibrates the session itself, as `plumbline calibrate` does: with the camera models of the
 /// first calibration, the board's shape under `target`, and with the IMU where a calibration and
 /// the session have one. Compares every calibration with the result: comparedParameters() of the

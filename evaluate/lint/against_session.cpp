@@ -117,7 +117,9 @@ std::vector<Finding> transformFault(const LintedCalibration& linted, const Align
         direct / kDegree, inverse / kDegree);
     // A rotation about the right axis by half a turn more is near the inverse, too: the lever arm
     // and what the file says of its other cameras have to agree with an inversion.
-    if (inverse < kRotationTolerance_rad && !linted.imu_places_agree &&
+    // Places that agree may be inverted all of them: then the recording has to give the lever arm.
+    if (inverse < kRotationTolerance_rad &&
+        (!linted.imu_places_agree || alignment.inertial.has_value()) &&
         leverArmAllowsInverse(T_SC0, alignment.inertial)) {
       return {invertedFinding(linted, text, angle)};
     }

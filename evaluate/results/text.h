@@ -60,6 +60,13 @@ inline std::string significant(double value, int digits) {
   return large ? fmt::format("{:.0f}", value) : fmt::format("{:.{}g}", value, digits);
 }
 
+/// The same of a magnitude that is shown to people: "0" below a millionth of its unit, which is
+/// rounding, and with a power of ten from a million on.
+inline std::string significantOrZero(double value, int digits) {
+  if (std::abs(value) < 1e-6) return "0";
+  return std::abs(value) >= 1e6 ? fmt::format("{:.1e}", value) : significant(value, digits);
+}
+
 /// A cell of a CSV file: quoted where a comma, a quote or a line end would break the row.
 inline std::string csvCell(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;

@@ -91,6 +91,10 @@ void fields(auto& v, OffsetSummary& o) {
   v.ifSet("per_camera_s", o.per_camera_s, "as written [s]");
 }
 
+/// Of two RMSEs: below it a difference, however certain, is of no consequence, such as that of
+/// digits that a file has not.
+inline constexpr double kOfConsequence = 0.01;
+
 /// Which of two calibrations predicts a camera's corners better: the mean over views of (mean
 /// squared error under `label`) - (under the first calibration) [px^2]; negative: `label` is
 /// better.
@@ -103,8 +107,11 @@ struct PairedPrediction {
 
   /// The difference in its standard errors; 0 without one.
   double sigmas() const { return std_px2 > 0 ? difference_px2 / std_px2 : 0; }
-  /// Whether one of the two predicts better: beyond the 95 % interval.
-  bool isClear() const { return half_px2 > 0 && std::abs(difference_px2) > half_px2; }
+  /// Whether one of the two predicts better: beyond the 95 % interval, and by kOfConsequence.
+  bool isClear() const {
+    return half_px2 > 0 && std::abs(difference_px2) > half_px2 &&
+           std::abs(difference_px2) > 2 * kOfConsequence * first_px2;
+  }
 };
 
 inline std::string partName(const PairedPrediction& p) { return p.label + "/" + p.camera; }

@@ -301,4 +301,16 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
   return findings;
 }
 
+std::vector<Finding> testHeldImu(const Calibration& calibration, HeldOffset offset,
+                                 const Session& session, const ScoreOptions& options) {
+  if (!options.use_imu || !calibration.imu || !session.imu) return {};
+  CameraImuOptions free = options.camera_imu;
+  free.noise_check = false;
+  // Its tests vary the lenses, of which some models can only be scored.
+  free.diagnose_faults = canBeCalibrated(calibration);
+  free.cameras_given = free.diagnose_faults;
+  return judgeHeldImu(*calibration.imu, offset,
+                      calibrateCameraImu(session, calibration.cameras, free));
+}
+
 }  // namespace plumbline

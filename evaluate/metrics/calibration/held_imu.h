@@ -6,6 +6,8 @@
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/error.h"
 #include "calibrator/base/results.h"
+#include "calibrator/base/session.h"
+#include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/verdict.h"
 
 namespace plumbline {
@@ -21,5 +23,11 @@ namespace plumbline {
 enum class HeldOffset { kStated, kAssumed };
 std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
                                   const Result<CameraImuStageResult>& estimated);
+
+/// The same, T_SC0 and the offset estimated on the recording with the calibration's cameras (and
+/// faults tested where their models can be calibrated); nothing where either side has no IMU, or it
+/// is not asked for.
+std::vector<Finding> testHeldImu(const Calibration& calibration, HeldOffset offset,
+                                 const Session& session, const ScoreOptions& options);
 
 }  // namespace plumbline

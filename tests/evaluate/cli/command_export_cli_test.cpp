@@ -82,7 +82,7 @@ TEST_F(CommandExport, MistakesOfUnitsAreSaidBeforeAnotherToolTakesThem) {
   write(root_ / "mm.json", json.dump());
   const Outcome outcome = exported(root_ / "mm.json", "--to basalt");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
-  EXPECT_THAT(outcome.text, AllOf(HasSubstr("warning: "), HasSubstr("110.07")));
+  EXPECT_THAT(outcome.text, AllOf(HasSubstr("warning: "), HasSubstr("110.1 m long")));
 }
 
 TEST_F(CommandExport, ReplacesItsOwnFolderOnlyIfToldToAndNoOthers) {
