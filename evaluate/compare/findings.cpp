@@ -180,20 +180,19 @@ std::string betterOf(const ComparisonRecord& record, const std::string& label) {
 
 std::string projectionAdvice(const ComparisonRecord& record, const std::string& label) {
   const std::string better = betterOf(record, label);
-  if (better.empty())
-    return "compare the recordings: corners near the image's border determine the difference there";
+  if (better.empty()) {
+    return "look at both uncertainties there: a difference far above them is no lack of corners, "
+           "but "
+           "a mistake of a file, or another rig; else record more corners there";
+  }
   // Who was estimated from these corners predicts them better anyway.
   if (!isHeldOut(record, label) || !isHeldOut(record, record.calibrations[0].label)) {
     return fmt::format(
-        "{} predicts the corners better, but it is not known that both were estimated from other "
-        "recordings: score them on a recording of neither; record more corners near the image's "
-        "border, where the two differ most",
+        "{} has the lower error on the corners, but it is not known that both were estimated from "
+        "other recordings: score them on a recording of neither",
         better);
   }
-  return fmt::format(
-      "prefer {}, which predicts the corners better; record more corners near the "
-      "image's border, where the two differ most",
-      better);
+  return fmt::format("prefer {}, which predicts the corners better", better);
 }
 
 /// All cameras and ranges of a pair are one finding: one cause, several places.

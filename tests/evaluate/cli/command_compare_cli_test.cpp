@@ -233,12 +233,71 @@ TEST_F(CommandCompare, TheSessionsOwnEstimateTakesTheBoardAsSaid) {
   EXPECT_GT(difference(""), 1);  // cam0.fu [px]
   EXPECT_LT(difference(" --target-shape flat"), 0.05);
   EXPECT_THAT(findings(), Not(HasSubstr("Shape of the target")));
-  // A shape that a calibration came with is not used unasked, which is said.
+  // A shape that a calibration came with is not used unasked, which is said where the flat board
+  // is.
   fs::copy_file(fs::path(bent) / "truth/target_shape.yaml", scratch() / "flat/target_shape.yaml");
   difference("");
+  EXPECT_THAT(findings(),
+              AllOf(HasSubstr("Board of the recording"), Not(HasSubstr("a: Shape of the target"))));
+  const Outcome unasked = plumbline("compare --force " + flat + " " + flat +
+                                    " --labels a,b --range inf --grid 5x3 --no-session-estimate "
+                                    "--session " +
+                                    bent + common + (scratch() / "out").string());
+  EXPECT_EQ(unasked.exit_code, 0) << unasked.text;
   EXPECT_THAT(findings(), HasSubstr("a: Shape of the target"));
   difference(" --target-shape " + (scratch() / "flat/target_shape.yaml").string());
   EXPECT_THAT(findings(), Not(HasSubstr("Shape of the target")));
+}
+
+// On the flat board cameras that took the bent one as flat would fit its corners best.
+TEST_F(CommandCompare, OnABentBoardTheCalibrationThatKnewItIsBetter) {
+  fs::create_directories(scratch());
+  const auto recorded = [&](const char* name, int seed) {
+    const std::string folder = (scratch() / name).string();
+    const Outcome outcome =
+        plumbline("simulate --seed " + std::to_string(seed) +
+                  " --duration 12 --camera-rate 5 --target-shape bow=2mm --out " + folder);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.text;
+    return folder;
+  };
+  const std::string first = recorded("first", 81), other = recorded("other", 82);
+  const auto calibrated = [&](const std::string& shape) {
+    const std::string out = (scratch() / shape).string();
+    EXPECT_EQ(plumbline("calibrate " + first +
+                        " --no-imu --no-halves --models pinhole-radtan --no-cache --no-report "
+                        "--target-shape " +
+                        shape + " --out " + out)
+                  .exit_code,
+              0);
+    return out + "/calibration.json";
+  };
+  const Outcome outcome = compare(calibrated("auto") + " " + calibrated("flat") +
+                                  " --labels known,flat --range inf --grid 5x3 --session " + other);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  EXPECT_THAT(outcome.text, HasSubstr("known predicts held-out corners better"));
+}
+
+// 4 mm of a lever arm hardly show in pixels; estimated on the recording they do.
+TEST_F(CommandCompare, ALeverArmThatIsNotTheRecordingsIsSaid) {
+  json moved = json::parse(read(ours()));
+  moved["imu"]["T_SC0"][0][3] = moved["imu"]["T_SC0"][0][3].get<double>() + 0.004;
+  fs::create_directories(scratch());
+  write(scratch() / "moved.json", moved.dump());
+  const Outcome outcome =
+      compare(ours() + " " + (scratch() / "moved.json").string() +
+              " --labels ours,moved --range inf --grid 5x3 --session " + session().string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
+  const json verdict = document()["verdict"];
+  EXPECT_NE(verdict["level"], "good");
+  for (const json& f : verdict["findings"]) {
+    if (f["rule"] == "moved: T_SC0 and time offset against this recording") {
+      EXPECT_EQ(f["level"], "caution") << f;
+    }
+    if (f["rule"] == "ours: T_SC0 and time offset against this recording") {
+      EXPECT_EQ(f["level"], "good") << f;
+    }
+  }
+  EXPECT_THAT(outcome.text, HasSubstr("moved: T_SC0 and time offset against this recording"));
 }
 
 TEST_F(CommandCompare, TheSessionItselfCanBeLeftOut) {

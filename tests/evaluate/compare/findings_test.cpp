@@ -81,7 +81,7 @@ TEST(ComparisonFindings, ProjectionsOfAPairAreOneFindingWithItsPlaces) {
   EXPECT_NE(f.evidence.find("cam1 at 1 m"), std::string::npos) << f.evidence;
   EXPECT_EQ(f.value, 6);
   // Of corners that one of them may have been estimated from nothing follows.
-  EXPECT_EQ(f.advice.rfind("a predicts the corners better, but", 0), 0u) << f.advice;
+  EXPECT_EQ(f.advice.rfind("a has the lower error on the corners, but", 0), 0u) << f.advice;
   for (const char* label : {"a", "b"}) {
     record.scores.emplace_back();
     record.scores.back().label = label;

@@ -60,13 +60,34 @@ TEST(ComparisonHeadline, AnIntervalWithZeroNamesNoWinner) {
   EXPECT_THAT(text, Not(HasSubstr("better")));
 }
 
+TEST(ComparisonHeadline, WhoWasEstimatedFromTheCornersOnlyFitsThem) {
+  ComparisonRecord record = comparison(0.11, 0.01);
+  record.scores[0].held_out = false;
+  record.scores[0].in_sample = true;
+  EXPECT_THAT(comparisonHeadline(record),
+              testing::AllOf(HasSubstr("ours fits the corners of session (ours was estimated from "
+                                       "them) better by 0.1 px"),
+                             HasSubstr("which says nothing of other recordings")));
+}
+
+// 1e-6 of 0.5 px, however certain: digits that one file has not.
+TEST(ComparisonHeadline, ADifferenceOfNoConsequenceNamesNoWinner) {
+  const ComparisonRecord record = comparison(1e-6, 1e-8);
+  EXPECT_FALSE(record.paired[0].isClear());
+  EXPECT_THAT(comparisonHeadline(record),
+              testing::AllOf(HasSubstr("kalibr and ours predict held-out corners alike, to 1e-06"),
+                             Not(HasSubstr("better"))));
+}
+
 TEST(ComparisonHeadline, HeldOutIsWhatNeitherWasEstimatedFrom) {
   for (const std::size_t own : {0, 1}) {
     ComparisonRecord record = comparison(0.11, 0.01);
     record.scores[own].held_out = false;
+    // Of the better one: the other may have seen the corners, and is worse all the same.
+    const std::string verb = own == 0 ? "fits" : "predicts";
     EXPECT_THAT(
         comparisonHeadline(record),
-        HasSubstr("ours predicts the corners of session (not known to be held out) better"));
+        HasSubstr("ours " + verb + " the corners of session (not known to be held out) better"));
   }
 }
 
