@@ -65,6 +65,8 @@ FAULTS = {
     "false-corners": ([f"false-corners={s}%" for s in (2, 5, 10)], ["false-corners"]),
     "swapped-ids": ([f"swapped-ids={s}%" for s in (0.1, 0.5, 1)], ["swapped-ids"]),
     "frozen": ([f"frozen={n}/min" for n in (5, 20, 60)], ["frozen"]),
+    "column-shutter": ([f"column-shutter={t}ms" for t in (3, 10, 20)], ["column-delay"]),
+    "soft-mount": ([f"soft-mount={a}deg" for a in (0.003, 0.01, 0.02)], ["soft-mount"]),
 }
 # What rules of the verdict and refusals name.
 RULES = {"Spikes of the IMU": "spike", "Gaps in the IMU's samples": "gap", "Views delivered twice": "frozen",

@@ -35,15 +35,20 @@ enum class UnmodelledFault {
   kStampsWander,   ///< changes of the time offset at seven instants, evenly spaced [s]
   kGivenCameras,   ///< cameras that were given, in the order of their own stage: all intrinsics,
                    ///< then all T_C0Ci but camera 0's
+  kSoftMount,      ///< change of T_SC0 (3 m, 3 rad) per m/s^2 of specific force along x of the
+                   ///< IMU, then along y, then along z
+  kColumnDelay,    ///< readout time of the image's width, of all cameras: a rolling shutter whose
+                   ///< camera is mounted on its side [s]
 };
 
 /// Words of the documents, in the order above.
-inline constexpr std::array<const char*, 20> enumWords(UnmodelledFault) {
+inline constexpr std::array<const char*, 22> enumWords(UnmodelledFault) {
   return {"accel-scale",    "accel-misalignment", "gyro-scale",    "gyro-misalignment",
           "g-sensitivity",  "imu-delay",          "clock-drift",   "line-delay",
           "target-size",    "camera-delay",       "imu-moved",     "clock-step",
           "camera-moved",   "target-shape",       "target-moved",  "target-sways",
-          "gyro-bias-jump", "accel-bias-jump",    "stamps-wander", "given-cameras"};
+          "gyro-bias-jump", "accel-bias-jump",    "stamps-wander", "given-cameras",
+          "soft-mount",     "column-delay"};
 }
 
 /// A score test: is the fault there, how large is it, and what does it do to the calibration?

@@ -131,6 +131,7 @@ double linearRange(UnmodelledFault fault) {
       return kLinearShare;
     case Fault::kImuDelay:
     case Fault::kLineDelay:
+    case Fault::kColumnDelay:
     case Fault::kCameraDelay:
       return 0.1;  // [s], a tenth of a period where the rig is shaken at 1 Hz
     case Fault::kClockDrift:

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <type_traits>
@@ -17,6 +18,17 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using StateRows = Eigen::Matrix<double, Eigen::Dynamic, kChainBlock>;
 
+/// The accelerometer's reading at an instant of its clock, between samples linearly.
+Eigen::Vector3d forceAt(const std::vector<ImuSample>& samples, TimeNs t) {
+  if (samples.empty()) return Eigen::Vector3d::Zero();
+  const auto after = std::ranges::lower_bound(samples, t, {}, &ImuSample::t);
+  if (after == samples.begin()) return samples.front().accel;
+  if (after == samples.end()) return samples.back().accel;
+  const auto before = after - 1;
+  const double u = secondsBetween(before->t, t) / secondsBetween(before->t, after->t);
+  return (1 - u) * before->accel + u * after->accel;
+}
+
 /// Views as rows by every column that moves them. Weights are those of re-weighted least squares
 /// (clamp 0), roots on the rows: scores and information of the same model.
 class ViewRows {
@@ -26,6 +38,14 @@ class ViewRows {
       : problem_(problem), solution_(solution), columns_(columns), basis_(problem.target) {
     gram_ = problem.gram;
     gram_.triggs_clamp = 0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const Frame& frame : problem.frames) {
+      const TimeNs t = frame.t + toNanoseconds(solution.estimate.timeOffset());
+      forces_.push_back(forceAt(problem.samples, t));
+      mean += forces_.back() / static_cast<double>(problem.frames.size());
+    }
+    // What the mean force does to the mount is part of T_SC0.
+    for (Eigen::Vector3d& force : forces_) force -= mean;
   }
 
   FaultViewTerms view(std::size_t i, std::size_t c) const {
@@ -43,8 +63,9 @@ class ViewRows {
     for (Index i_k = 0; i_k < k; ++i_k) out.own.push_back(columns_.intrinsics[c] + i_k);
     for (int term = 0; term < kBoardTerms; ++term) out.own.push_back(columns_.shape + term);
     out.own.push_back(columns_.line_delays[c]);
+    out.own.push_back(columns_.column_delay);
     out.A_x = chain.A_FS * pose.by_state;
-    const PoseColumns moved = poseColumns(pose, chain, c, camera.T_C0Ci.t, twist);
+    const PoseColumns moved = poseColumns({pose, chain, forces_[i], twist}, c, camera.T_C0Ci.t);
     out.A_B = moved.A;
     out.by = moved.columns;
     // The rows are in pixels so far.
@@ -61,13 +82,21 @@ class ViewRows {
     std::vector<Index> columns;
   };
 
-  /// What moves the target in camera c: the calibration, the camera's own offset and pose, and the
-  /// target's size. A larger target is the same as one that is nearer by as much; the cameras' own
-  /// distances, which were calibrated on it, grow with it.
-  PoseColumns poseColumns(const ExposurePose& pose, const CameraImuChain& chain, std::size_t c,
-                          const Eigen::Vector3d& t_C0Ci, const Vector6d& twist) const {
+  /// A view at the estimate.
+  struct ViewState {
+    const ExposurePose& pose;
+    const CameraImuChain& chain;
+    const Eigen::Vector3d& force;  ///< on the rig, less its mean [m/s^2]
+    const Vector6d& twist;         ///< of the target in the camera, for a second of delay
+  };
+
+  /// What moves the target in camera c: the calibration, the camera's own offset and pose, the
+  /// target's size, and a mount that gives way. A larger target is the same as one that is nearer
+  /// by as much; the cameras' own distances, which were calibrated on it, grow with it.
+  PoseColumns poseColumns(const ViewState& at, std::size_t c, const Eigen::Vector3d& t_C0Ci) const {
     constexpr int kFixed = BorderLayout::kFixed;
-    Eigen::Matrix<double, 6, kFixed + 1 + 6 + 1> A;
+    const auto& [pose, chain, force, twist] = at;
+    Eigen::Matrix<double, 6, kFixed + 1 + 6 + 1 + kMountTerms> A;
     PoseColumns out;
     const auto add = [&](int first, const auto& columns) {
       A.middleCols<std::decay_t<decltype(columns)>::ColsAtCompileTime>(out.columns.size()) =
@@ -82,16 +111,20 @@ class ViewRows {
     Vector6d by_size = chain.A_C0Ci.leftCols<3>() * t_C0Ci;
     by_size.head<3>() -= chain.T_CiF.t;
     add(columns_.target_size, by_size);
+    for (int axis = 0; axis < 3; ++axis) {
+      add(columns_.soft_mount + 6 * axis, Matrix6d(force[axis] * chain.A_SC0));
+    }
     out.A = A.leftCols(out.columns.size());
     return out;
   }
 
   /// Rows of a corner: u and v by all columns of the view. With h the row over the image's height,
-  /// from -1/2 to 1/2, it is exposed at h times the readout time.
+  /// from -1/2 to 1/2, it is exposed at h times the readout time; likewise by the column over the
+  /// width.
   void fillGram(const Intrinsics& lens, const Transform& T_CF, const PackedView& corners,
                 const Vector6d& twist, FaultViewTerms& out) const {
     const Index k = lens.stacked().size();
-    const Index n = 6 + k + kBoardTerms + 1;
+    const Index n = 6 + k + kBoardTerms + 2;
     const double c2 = gram_.cauchy_px * gram_.cauchy_px;
     MatrixXd J = MatrixXd::Zero(2 * corners.count, n);
     VectorXd r = VectorXd::Zero(2 * corners.count);
@@ -112,7 +145,9 @@ class ViewRows {
           w * image->J_point * T_CF.R * basis_.columns(corners.id[i]).leftCols<kBoardTerms>();
       // The row is exposed h readout times after the middle one, and the target has moved by the
       // twist of that time.
-      rows.col(n - 1) = h * rows.leftCols<6>() * twist;
+      rows.col(n - 2) = h * rows.leftCols<6>() * twist;
+      const double across = corners.u[i] / lens.resolution.width - 0.5;
+      rows.col(n - 1) = across * rows.leftCols<6>() * twist;
       r.segment<2>(2 * i) = w * error;
     }
     out.H = J.leftCols<6>().transpose() * J;
@@ -132,6 +167,7 @@ class ViewRows {
   const FaultColumns& columns_;
   TargetBasis basis_;
   GramOptions gram_;
+  std::vector<Eigen::Vector3d> forces_;  ///< per frame
 };
 
 class LinkRows {

@@ -28,8 +28,10 @@ FaultColumns::FaultColumns(const CameraImuEstimate& estimate, bool free_cameras)
   target_jump = take(3);
   of_links = at;
   line_delay = take(1);
+  column_delay = take(1);
   target_size = take(1);
   shape = take(kBoardTerms);
+  soft_mount = take(kMountTerms);
   const bool one = estimate.cameras.size() == 1;
   for (std::size_t c = 0; c < estimate.cameras.size(); ++c) {
     line_delays.push_back(one ? line_delay : take(1));
@@ -92,8 +94,11 @@ std::vector<FaultCandidate> faultCandidates(const FaultColumns& columns,
   for (std::size_t c = 0; c < (cameras > 1 ? cameras : 0); ++c) {
     add(Fault::kLineDelay, {columns.line_delays[c]}).camera = static_cast<int>(c);
   }
+  add(Fault::kColumnDelay, {columns.column_delay});
   add(Fault::kClockStep, {BorderLayout::kOffset}).begins = true;
   add(Fault::kStampsWander, {BorderLayout::kOffset}).changes = 7;
+  // A mount that gives way to the rig's own force, all along.
+  add(Fault::kSoftMount, columnRange(columns.soft_mount, kMountTerms));
   // Of the target, and an IMU that slipped. Beside the target's shape stands what a calibration of
   // the cameras has adapted to it.
   add(Fault::kTargetSize, {columns.target_size});

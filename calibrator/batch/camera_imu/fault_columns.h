@@ -11,6 +11,9 @@ namespace plumbline {
 
 struct EffectiveScores;
 
+/// T_SC0's tangent by each component of the specific force.
+inline constexpr int kMountTerms = 3 * 6;
+
 /// Columns of faults that the batch does not estimate, behind those of its border.
 struct FaultColumns {
   FaultColumns(const CameraImuEstimate& estimate, bool free_cameras);
@@ -24,8 +27,10 @@ struct FaultColumns {
   int target_jump = 0;           ///< of the target in one link, along x, y, z of F [m]
   int of_links = 0;              ///< links touch no column from here on
   int line_delay = 0;            ///< readout time of the image's height, of all cameras [s]
+  int column_delay = 0;          ///< readout time of the image's width, of all cameras [s]
   int target_size = 0;           ///< relative; the target is larger than stated
   int shape = 0;                 ///< kBoardTerms, of TargetBasis [m]
+  int soft_mount = 0;            ///< kMountTerms, see UnmodelledFault::kSoftMount
   std::vector<int> line_delays;  ///< per camera; of the only one, line_delay
   std::vector<int> own_offset;   ///< per camera, less camera 0's [s]; -1 for camera 0
   std::vector<int> T_C0Ci;       ///< per camera, 6; -1 for camera 0

@@ -110,6 +110,12 @@ constexpr FaultDescription kDescriptions[] = {
      "A share of tags exchanges its id with another tag of the same view", kAlways, kCornersOnly},
     {kFrozen, "frozen", kEvents, kCamera, "frozen=5/min",
      "Frames repeat the corners of the frame before", kAlways, kCornersOnly},
+    {kSoftMount, "soft-mount", kTurn, kAxis, "soft-mount=0.01deg",
+     "The cameras turn against the IMU by this for each m/s2 of force across the axis"},
+    {kColumnShutter, "column-shutter", within(Quantity::kTime, -0.2, 0.2), kCamera,
+     "column-shutter=10ms",
+     "Columns are exposed one after the other, as of a rolling shutter on its side", kAlways,
+     kCornersOnly},
 };
 
 }  // namespace

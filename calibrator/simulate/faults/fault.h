@@ -56,6 +56,10 @@ enum class FaultKind : std::uint64_t {
   kFalseCorners = 32,  ///< a share v of corners is displaced by 0.5 to 1.5 times extent [px]
   kSwappedIds = 33,    ///< a share v of tags exchanges its id with another tag of its view
   kFrozen = 34,        ///< v frames per second repeat the corners of the frame before
+  // Of the rig again.
+  kSoftMount = 35,  ///< cameras turn on S by v n x (f - its mean over the frames) / (1 m/s^2)
+  // Of cameras again.
+  kColumnShutter = 36,  ///< column x of w is exposed at t + v ((x + 0.5) / w - 0.5)
 };
 
 /// One fault. What a kind does not use is left alone.

@@ -105,14 +105,31 @@ ViewFaults::ViewFaults(const SimulatedSession& simulated, int index, const Simul
       options_(o),
       camera_(static_cast<std::size_t>(index)),
       readout_s_(sumOfValues(faultsOfCamera(o.faults, {kRollingShutter}, index))),
+      column_readout_s_(sumOfValues(faultsOfCamera(o.faults, {kColumnShutter}, index))),
       bumps_(faultsOfCamera(o.faults, {kBump}, index, 1)),
       displacements_(faultsOf(o.faults, {kSway, kMovedTarget})),
       shapes_(faultsOf(o.faults, {kStretch, kBow})),
-      blurs_(faultsOfCamera(o.faults, {kBlur}, index)) {}
+      blurs_(faultsOfCamera(o.faults, {kBlur}, index)),
+      mounts_(faultsOf(o.faults, {kSoftMount})) {
+  if (mounts_.empty()) return;
+  for (const TimeNs stamp : simulated.frame_stamps) {
+    mean_force_ += force(secondsBetween(simulated.start_ns, stamp));
+  }
+  mean_force_ /= static_cast<double>(std::max<std::size_t>(simulated.frame_stamps.size(), 1));
+}
+
+Vector3d ViewFaults::force(double t_s) const {
+  const MotionState motion = simulated_.trajectory.at(t_s);
+  return motion.T_FB.R.transpose() * (motion.a_F - simulated_.gravity_F);
+}
 
 Transform ViewFaults::cameraPose(double t_s) const {
   const Calibration& truth = simulated_.truth;
-  const Transform T_FC0 = simulated_.trajectory.at(t_s).T_FB * truth.imu->T_SC0;
+  Transform T_FS = simulated_.trajectory.at(t_s).T_FB;
+  for (const NumberedFault& f : mounts_) {
+    T_FS.R *= expSO3(f->value * direction(*f.fault).cross(force(t_s) - mean_force_));
+  }
+  const Transform T_FC0 = T_FS * truth.imu->T_SC0;
   Transform T_BC = T_FC0 * truth.cameras[camera_].T_C0Ci;
   for (const NumberedFault& f : bumps_) {
     if (t_s >= f->at_s) T_BC.R *= expSO3(f->value * direction(*f.fault));
@@ -142,10 +159,11 @@ std::optional<Vector2d> ViewFaults::seeInRow(const Vector3d& p_B, double t_s) co
   const Intrinsics& lens = simulated_.truth.cameras[camera_].intrinsics;
   const auto see = [&](double t) { return project(lens, cameraPose(t).inverse() * p_B); };
   auto uv = see(t_s);
-  if (readout_s_ == 0) return uv;
+  if (!isRolling()) return uv;
   for (int i = 0; uv && i < 50; ++i) {
     const double row = (uv->y() + 0.5) / lens.resolution.height - 0.5;
-    const auto next = see(t_s + readout_s_ * row);
+    const double column = (uv->x() + 0.5) / lens.resolution.width - 0.5;
+    const auto next = see(t_s + readout_s_ * row + column_readout_s_ * column);
     if (next && (*next - *uv).norm() < 1e-10) return next;
     uv = next;
   }
@@ -165,7 +183,7 @@ std::vector<double> ViewFaults::blurShifts(const FaultyFrame& frame) const {
 std::vector<Corner> ViewFaults::corners(const FaultyFrame& frame) const {
   const Intrinsics& intrinsics = simulated_.truth.cameras[camera_].intrinsics;
   const Transform T_BC = cameraPose(frame.t_s);
-  if (readout_s_ == 0 && shapes_.empty() && blurs_.empty()) {
+  if (!isRolling() && shapes_.empty() && blurs_.empty()) {
     return visibleCorners(intrinsics, T_BC, options_);
   }
   if (T_BC.t.z() <= 0) return {};

@@ -27,8 +27,10 @@ std::vector<FaultyFrame> faultyFrames(const SimulatedSession& simulated, int ind
 AprilGrid statedTarget(const SimulationOptions& options);
 
 /// How one camera sees the real target, on the closed form of the trajectory. With t the exposure:
-///   uv = project(T_BC(t')^-1 p_B),  T_BC(t) = T_FB(t)^-1 T_FS(t) T_SC0 T_C0Ci Exp(bump),
-///   t' = t + readout ((v + 0.5) / h - 0.5) + exposure u,
+///   uv = project(T_BC(t')^-1 p_B),  T_BC(t) = T_FB(t)^-1 T_FS(t) M(t) T_SC0 T_C0Ci Exp(bump),
+/// M the turn of a soft mount,
+///   t' = t + readout ((v + 0.5) / h - 0.5) + exposure u, likewise by the column of a column
+///   shutter,
 /// B the board as it is displaced in F, p_B its real corner (stretch, bow), u uniform for every
 /// corner. The row v is found by fixed-point iteration to 1e-10 px. Without faults, the same bits
 /// as visibleCorners() at the true pose.
@@ -43,6 +45,9 @@ class ViewFaults {
   std::vector<Corner> corners(const FaultyFrame& frame) const;
 
  private:
+  bool isRolling() const { return readout_s_ != 0 || column_readout_s_ != 0; }
+  /// Specific force in S.
+  Eigen::Vector3d force(double t_s) const;
   /// Of a corner at p before these faults.
   Eigen::Vector3d boardCorner(int id, Eigen::Vector3d p) const;
   std::optional<Eigen::Vector2d> seeInRow(const Eigen::Vector3d& p_B, double t_s) const;
@@ -51,8 +56,10 @@ class ViewFaults {
   const SimulatedSession& simulated_;
   const SimulationOptions& options_;
   std::size_t camera_;
-  double readout_s_ = 0;
-  std::vector<NumberedFault> bumps_, displacements_, shapes_, blurs_;
+  double readout_s_ = 0;         ///< of the rows
+  double column_readout_s_ = 0;  ///< of the columns
+  std::vector<NumberedFault> bumps_, displacements_, shapes_, blurs_, mounts_;
+  Eigen::Vector3d mean_force_ = Eigen::Vector3d::Zero();  ///< where there is a soft mount
 };
 
 /// What happens to the detected corners of camera `index`, in this order: false corners, swapped

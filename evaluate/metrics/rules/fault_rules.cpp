@@ -50,17 +50,9 @@ std::string sigmaWords(const LargestEffect& effect) {
 bool contradictsStatedValue(UnmodelledFault fault) {
   using Fault = UnmodelledFault;
   constexpr std::array kOfNoSingleValue{
-      Fault::kClockDrift,
-      Fault::kCameraDelay,
-      Fault::kImuMoved,
-      Fault::kClockStep,
-      Fault::kCameraMoved,
-      Fault::kTargetShape,
-      Fault::kTargetMoved,
-      Fault::kTargetSways,
-      Fault::kGyroBiasJump,
-      Fault::kAccelBiasJump,
-      Fault::kStampsWander,
+      Fault::kClockDrift,   Fault::kCameraDelay,   Fault::kImuMoved,     Fault::kClockStep,
+      Fault::kCameraMoved,  Fault::kTargetShape,   Fault::kTargetMoved,  Fault::kTargetSways,
+      Fault::kGyroBiasJump, Fault::kAccelBiasJump, Fault::kStampsWander, Fault::kSoftMount,
       Fault::kImuDelay};  // gyroscope and accelerometer have time offsets of their own
   return std::find(kOfNoSingleValue.begin(), kOfNoSingleValue.end(), fault) !=
          kOfNoSingleValue.end();

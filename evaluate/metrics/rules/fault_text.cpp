@@ -29,6 +29,9 @@ constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr const char* kPairs[] = {"xy", "xz", "yx", "yz", "zx", "zy"};
 constexpr const char* kMatrix[] = {"xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"};
 constexpr const char* kPose[] = {"tx", "ty", "tz", "rx", "ry", "rz"};
+constexpr const char* kMount[] = {"tx by x", "ty by x", "tz by x", "rx by x", "ry by x", "rz by x",
+                                  "tx by y", "ty by y", "tz by y", "rx by y", "ry by y", "rz by y",
+                                  "tx by z", "ty by z", "tz by z", "rx by z", "ry by z", "rz by z"};
 constexpr const char* kEighths[] = {"at 1/8", "at 2/8", "at 3/8", "at 4/8",
                                     "at 5/8", "at 6/8", "at 7/8"};
 constexpr const char* kWaves[] = {"sine x", "sine y", "sine z", "cosine x", "cosine y", "cosine z"};
@@ -104,6 +107,16 @@ const FaultWords kFaultWords[] = {
      "refine the cameras on this recording (--free-cameras) or calibrate them on it (without "
      "--cameras); if they were estimated with a shape of the board, give that too "
      "(--target-shape)"},
+    {UnmodelledFault::kSoftMount,
+     "cameras and IMU move against each other with the acceleration (a soft mount)", 1e3,
+     "mm per m/s^2",
+     "mount cameras and IMU rigidly on one part, without rubber or a long or thin arm between "
+     "them, "
+     "and record again",
+     kMount},
+    {UnmodelledFault::kColumnDelay,
+     "readout time from the image's left to its right (a rolling shutter mounted on its side)", 1e3,
+     "ms", "use a global shutter, or record slow motion: rolling shutters are not modelled"},
 };
 
 const FaultWords& wordsOf(UnmodelledFault fault) {
@@ -114,6 +127,7 @@ constexpr double kKnown = 3;  // standard deviations
 
 /// Of component k: a pose's last three are rotations.
 const char* unitOf(const FaultWords& words, Eigen::Index k) {
+  if (words.names.data() == kMount) return k % 6 < 3 ? words.unit : "mrad per m/s^2";
   return words.names.data() == kPose && k >= 3 ? "mrad" : words.unit;
 }
 

@@ -183,6 +183,30 @@ TEST(CameraImuDiagnosis, SensitivityToAcceleration) {
               {g, 0, 0, 0, g, 0, 0, 0, g}, 3e-4);
 }
 
+// A phone's sensor in a portrait mount.
+TEST(CameraImuDiagnosis, AShutterThatRollsAlongTheColumns) {
+  expectCause(diagnosisOf({faultOf(FaultKind::kColumnShutter, 5e-3)}),
+              UnmodelledFault::kColumnDelay, {5e-3}, 1e-3);
+}
+
+// The turn is v n x f: by each component of the force a rotation, and T_SC0's translation turns
+// with it.
+TEST(CameraImuDiagnosis, CamerasThatTurnOnTheImuWithTheForce) {
+  const double v = 0.01 * kDegree;
+  Fault soft = faultOf(FaultKind::kSoftMount, v);
+  soft.axis = 0;
+  for (const std::uint64_t seed : {3, 7, 8}) {
+    const FaultDiagnosis diagnosis = diagnosisOf({soft}, seed);
+    ASSERT_FALSE(diagnosis.causes.empty()) << seed;
+    const FaultTest& cause = diagnosis.causes.front();
+    EXPECT_EQ(cause.fault, UnmodelledFault::kSoftMount) << toString(cause.fault) << ", " << seed;
+    ASSERT_EQ(cause.estimate.size(), 18);
+    // x cross y is z, x cross z is -y.
+    EXPECT_NEAR(cause.estimate(6 + 5), v, 0.3 * v) << seed;
+    EXPECT_NEAR(cause.estimate(12 + 4), -v, 0.3 * v) << seed;
+  }
+}
+
 TEST(CameraImuDiagnosis, DriftAndStepOfTheClock) {
   expectCause(diagnosisOf({faultOf(FaultKind::kClockDrift, 1e-4)}), UnmodelledFault::kClockDrift,
               {1e-4}, 1e-5);

@@ -71,7 +71,8 @@ TEST(Fault, SimulationRefusesWhatCheckRefuses) {
 }
 
 TEST(Fault, ImagesCannotShowFaultsOfDetectedCorners) {
-  for (const FaultKind kind : {kRollingShutter, kBlur, kBow, kFalseCorners, kSwappedIds, kFrozen}) {
+  for (const FaultKind kind :
+       {kRollingShutter, kColumnShutter, kBlur, kBow, kFalseCorners, kSwappedIds, kFrozen}) {
     EXPECT_THROW(checkRendered({{.kind = kGyroDelay}, {.kind = kind}}), InputError);
   }
   EXPECT_NO_THROW(checkRendered({{.kind = kGyroDelay}, {.kind = kBump}, {.kind = kSway}}));
