@@ -55,9 +55,16 @@ std::vector<Finding> conventionFindings(const EvaluateCalibrationRequest& asked,
                                         const Calibration& calibration, const Session& session) {
   LintedCalibration linted = lintedFrom(asked.calibration, calibration);
   linted.noise_known = false;
-  if (!asked.score.use_imu) linted.calibration.imu.reset();
+  if (asked.score.use_imu) {
+    std::vector<Finding> found = lintCalibrations({&linted, 1});
+    append(found, lintAgainstSession({&linted, 1}, session));
+    return found;
+  }
+  linted.calibration.imu.reset();
+  Session cameras = session;
+  cameras.imu.reset();
   std::vector<Finding> found = lintCalibrations({&linted, 1});
-  append(found, lintAgainstSession({&linted, 1}, session));
+  append(found, lintAgainstSession({&linted, 1}, cameras));
   return found;
 }
 
@@ -116,7 +123,9 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
     return Failure{FailureCode::kNoScore,
                    {{"calibration", label}, {"session", whole.session}, {"problem", problem}}};
   }
-  on_session.scores.front().held_out = wasEstimatedFrom(from, loaded) == false;
+  const std::optional<bool> own = wasEstimatedFrom(from, loaded);
+  on_session.scores.front().held_out = own == false;
+  on_session.scores.front().in_sample = own == true;
   CalibrationRecord record = recordOf(loaded, asked);
   record.provenance.input_hash = inputFilesHash({asked.calibration}, loaded.input_hash);
   record.camera = std::move(on_session.camera);
@@ -141,7 +150,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   }
   progress("testing the cameras", -1);
   std::vector<Finding> held = judgeHeldCameras(*record.camera, loaded.session, asked.score);
-  progress("testing T_SC0 and the time offset", -1);
+  if (record.camera_imu) progress("testing T_SC0 and the time offset", -1);
   const HeldOffset offset =
       statesTimeOffset(asked.calibration) ? HeldOffset::kStated : HeldOffset::kAssumed;
   append(held, testHeldImu(scored.calibration, offset, loaded.session, asked.score),

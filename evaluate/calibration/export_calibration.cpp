@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@
 #include "datasets/calibration/export/calibration_export.h"
 #include "datasets/session/imu.h"
 #include "evaluate/lint/lint.h"
+#include "evaluate/metrics/lists.h"
 #include "generated/version.h"
 
 namespace plumbline {
@@ -100,6 +102,20 @@ bool compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out)
                                toString(model.distortion), why));
 }
 
+/// Of units and conventions in the files that are exported: noise by the file that states it.
+std::vector<Finding> mistakesOf(const ExportRequest& request, const Calibration& calibration) {
+  LintedCalibration linted = lintedFrom(request.calibration, calibration);
+  if (!request.imu) return lintCalibrations({&linted, 1});
+  linted.noise_known = false;
+  std::vector<Finding> found = lintCalibrations({&linted, 1});
+  LintedCalibration noise;
+  noise.name = std::filesystem::path(*request.imu).filename().string();
+  noise.calibration.imu.emplace().noise = calibration.imu->noise;
+  noise.noise_known = true;
+  append(found, lintCalibrations({&noise, 1}));
+  return found;
+}
+
 }  // namespace
 
 CalibrationExport exportCalibrationFile(const ExportRequest& request) {
@@ -108,8 +124,7 @@ CalibrationExport exportCalibrationFile(const ExportRequest& request) {
                               request.camera_rate_hz, statesTimeOffset(request.calibration)};
   Calibration calibration = requestedCalibration(request);
   // Mistakes of units and of convention would go into the other tool without a word.
-  const LintedCalibration linted = lintedFrom(request.calibration, calibration);
-  const std::vector<Finding> mistakes = lintCalibrations({&linted, 1});
+  const std::vector<Finding> mistakes = mistakesOf(request, calibration);
   CalibrationExport out;
   if (request.model) {
     out.conversions = convertModels(calibration, *request.model, request.calibration);

@@ -74,8 +74,10 @@ void declareCompare(CLI::App& app, CompareOptions& o) {
       ->description(
           "Shape of the board: flat, or a target_shape.yaml (default: the session's own, where its "
           "corners show one, else flat)");
-  app.add_flag("--no-session-estimate", o.no_session_estimate,
-               "Do not calibrate the session itself for the comparison")
+  app.add_flag(
+         "--no-session-estimate", o.no_session_estimate,
+         "Do not calibrate the session itself for the comparison; scores then take its board as "
+         "flat, unless --target-shape says otherwise")
       ->needs(app.get_option("--session"));
   declareMaps(app, o);
   o.measurements.declare(app);

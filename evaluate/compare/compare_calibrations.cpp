@@ -230,6 +230,8 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, LoadedSession& lo
                                 std::vector<ComparedFile>& files, const ProgressSink& progress,
                                 ComparisonRecord& record) {
   attribute(record, request.provenance, loaded);
+  // The session's own estimate begins with the board as it was loaded, as `calibrate` does.
+  const AprilGrid stated = loaded.session.target;
   findBoard(request, loaded, progress, record.verdict.findings);
   if (loaded.session.imu) record.assumptions.imu_noise = loaded.session.imu->noise;
   std::vector<OnSession> all;
@@ -250,6 +252,7 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, LoadedSession& lo
     // A shape that was given is used for the session's own estimate as for every score.
     const TargetMode target =
         request.load->target_shape ? TargetMode::kKnown : request.load->target;
+    loaded.session.target = stated;
     record.session_estimate =
         sessionEstimate(loaded.session, calibrationsOf(files), request.score, target);
   }

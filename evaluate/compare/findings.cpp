@@ -181,15 +181,15 @@ std::string betterOf(const ComparisonRecord& record, const std::string& label) {
 std::string projectionAdvice(const ComparisonRecord& record, const std::string& label) {
   const std::string better = betterOf(record, label);
   if (better.empty()) {
-    return "look at both uncertainties there: a difference far above them is no lack of corners, "
-           "but "
-           "a mistake of a file, or another rig; else record more corners there";
+    return "look at both uncertainties there: a lack of corners does not explain a difference far "
+           "above them; otherwise record more corners there";
   }
   // Who was estimated from these corners predicts them better anyway.
   if (!isHeldOut(record, label) || !isHeldOut(record, record.calibrations[0].label)) {
     return fmt::format(
-        "{} has the lower error on the corners, but it is not known that both were estimated from "
-        "other recordings: score them on a recording of neither",
+        "{} has the lower error on the corners, but not both are known to be from other "
+        "recordings: "
+        "score them on a recording of neither",
         better);
   }
   return fmt::format("prefer {}, which predicts the corners better", better);
@@ -229,12 +229,13 @@ Finding predictionFinding(const ComparisonRecord& record, const PairedPrediction
     return f;
   }
   const bool both_held_out = isHeldOut(record, p.label) && isHeldOut(record, first);
-  f.evidence =
-      fmt::format("{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
-                  p.isClear() ? (p.sigmas() < 0 ? p.label : first) +
-                                    (both_held_out ? " is better" : " has the lower error")
-                              : "no clear difference",
-                  p.difference_px2, p.std_px2, p.views);
+  f.evidence = fmt::format(
+      "{}: mean squared error {:+.3g} +- {:.2g} px^2 over {} views scored under both",
+      p.isClear() ? (p.sigmas() < 0 ? p.label : first) +
+                        (both_held_out ? " is better" : " has the lower error")
+      : p.isSignificant() ? fmt::format("alike to {:.0f} % of the RMSE", 100 * kOfConsequence)
+                          : "no clear difference",
+      p.difference_px2, p.std_px2, p.views);
   f.value = std::abs(p.sigmas());
   f.threshold = p.half_px2 / p.std_px2;
   f.unit = "sigma";

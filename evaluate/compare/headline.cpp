@@ -87,9 +87,10 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
                                        : fmt::format("the corners of {} ({})", record.name,
                                                      sampleWords(*score, *other_score));
   const double change = rmseChange(p->difference_px2);
-  if (std::abs(change) < kOfConsequence * rmse) {
-    return fmt::format("{} and {} predict {} alike, to {} px RMSE of {:.3g}", label, first, corners,
-                       significantOrZero(std::abs(change), 1), rmse);
+  const double most = std::max(std::abs(low), std::abs(high));
+  if (most < kOfConsequence * rmse) {
+    return fmt::format("{} and {} predict {} alike: their RMSE differ by {} px at most, of {:.3g}",
+                       label, first, corners, significantOrZero(most, 1), rmse);
   }
   if (low <= 0 && high >= 0) {
     return fmt::format(
@@ -103,7 +104,7 @@ std::string predictionWords(const ComparisonRecord& record, const std::string& l
   if (other) low = -low, high = -high;
   // Lower on what it may have been estimated from: no word of prediction.
   const CalibrationScore& winner = other ? *other_score : *score;
-  const char* verb = winner.held_out || held_out ? "predicts" : "fits";
+  const char* verb = winner.held_out ? "predicts" : "fits";
   return fmt::format(
       "{} {} {} better by {:.2g} px RMSE, every view counting alike (95 % interval {:.2g} to "
       "{:.2g}){}",

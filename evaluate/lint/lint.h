@@ -18,7 +18,7 @@ struct LintedCalibration {
   bool noise_known = false;  ///< whether imu->noise was in the file
   bool offset_known = true;  ///< whether imu->time_offsets was
   /// Whether the file has T_cam_imu of several cameras, which agree with T_cn_cnm1 as they stand:
-  /// inverted they would not, so that T_cam_imu is not inverted.
+  /// inverted one by one they would not, so that it takes a recording's lever arm to call them so.
   bool imu_places_agree = false;
 };
 

@@ -25,7 +25,7 @@ Findings cameraFindings(const CalibrationRecord& record, const VerdictThresholds
   append(findings, judgeResiduals({stage.residuals, stage.summary, stage.cameras}, "cameras", t),
          Subject::kCameras);
   append(findings, judgeBias(stage, t), Subject::kCameras);
-  append(findings, judgeDecentring(record, t), Subject::kCameras);
+  append(findings, judgeDecentring(record, t));
   append(findings, judgeData(record, t), Subject::kRecording);
   append(findings, judgePrincipalPoints(stage, t), Subject::kCameras);
   append(findings, judgeResolutions(stage, t), Subject::kCameras);

@@ -71,7 +71,8 @@ struct VerdictThresholds {
   Bound clipped_samples{0, 1e6};      ///< samples of a channel at the end of its range, above
   Bound isolated_residual{30, 1e6};   ///< largest inertial residual over their median, above
   Bound long_residuals{2, 1e6};       ///< inertial residuals over what segments explain, above
-  /// What an unmodelled fault moves the calibration by, in its standard deviations, above.
+  /// What an unmodelled fault, or a decentred lens, moves the calibration by, in its standard
+  /// deviations, above.
   Bound fault_sigma{1, 50};
   /// Chi-square of the halves' difference over what one recording in a hundred exceeds by chance,
   /// above.

@@ -26,7 +26,7 @@ struct Solution {
   std::vector<TimeNs> frame_stamps;
   Eigen::MatrixXd by_cameras;          ///< of T_SC0 and the offset, see FaultDiagnosis
   Eigen::MatrixXd cameras_covariance;  ///< as of StudyInputs
-  CalibrationRecord judged;            ///< the last stage, for the verdict's rules; of the base
+  CalibrationRecord judged;            ///< its stages, for the verdict's rules
 };
 
 /// Before any solution: a study of hours must not end by its last case.
@@ -201,14 +201,16 @@ Finding baseFinding(const StudyInputs& inputs, const Solution& base) {
   CalibrationRecord record = base.judged;
   record.assumptions = assumptionsOf(inputs.camera, inputs.camera_imu, inputs.session);
   record.target = inputs.session->target;
-  const Verdict verdict = judge(record);
+  const Verdict verdict = judge(record, {}, inputs.session, inputs.camera.frames);
   const auto worst = std::ranges::max_element(verdict.findings, {}, &Finding::level);
   Finding finding{"Base calibration", verdict.level};
   finding.evidence = verdict.level == VerdictLevel::kGood
                          ? "the rules of a calibration's verdict are met"
                          : fmt::format("{}: {}", worst->rule, worst->evidence);
   if (verdict.level != VerdictLevel::kGood) {
-    finding.advice = "see what plumbline calibrate says of this recording first";
+    finding.advice =
+        "see what plumbline calibrate says of this recording, with the same models, board and "
+        "cameras";
   }
   return finding;
 }

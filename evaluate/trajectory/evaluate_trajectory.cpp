@@ -275,10 +275,12 @@ std::optional<ClockMismatch> clockMismatchUnderHandEye(const TrajectoryRun& run,
   if (std::abs(offset) < kLeastOffset) return std::nullopt;
   options.association.time_offset_s = frames->time_offset_s;
   const Result<TrajectoryRun> moved = evaluated(estimate, *frames->truth_S, options);
-  if (!moved) return std::nullopt;
+  // Not by a few poses at the ends that still have a partner.
+  if (!moved || 2 * moved->association.matches < run.association.matches) return std::nullopt;
   const double before = run.ate_translation_m.rmse, after = moved->ate_translation_m.rmse;
   if (!(after <= kFarBetter * before)) return std::nullopt;
-  return ClockMismatch{given, offset, offset, run.alignment.kind, before, after};
+  return ClockMismatch{given,  offset, offset, run.alignment.kind + " and hand-eye anew",
+                       before, after};
 }
 
 // A file whose w may stand first, as its reader took it to stand last, and whose quaternions may

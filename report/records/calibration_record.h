@@ -198,7 +198,7 @@ void fields(V& v, CalibrationScore& s) {
   v("part", s.part, "`all`, `fold 2 of 5`");
   v("held_out", s.held_out, "1",
     "the session is known not to be the one that it was estimated from; false: it is, or unknown");
-  v.ifSet("in_sample", s.in_sample, "it is known to be");
+  v.ifSet("in_sample", s.in_sample, "the file says that it was estimated from this session");
   v.derived("scored", s.problem.empty(), "1", "whether every score could be computed");
   v.ifSet("problem", s.problem,
           "what it lacks, and why: a score, that of camera and IMU, poses that converged");

@@ -107,10 +107,11 @@ struct PairedPrediction {
 
   /// The difference in its standard errors; 0 without one.
   double sigmas() const { return std_px2 > 0 ? difference_px2 / std_px2 : 0; }
-  /// Whether one of the two predicts better: beyond the 95 % interval, and by kOfConsequence.
+  /// Whether they differ beyond the 95 % interval.
+  bool isSignificant() const { return half_px2 > 0 && std::abs(difference_px2) > half_px2; }
+  /// Whether one of the two predicts better: significantly, and by kOfConsequence of the RMSE.
   bool isClear() const {
-    return half_px2 > 0 && std::abs(difference_px2) > half_px2 &&
-           std::abs(difference_px2) > 2 * kOfConsequence * first_px2;
+    return isSignificant() && std::abs(difference_px2) > 2 * kOfConsequence * first_px2;
   }
 };
 

@@ -181,7 +181,9 @@ void fields(auto& v, ClockMismatch& m) {
   v("given_s", m.given_s, "s", "added to the estimate's stamps already");
   v("positions_s", m.positions_s, "s", "what the positions ask for besides: t_truth - t_estimate");
   v("rates_s", m.rates_s, "s", "what the angular rates ask for; absent where they do not tell");
-  v("alignment", m.alignment, "`se3` or `sim3`, over all poses that are compared");
+  v("alignment", m.alignment,
+    "`se3` or `sim3`, over all poses that are compared; with `and hand-eye anew` the offset of the "
+    "angular rates was tried, with another hand-eye transform");
   v("ate_m", m.ate_m, "m", "RMSE of the positions by the stamps as they are, after it");
   v("moved_ate_m", m.moved_ate_m, "m", "with the positions' offset");
 }

@@ -3,14 +3,14 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <limits>
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "calibrator/base/camera_models.h"
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/distributions.h"
-#include "calibrator/batch/corners.h"
+#include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/information/cluster_robust.h"
 #include "calibrator/information/covariance.h"
@@ -24,9 +24,6 @@ using Eigen::VectorXd;
 
 constexpr int kTerms = 2;                // p1, p2
 constexpr double kCentredChance = 1e-4;  // of a lens that is centred, to be called decentred
-// Of p, by which corners are displaced to see how the gradient follows: a thousandth of a pixel.
-constexpr double kStep = 1e-6;
-
 // Up to twice as many take part: neighbours show nearly the same.
 constexpr std::size_t kMostViews = 400;
 
@@ -49,19 +46,15 @@ struct ViewEquations {
   MatrixXd moves;  ///< of the pose's left twist by the parameters; empty: the pose is free
 };
 
-/// A camera by itself.
+/// A camera by itself: every n-th of its views, with the target's pose in it.
 class LoneCamera {
  public:
   LoneCamera(const CameraProblem& problem, const CameraEstimate& estimate, std::size_t camera)
       : problem_(problem),
-        estimate_{{estimate.intrinsics[camera]}, {Transform()}, {}, estimate.target} {
-    problem_.corners = problem.corners.subspan(camera, 1);
-    problem_.frames.clear();
-    problem_.weights.clear();
-    problem_.prior = nullptr;
-    problem_.threads = 1;
-    // Re-weighted: with the loss' own curvature a view's information might be indefinite.
-    problem_.gram = {problem.gram.cauchy_px, 0};
+        estimate_(estimate),
+        lens_(estimate.intrinsics[camera]),
+        corners_(problem.corners[camera]) {
+    if (estimate.target) basis_ = &problem.target->basis;
     std::vector<std::size_t> seeing;
     for (std::size_t f = 0; f < problem.frames.size(); ++f) {
       if (problem.frames[f].view[camera] >= 0) seeing.push_back(f);
@@ -69,45 +62,27 @@ class LoneCamera {
     const Transform T_CiC0 = estimate.T_C0Ci[camera].inverse();
     const std::size_t stride = std::max<std::size_t>(1, seeing.size() / kMostViews);
     for (std::size_t i = 0; i < seeing.size(); i += stride) {
-      const Frame& frame = problem.frames[seeing[i]];
-      problem_.frames.push_back({frame.t, {frame.view[camera]}});
-      estimate_.T_C0F.push_back(T_CiC0 * estimate.T_C0F[seeing[i]]);
+      views_.push_back(
+          {problem.frames[seeing[i]].view[camera], T_CiC0 * estimate.T_C0F[seeing[i]]});
     }
   }
 
-  int views() const { return problem_.frameCount(); }
-  Index size() const { return CameraLayout(estimate_).size + kTerms; }
+  int views() const { return static_cast<int>(views_.size()); }
+  Index size() const { return target() + (basis_ != nullptr ? kTargetTerms : 0) + kTerms; }
 
   ViewEquations view(int index) const {
-    const int at = problem_.frames[index].view[0];
-    const std::vector<PackedCorners> corners{
-        problem_.corners[0].thinned({at}, std::numeric_limits<int>::max())};
-    const CameraNormals n = normalsOf(index, corners);
-    const Index own = n.b.size();
-    MatrixXd X(6, own + kTerms), M(own + kTerms, own + kTerms);
-    VectorXd b(own + kTerms);
-    X.leftCols(own) = n.P;
-    M.topLeftCorner(own, own) = n.G;
-    b.head(own) = n.b;
-    for (int term = 0; term < kTerms; ++term) {
-      std::vector<PackedCorners> moved = corners;
-      moved[0].displace([&](double u, double v) -> Eigen::Vector2d {
-        return kStep * displacement(estimate_.intrinsics[0], u, v).col(term);
-      });
-      const CameraNormals with = normalsOf(index, moved);
-      // e = projected - measured: what is added to the model is taken from the measured.
-      X.col(own + term) = (n.b_pose - with.b_pose) / kStep;
-      M.col(own + term).head(own) = (n.b - with.b) / kStep;
-      M.row(own + term).head(own) = M.col(own + term).head(own).transpose();
+    const Index n = 6 + size();
+    MatrixXd H = MatrixXd::Zero(n, n);
+    VectorXd b = VectorXd::Zero(n);
+    addCorners(views_[index], H, b);
+    const Eigen::LLT<Matrix6d> llt(H.topLeftCorner<6, 6>());
+    if (!isDetermined(H.topLeftCorner<6, 6>(), llt)) {
+      return {VectorXd::Zero(size()), MatrixXd::Zero(size(), size()), {}};
     }
-    addSquares(corners[0].view(0), index, b.tail<kTerms>(), M);
-    const Matrix6d& H = n.H.front();
-    const Eigen::LLT<Matrix6d> llt(H);
-    if (!isDetermined(H, llt)) {
-      return {VectorXd::Zero(b.size()), MatrixXd::Zero(b.size(), b.size()), {}};
-    }
+    const MatrixXd X = H.topRightCorner(6, size());
     MatrixXd moves = -llt.solve(X);
-    return {b + moves.transpose() * n.b_pose, M + X.transpose() * moves, std::move(moves)};
+    return {b.tail(size()) + moves.transpose() * b.head<6>(),
+            H.bottomRightCorner(size(), size()) + X.transpose() * moves, std::move(moves)};
   }
 
   /// What is known of the board beforehand, in the parameters' order.
@@ -115,48 +90,57 @@ class LoneCamera {
     QuadraticCost out;
     out.H = MatrixXd::Zero(size(), size());
     out.b = VectorXd::Zero(size());
-    if (!estimate_.target) return out;
-    const Index at = CameraLayout(estimate_).target;
-    out.H.block<kTargetTerms, kTargetTerms>(at, at) = problem_.target->information;
-    out.b.segment<kTargetTerms>(at) = problem_.target->priorGradient(*estimate_.target);
+    if (basis_ == nullptr) return out;
+    out.H.block<kTargetTerms, kTargetTerms>(target(), target()) = problem_.target->information;
+    out.b.segment<kTargetTerms>(target()) = problem_.target->priorGradient(*estimate_.target);
     return out;
   }
 
  private:
-  /// Of one view, without the prior.
-  CameraNormals normalsOf(int index, const std::vector<PackedCorners>& corners) const {
-    CameraProblem one = problem_;
-    one.corners = corners;
-    one.frames = {{problem_.frames[index].t, {0}}};
-    CameraEstimate at = estimate_;
-    at.T_C0F = {estimate_.T_C0F[index]};
-    CameraNormals n = normalsAt(one, at);
-    if (at.target) {
-      n.b.tail<kTargetTerms>() -= one.target->priorGradient(*at.target);
-      n.G.bottomRightCorner<kTargetTerms, kTargetTerms>() -= one.target->information;
+  struct SeenView {
+    int view = 0;
+    Transform T_CF;
+  };
+
+  Index target() const { return lens_.stacked().size(); }
+
+  /// Normal equations in the pose's twist and the parameters, re-weighted: all with the weights
+  /// that the loss gives the residuals, for what poses leave of the terms is a small difference.
+  void addCorners(const SeenView& seen, MatrixXd& H, VectorXd& b) const {
+    const PackedView view = corners_.view(seen.view);
+    const double c2 = problem_.gram.cauchy_px * problem_.gram.cauchy_px;
+    MatrixXd J = MatrixXd::Zero(2 * view.count, H.cols());
+    VectorXd r = VectorXd::Zero(2 * view.count);
+    for (int i = 0; i < view.count; ++i) {
+      if (!(view.w[i] > 0)) continue;
+      const Eigen::Vector3d p = seen.T_CF * Eigen::Vector3d(view.x[i], view.y[i], view.z[i]);
+      const auto image = projectBeyondFold(lens_, p);
+      if (!image) continue;
+      const Eigen::Vector2d error = image->uv - Eigen::Vector2d(view.u[i], view.v[i]);
+      const double w =
+          view.w[i] / problem_.pixel_sigma / std::sqrt(c2 > 0 ? 1 + error.squaredNorm() / c2 : 1.0);
+      auto rows = J.middleRows<2>(2 * i);
+      rows.leftCols<3>() = w * image->J_point;
+      rows.middleCols<3>(3) = -w * image->J_point * skew(p);
+      rows.middleCols(6, target()) = w * image->J_intrinsics;
+      if (basis_ != nullptr) {
+        Eigen::Matrix<double, 3, kTargetTerms> B = basis_->columns(view.id[i]);
+        B.col(kTargetTerms - 1) *= view.edge[i];  // tag_edge, by how large the tag looks
+        rows.middleCols<kTargetTerms>(6 + target()) = w * image->J_point * seen.T_CF.R * B;
+      }
+      rows.rightCols<kTerms>() = w * displacement(lens_, view.u[i], view.v[i]);
+      r.segment<2>(2 * i) = w * error;
     }
-    return n;
+    H = J.transpose() * J;
+    b = J.transpose() * r;
   }
 
-  void addSquares(const PackedView& view, int index, Eigen::Ref<VectorXd> gradient,
-                  MatrixXd& M) const {
-    Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
-    gradient.setZero();
-    const auto errors = viewErrors(estimate_.intrinsics[0], estimate_.T_C0F[index], view);
-    const double variance = problem_.pixel_sigma * problem_.pixel_sigma;
-    const double c = problem_.gram.cauchy_px;
-    for (int k = 0; k < view.count; ++k) {
-      const double loss = c > 0 ? 1 + errors[k].squaredNorm() / (c * c) : 1;
-      const double weight = view.w[k] * view.w[k] / (loss * variance);
-      const Eigen::Matrix2d D = displacement(estimate_.intrinsics[0], view.u[k], view.v[k]);
-      squares += weight * D.transpose() * D;
-      gradient -= weight * D.transpose() * errors[k];  // errors: measured - projected
-    }
-    M.bottomRightCorner<kTerms, kTerms>() = squares;
-  }
-
-  CameraProblem problem_;
-  CameraEstimate estimate_;
+  const CameraProblem& problem_;
+  const CameraEstimate& estimate_;
+  const Intrinsics& lens_;
+  const PackedCorners& corners_;
+  const TargetBasis* basis_ = nullptr;  ///< where the board's terms are estimated
+  std::vector<SeenView> views_;
 };
 
 /// All views' sums, at `step` from the solution, and the mean turn of their poses.

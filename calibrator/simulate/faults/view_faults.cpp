@@ -155,7 +155,7 @@ Vector3d ViewFaults::boardCorner(int id, Vector3d p) const {
 
 // The image moves by some 1000 px/s and a readout takes 1e-5 s per row: each step shrinks the error
 // to about a hundredth. What does not settle moves as fast as the shutter and is not seen.
-std::optional<Vector2d> ViewFaults::seeInRow(const Vector3d& p_B, double t_s) const {
+std::optional<Vector2d> ViewFaults::seeWhenExposed(const Vector3d& p_B, double t_s) const {
   const Intrinsics& lens = simulated_.truth.cameras[camera_].intrinsics;
   const auto see = [&](double t) { return project(lens, cameraPose(t).inverse() * p_B); };
   auto uv = see(t_s);
@@ -189,7 +189,7 @@ std::vector<Corner> ViewFaults::corners(const FaultyFrame& frame) const {
   if (T_BC.t.z() <= 0) return {};
   const std::vector<double> shifts = blurShifts(frame);
   const auto projection = [&](int id, const Vector3d& p_B) {
-    return seeInRow(boardCorner(id, p_B), frame.t_s + shifts[id]);
+    return seeWhenExposed(boardCorner(id, p_B), frame.t_s + shifts[id]);
   };
   return visibleCorners(intrinsics.resolution, projection, options_);
 }

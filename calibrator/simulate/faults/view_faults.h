@@ -28,12 +28,10 @@ AprilGrid statedTarget(const SimulationOptions& options);
 
 /// How one camera sees the real target, on the closed form of the trajectory. With t the exposure:
 ///   uv = project(T_BC(t')^-1 p_B),  T_BC(t) = T_FB(t)^-1 T_FS(t) M(t) T_SC0 T_C0Ci Exp(bump),
-/// M the turn of a soft mount,
-///   t' = t + readout ((v + 0.5) / h - 0.5) + exposure u, likewise by the column of a column
-///   shutter,
-/// B the board as it is displaced in F, p_B its real corner (stretch, bow), u uniform for every
-/// corner. The row v is found by fixed-point iteration to 1e-10 px. Without faults, the same bits
-/// as visibleCorners() at the true pose.
+///   t' = t + readout ((v + 0.5) / h - 0.5) + column_readout ((u + 0.5) / w - 0.5) + exposure x,
+/// M the turn of a soft mount, B the board as it is displaced in F, p_B its real corner (stretch,
+/// bow), x uniform for every corner. The place (u, v) is found by fixed-point iteration to 1e-10
+/// px. Without faults, the same bits as visibleCorners() at the true pose.
 class ViewFaults {
  public:
   /// Keeps references to `simulated` and `options`.
@@ -50,7 +48,7 @@ class ViewFaults {
   Eigen::Vector3d force(double t_s) const;
   /// Of a corner at p before these faults.
   Eigen::Vector3d boardCorner(int id, Eigen::Vector3d p) const;
-  std::optional<Eigen::Vector2d> seeInRow(const Eigen::Vector3d& p_B, double t_s) const;
+  std::optional<Eigen::Vector2d> seeWhenExposed(const Eigen::Vector3d& p_B, double t_s) const;
   std::vector<double> blurShifts(const FaultyFrame& frame) const;
 
   const SimulatedSession& simulated_;

@@ -235,7 +235,9 @@ std::string faultText(const FaultTest& test, const CameraImuStageResult& stage) 
   std::string text = words.what;
   if (test.camera >= 0) {
     text += " of " + stage.cameras[static_cast<std::size_t>(test.camera)].name;
-  } else if (test.fault == UnmodelledFault::kLineDelay && stage.cameras.size() > 1) {
+  } else if ((test.fault == UnmodelledFault::kLineDelay ||
+              test.fault == UnmodelledFault::kColumnDelay) &&
+             stage.cameras.size() > 1) {
     text += ", one estimate for all cameras";
   }
   if (test.since) {

@@ -177,9 +177,12 @@ Findings judgeDecentring(const CalibrationRecord& record, const VerdictThreshold
     // Terms that may as well be zero, and would matter if they were not: nobody knows.
     if (!d.isSignificant() && levelAbove(sigma, rule.bound) != VerdictLevel::kGood) {
       findings.push_back(notJudged(rule, evidence + ", which is not significant; " + effect));
-      continue;
+    } else {
+      findings.push_back(above(rule, sigma, evidence + "; " + effect));
     }
-    findings.push_back(above(rule, sigma, evidence + "; " + effect));
+    // Of what turns, not of the lens, which projects as well as any.
+    findings.back().subject =
+        what == "T_SC0" ? FindingSubject::kExtrinsics : FindingSubject::kCameras;
   }
   return findings;
 }

@@ -93,6 +93,7 @@ Findings judgeBias(const CameraStageResult& stage, const VerdictThresholds& t);
 /// Of every camera whose model has no tangential terms: by how much the rotation that stands on it
 /// (T_SC0 of cam0, else of T_C0Ci; of cam0 without an IMU T_C0C1) would change with them, in its
 /// largest standard deviation, where they are significant. Nothing is said of a camera alone.
+/// The subject is that rotation's.
 Findings judgeDecentring(const CalibrationRecord& record, const VerdictThresholds& t);
 /// The block of parameters in which the recording's halves differ most.
 Findings judgeHalves(const StageSummary& summary, const std::string& stage,

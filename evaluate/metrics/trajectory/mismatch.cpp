@@ -14,6 +14,7 @@ namespace plumbline {
 namespace {
 
 constexpr double kOwnScale = 1.25;       // up to it, and to its inverse, a scale is an error
+constexpr double kAgrees = 0.01;         // ATE as a share of the truth's spread: nothing to explain
 constexpr double kExplainsTruth = 0.1;   // ATE as a share of the truth's spread
 constexpr double kLeastExplained = 0.1;  // of the squared errors, by a shift in time
 constexpr double kMostOffset = 2;        // [s]
@@ -170,7 +171,10 @@ std::optional<ScaleMismatch> scaleMismatch(const std::vector<PosePair>& pairs) {
 std::optional<ReadingMismatch> readingMismatch(const std::vector<PosePair>& pairs,
                                                bool with_rotation) {
   const auto as_read = alignedBy(pairs, AlignmentKind::kSe3);
-  if (!as_read) return std::nullopt;
+  // An estimate that agrees is read as it should be.
+  if (!as_read || as_read->ate_m <= kAgrees * spreadOf(positionsOf(as_read->poses.truth))) {
+    return std::nullopt;
+  }
   std::vector<PoseReading> readings{PoseReading::kMirrored};
   if (with_rotation) {
     readings.insert(readings.end(), {PoseReading::kEstimateInverted, PoseReading::kTruthInverted});

@@ -10,7 +10,7 @@
 
 namespace plumbline {
 
-/// The most that the ATE with another scale or clock may be of that without.
+/// The most that the ATE with another scale, clock or reading may be of that without.
 inline constexpr double kFarBetter = 0.5;
 /// Offsets of the clocks below this are nobody's fault [s].
 inline constexpr double kLeastOffset = 1e-3;

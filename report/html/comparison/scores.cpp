@@ -122,8 +122,10 @@ Table pairedTable(const ComparisonRecord& record) {
          number(twoDigits(p.std_px2)),
          {!(p.half_px2 > 0) ? "\u2013 (no interval)"
           : p.isClear()
-              ? fmt::format("{} predicts better, by {:.1f} \u03c3", better, std::abs(sigma))
-              : fmt::format("no difference ({:.1f} \u03c3)", std::abs(sigma))}});
+              ? fmt::format("{} has the lower error, by {:.1f} \u03c3", better, std::abs(sigma))
+          : p.isSignificant() ? fmt::format("less than {:.0f} % of the RMSE ({:.1f} \u03c3)",
+                                            100 * kOfConsequence, std::abs(sigma))
+                              : fmt::format("no difference ({:.1f} \u03c3)", std::abs(sigma))}});
   }
   return table;
 }

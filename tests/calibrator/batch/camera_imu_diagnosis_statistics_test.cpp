@@ -184,7 +184,7 @@ TEST(CameraImuDiagnosis, SensitivityToAcceleration) {
 }
 
 // A phone's sensor in a portrait mount.
-TEST(CameraImuDiagnosis, AShutterThatRollsAlongTheColumns) {
+TEST(CameraImuDiagnosis, AShutterThatRollsFromLeftToRight) {
   expectCause(diagnosisOf({faultOf(FaultKind::kColumnShutter, 5e-3)}),
               UnmodelledFault::kColumnDelay, {5e-3}, 1e-3);
 }

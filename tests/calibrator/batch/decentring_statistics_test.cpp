@@ -68,6 +68,20 @@ TEST(Decentring, OfAPinholeItIsTheTermsThatItsModelLacks) {
   EXPECT_NEAR(d.p[1], -5e-4, 5e-6);
 }
 
+// Under the loss, too: all rows have the weights that it gives the residuals.
+TEST(Decentring, OfAPinholeWithNoiseItIsWithinItsDeviations) {
+  Intrinsics lens = test::radtanCamera();
+  lens.distortion << 0, 0, 3e-4, -5e-4;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const auto result =
+        calibratedUnder(recordedThrough(lens, 0.4, seed), ProjectionModel::kPinhole);
+    const Decentring& d = result.decentring.at(0);
+    EXPECT_LT(std::abs(d.p[0] - 3e-4) / d.std[0], 3.5) << seed;
+    EXPECT_LT(std::abs(d.p[1] + 5e-4) / d.std[1], 3.5) << seed;
+    EXPECT_LT(d.std.maxCoeff(), 2e-4) << seed;
+  }
+}
+
 // What T_SC0 is off by: the turn undoes that of the poses, which residuals do not show.
 TEST(Decentring, SaysByHowMuchThePosesOfAWideLensAreTurned) {
   for (const ProjectionModel model : {ProjectionModel::kEucm, ProjectionModel::kDs}) {

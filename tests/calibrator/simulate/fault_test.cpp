@@ -30,7 +30,7 @@ TEST(Fault, TableIsCompleteAndInOrder) {
     names.insert(d.name);
   }
   EXPECT_EQ(names.size(), faultDescriptions().size());
-  EXPECT_EQ(faultDescriptions().back().kind, kFrozen);
+  EXPECT_EQ(faultDescriptions().back().kind, kColumnShutter);
 }
 
 TEST(Fault, CheckRefusesByTheFaultsName) {

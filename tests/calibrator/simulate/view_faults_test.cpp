@@ -104,6 +104,41 @@ TEST(ViewFaults, RollingShutterCornersAreProjectionsAtTheirRowsTimes) {
   EXPECT_GT(largest, 1);  // it matters
 }
 
+TEST(ViewFaults, AColumnShutterGoesByTheColumn) {
+  const SimulatedSession s =
+      withFaults(soundRecording(), {{.kind = kColumnShutter, .value = 0.01}});
+  forEachCorner(s, [&](int camera, double t_s, int id, const Vector2d& uv) {
+    const double column_s = t_s + 0.01 * ((uv.x() + 0.5) / 752 - 0.5);
+    ASSERT_LE((projectedAt(s, camera, nominalCorner(s, id), column_s) - uv).norm(), 1e-9);
+  });
+}
+
+// The definition: on the IMU the cameras turn by v n x (f - mean f); on the whole not at all.
+TEST(ViewFaults, ASoftMountTurnsTheCamerasWithTheForce) {
+  const double v = 2e-3;
+  const SimulatedSession s =
+      withFaults(soundRecording(), {{.kind = kSoftMount, .value = v, .axis = 0}});
+  Vector3d mean = Vector3d::Zero();
+  const auto force = [&](double t_s) -> Vector3d {
+    const MotionState motion = s.trajectory.at(t_s);
+    return motion.T_FB.R.transpose() * (motion.a_F - s.gravity_F);
+  };
+  for (const TimeNs stamp : s.frame_stamps) {
+    mean += force(secondsBetween(s.start_ns, stamp)) / static_cast<double>(s.frame_stamps.size());
+  }
+  const CameraStream& camera = s.session.cameras[1];
+  for (std::size_t i = 0; i < camera.views.size(); ++i) {
+    const double t_s = secondsBetween(s.start_ns, camera.views[i].t) + s.truth.imu->timeOffset();
+    const Transform& T_SC0 = s.truth.imu->T_SC0;
+    const Transform T_SC = T_SC0 * s.truth.cameras[1].T_C0Ci;
+    const Vector3d turn = v * Vector3d::UnitX().cross(force(t_s) - mean);
+    Transform T_FS = s.trajectory.at(t_s).T_FB;
+    T_FS.R *= expSO3(turn);
+    const Vector6d off = boxminus(s.view_poses[1][i], T_FS * T_SC);
+    ASSERT_LE(off.norm(), 1e-12) << i;
+  }
+}
+
 // u is uniform: mean 0 and variance 1/12 of the exposure, found as the shift along the motion.
 TEST(ViewFaults, BlurDisplacesCornersAlongTheirMotionOnly) {
   const double exposure = 0.01;

@@ -289,14 +289,17 @@ TEST_F(CommandCompare, ALeverArmThatIsNotTheRecordingsIsSaid) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.text;
   const json verdict = document()["verdict"];
   EXPECT_NE(verdict["level"], "good");
+  int of_ours = 0;
   for (const json& f : verdict["findings"]) {
     if (f["rule"] == "moved: T_SC0 and time offset against this recording") {
       EXPECT_EQ(f["level"], "caution") << f;
     }
     if (f["rule"] == "ours: T_SC0 and time offset against this recording") {
       EXPECT_EQ(f["level"], "good") << f;
+      ++of_ours;
     }
   }
+  EXPECT_EQ(of_ours, 1);
   EXPECT_THAT(outcome.text, HasSubstr("moved: T_SC0 and time offset against this recording"));
 }
 

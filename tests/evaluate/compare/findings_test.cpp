@@ -41,7 +41,7 @@ TEST(ComparisonFindings, NameWhatDiffersAndWhichPredictsBetter) {
   EXPECT_EQ(find(findings, "Projection of b")->level, VerdictLevel::kBad);
   EXPECT_NE(find(findings, "Projection of b")->evidence.find("6 px at most, 0.1 px at the centre"),
             std::string::npos);
-  EXPECT_EQ(find(findings, "Corners of cam0")->evidence.rfind("b is better", 0), 0u);
+  EXPECT_EQ(find(findings, "Corners of cam0")->evidence.rfind("b has the lower error", 0), 0u);
   EXPECT_EQ(find(findings, "Corners of cam1")->evidence.rfind("no clear difference", 0), 0u);
 }
 
