@@ -22,7 +22,7 @@ TEST(ComparisonPage, ReadsPairedPredictionsAsTheVerdict) {
     const std::string page = renderComparisonPage(record);
     return page.substr(page.find("Which predicts better, view by view"), 1500);
   };
-  EXPECT_THAT(readingAt(2.5), HasSubstr("plumbline predicts better, by 2.5"));
+  EXPECT_THAT(readingAt(2.5), HasSubstr("plumbline has the lower error, by 2.5"));
   EXPECT_THAT(readingAt(2), HasSubstr("no difference (2.0"));
 }
 
@@ -83,7 +83,7 @@ TEST(ComparisonPage, NamesSignificanceInWordsAndColour) {
   const std::string& page = comparisonPage();
   EXPECT_THAT(page, HasSubstr("<span class=\"dot bad\"></span>10.0 \u03c3, differs"));
   EXPECT_THAT(page, HasSubstr("<span class=\"dot caution\"></span>2.5 \u03c3, notable"));
-  EXPECT_THAT(page, HasSubstr("plumbline predicts better, by 7.8 \u03c3"));
+  EXPECT_THAT(page, HasSubstr("plumbline has the lower error, by 7.8 \u03c3"));
   EXPECT_THAT(page, HasSubstr("no difference (0.2 \u03c3)"));
 }
 
