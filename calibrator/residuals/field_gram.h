@@ -31,13 +31,6 @@ struct FieldBox {
   Eigen::Vector2d axis = Eigen::Vector2d::Zero();    ///< the principal point [px]
 };
 
-/// From edge to edge of the image's outermost pixels, the axis in the middle.
-inline FieldBox wholeImage(const Resolution& image) {
-  const Eigen::Vector2d half(0.5 * image.width, 0.5 * image.height);
-  const Eigen::Vector2d centre = half.array() - 0.5;
-  return {centre, half, centre};
-}
-
 /// The functions' values at a pixel: i ascending, for each i j ascending; then the components.
 Eigen::Matrix<double, kFieldFunctions, 1> fieldFunctions(const FieldBox& box,
                                                          const Eigen::Vector2d& uv);

@@ -55,16 +55,13 @@ std::vector<Finding> conventionFindings(const EvaluateCalibrationRequest& asked,
                                         const Calibration& calibration, const Session& session) {
   LintedCalibration linted = lintedFrom(asked.calibration, calibration);
   linted.noise_known = false;
-  if (asked.score.use_imu) {
-    std::vector<Finding> found = lintCalibrations({&linted, 1});
-    append(found, lintAgainstSession({&linted, 1}, session));
-    return found;
+  Session seen = session;
+  if (!asked.score.use_imu) {
+    linted.calibration.imu.reset();
+    seen.imu.reset();
   }
-  linted.calibration.imu.reset();
-  Session cameras = session;
-  cameras.imu.reset();
   std::vector<Finding> found = lintCalibrations({&linted, 1});
-  append(found, lintAgainstSession({&linted, 1}, cameras));
+  append(found, lintAgainstSession({&linted, 1}, seen));
   return found;
 }
 

@@ -188,8 +188,7 @@ std::string projectionAdvice(const ComparisonRecord& record, const std::string& 
   if (!isHeldOut(record, label) || !isHeldOut(record, record.calibrations[0].label)) {
     return fmt::format(
         "{} has the lower error on the corners, but not both are known to be from other "
-        "recordings: "
-        "score them on a recording of neither",
+        "recordings: score them on a recording of neither",
         better);
   }
   return fmt::format("prefer {}, which predicts the corners better", better);

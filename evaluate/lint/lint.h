@@ -22,7 +22,8 @@ struct LintedCalibration {
   bool imu_places_agree = false;
 };
 
-/// A calibration read from `path`, its cameras as they are to be held against others.
+/// A calibration that was read from `path` under that file's name, with what the file itself
+/// states; an imu.yaml beside Kalibr's camchain is not looked at.
 LintedCalibration lintedFrom(const std::string& path, Calibration calibration);
 
 /// Looks for mistakes of convention and of units in calibrations of one rig: each by itself, and,

@@ -87,6 +87,13 @@ Eigen::VectorXd reducedGradient(const CameraNormals& n) {
   return out;
 }
 
+/// Over the whole image, from edge to edge of its outermost pixels.
+FieldBox wholeImage(const Resolution& image) {
+  const Eigen::Vector2d half(0.5 * image.width, 0.5 * image.height);
+  const Eigen::Vector2d centre = half.array() - 0.5;
+  return {centre, half, centre};
+}
+
 /// For 1 px, of `most` frames; empty where these do not determine the cameras.
 std::optional<Eigen::MatrixXd> movesOf(const CameraProblem& problem, const CameraEstimate& estimate,
                                        int most) {

@@ -71,17 +71,15 @@ class LoneCamera {
   Index size() const { return target() + (basis_ != nullptr ? kTargetTerms : 0) + kTerms; }
 
   ViewEquations view(int index) const {
-    const Index n = 6 + size();
-    MatrixXd H = MatrixXd::Zero(n, n);
-    VectorXd b = VectorXd::Zero(n);
-    addCorners(views_[index], H, b);
+    const QuadraticCost of = equationsOf(views_[index]);
+    const MatrixXd& H = of.H;
     const Eigen::LLT<Matrix6d> llt(H.topLeftCorner<6, 6>());
     if (!isDetermined(H.topLeftCorner<6, 6>(), llt)) {
       return {VectorXd::Zero(size()), MatrixXd::Zero(size(), size()), {}};
     }
     const MatrixXd X = H.topRightCorner(6, size());
     MatrixXd moves = -llt.solve(X);
-    return {b.tail(size()) + moves.transpose() * b.head<6>(),
+    return {of.b.tail(size()) + moves.transpose() * of.b.head<6>(),
             H.bottomRightCorner(size(), size()) + X.transpose() * moves, std::move(moves)};
   }
 
@@ -106,10 +104,10 @@ class LoneCamera {
 
   /// Normal equations in the pose's twist and the parameters, re-weighted: all with the weights
   /// that the loss gives the residuals, for what poses leave of the terms is a small difference.
-  void addCorners(const SeenView& seen, MatrixXd& H, VectorXd& b) const {
+  QuadraticCost equationsOf(const SeenView& seen) const {
     const PackedView view = corners_.view(seen.view);
     const double c2 = problem_.gram.cauchy_px * problem_.gram.cauchy_px;
-    MatrixXd J = MatrixXd::Zero(2 * view.count, H.cols());
+    MatrixXd J = MatrixXd::Zero(2 * view.count, 6 + size());
     VectorXd r = VectorXd::Zero(2 * view.count);
     for (int i = 0; i < view.count; ++i) {
       if (!(view.w[i] > 0)) continue;
@@ -131,8 +129,7 @@ class LoneCamera {
       rows.rightCols<kTerms>() = w * displacement(lens_, view.u[i], view.v[i]);
       r.segment<2>(2 * i) = w * error;
     }
-    H = J.transpose() * J;
-    b = J.transpose() * r;
+    return {J.transpose() * J, J.transpose() * r};
   }
 
   const CameraProblem& problem_;

@@ -111,8 +111,7 @@ const FaultWords kFaultWords[] = {
      "cameras and IMU move against each other with the acceleration (a soft mount)", 1e3,
      "mm per m/s^2",
      "mount cameras and IMU rigidly on one part, without rubber or a long or thin arm between "
-     "them, "
-     "and record again",
+     "them, and record again",
      kMount},
     {UnmodelledFault::kColumnDelay,
      "readout time from the image's left to its right (a rolling shutter mounted on its side)", 1e3,

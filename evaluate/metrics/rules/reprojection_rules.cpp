@@ -167,8 +167,7 @@ Findings judgeDecentring(const CalibrationRecord& record, const VerdictThreshold
                     what)};
     const std::string evidence = fmt::format(
         "{}-{} has no tangential terms; beside it they are p1 {:.2g} +- {:.1g}, p2 {:.2g} +- "
-        "{:.1g} "
-        "(F {:.1f}, bound {:.1f})",
+        "{:.1g} (F {:.1f}, bound {:.1f})",
         toString(lens.projection_model), toString(lens.distortion_model), d.p[0], d.std[0], d.p[1],
         d.std[1], d.f, d.limit);
     const std::string effect =

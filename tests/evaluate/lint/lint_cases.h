@@ -40,6 +40,14 @@ inline void swapCameras(Calibration& c) {
   if (c.imu) c.imu->T_SC0 = c.imu->T_SC0 * T_C0C1;
 }
 
+inline void invertImu(Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); }
+inline void negateOffset(Calibration& c) { c.imu->time_offsets[0].s *= -1; }
+inline void invertBaseline(Calibration& c) { c.cameras[1].T_C0Ci = c.cameras[1].T_C0Ci.inverse(); }
+inline void makeDensitiesDiscrete(Calibration& c) {
+  c.imu->noise.gyro_density *= std::sqrt(c.imu->noise.rate_hz);
+  c.imu->noise.accel_density *= std::sqrt(c.imu->noise.rate_hz);
+}
+
 inline std::string rulesOf(const std::vector<Finding>& findings) {
   std::string text;
   for (const Finding& f : findings) {

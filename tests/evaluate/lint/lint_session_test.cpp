@@ -56,23 +56,14 @@ TEST(LintSession, ACameraThatDoesNotExplainTheCornersAccusesNoImu) {
 
 std::vector<LintCase> sessionCases() {
   return {
-      {"T_cam_imu inverted", [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); },
-       "Inverted transform", "T_cam_imu"},
-      {"offset negated", [](Calibration& c) { c.imu->time_offsets[0].s *= -1; },
-       "Flipped time offset", "timeshift_cam_imu"},
+      {"T_cam_imu inverted", invertImu, "Inverted transform", "T_cam_imu"},
+      {"offset negated", negateOffset, "Flipped time offset", "timeshift_cam_imu"},
       {"offset of another session", [](Calibration& c) { c.imu->time_offsets = {{0.031}}; },
        "Contradicting time offset", "time offset"},
       {"cameras exchanged", swapCameras, "Order of cameras", "cam0 and cam1"},
-      {"baseline inverted",
-       [](Calibration& c) { c.cameras[1].T_C0Ci = c.cameras[1].T_C0Ci.inverse(); },
-       "Inverted baseline", "T_cn_cnm1"},
+      {"baseline inverted", invertBaseline, "Inverted baseline", "T_cn_cnm1"},
 
-      {"discrete densities",
-       [](Calibration& c) {
-         c.imu->noise.gyro_density *= std::sqrt(c.imu->noise.rate_hz);
-         c.imu->noise.accel_density *= std::sqrt(c.imu->noise.rate_hz);
-       },
-       "Noise densities", "rig.yaml"},
+      {"discrete densities", makeDensitiesDiscrete, "Noise densities", "rig.yaml"},
       {"renamed axes",
        [](Calibration& c) {
          Eigen::Matrix3d R;
@@ -105,8 +96,7 @@ TEST(LintSession, AnImuFrameTurnedByHalfATurnIsNotInverted) {
   // which the recording gives, tells.
   LintedCalibration confirmed = truthOf("euroc");
   confirmed.imu_places_agree = true;
-  const auto other =
-      lintWith("euroc", confirmed, [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); });
+  const auto other = lintWith("euroc", confirmed, invertImu);
   ASSERT_EQ(other.size(), 1U) << rulesOf(other);
   EXPECT_EQ(other[0].rule, "Inverted transform");
 }
@@ -139,8 +129,7 @@ TEST(LintSession, SamplesWithoutScatterSayNothingOfTheNoise) {
 }
 
 TEST(LintSession, AnInversionShowsWithoutRotation) {
-  const auto found = lintWith("d435i", truthOf("d435i"),
-                              [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); });
+  const auto found = lintWith("d435i", truthOf("d435i"), invertImu);
   ASSERT_EQ(found.size(), 1U) << rulesOf(found);
   EXPECT_EQ(found[0].rule, "Inverted transform");
 }

@@ -100,20 +100,11 @@ TEST(Lint, WithinOneDeviceTheImuIsNear) {
 
 std::vector<LintCase> togetherCases() {
   return {
-      {"T_cam_imu inverted", [](Calibration& c) { c.imu->T_SC0 = c.imu->T_SC0.inverse(); },
-       "Inverted transform", "T_cam_imu"},
-      {"offset negated", [](Calibration& c) { c.imu->time_offsets[0].s *= -1; },
-       "Flipped time offset", "timeshift_cam_imu"},
+      {"T_cam_imu inverted", invertImu, "Inverted transform", "T_cam_imu"},
+      {"offset negated", negateOffset, "Flipped time offset", "timeshift_cam_imu"},
       {"cameras exchanged", swapCameras, "Order of cameras", "cam0 and cam1"},
-      {"baseline inverted",
-       [](Calibration& c) { c.cameras[1].T_C0Ci = c.cameras[1].T_C0Ci.inverse(); },
-       "Inverted baseline", "T_cn_cnm1"},
-      {"discrete densities",
-       [](Calibration& c) {
-         c.imu->noise.gyro_density *= std::sqrt(c.imu->noise.rate_hz);
-         c.imu->noise.accel_density *= std::sqrt(c.imu->noise.rate_hz);
-       },
-       "Discrete noise densities", "update_rate"},
+      {"baseline inverted", invertBaseline, "Inverted baseline", "T_cn_cnm1"},
+      {"discrete densities", makeDensitiesDiscrete, "Discrete noise densities", "update_rate"},
       {"gyroscope's density in degrees",
        [](Calibration& c) { c.imu->noise.gyro_density *= 180 / std::acos(-1.0); },
        "Degrees for radians", "gyroscope_noise_density"},
