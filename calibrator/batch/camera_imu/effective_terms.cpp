@@ -7,6 +7,7 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/batch/camera_imu/frame_forces.h"
 #include "calibrator/batch/camera_imu/score_tests.h"
 #include "calibrator/camera/camera.h"
 
@@ -18,17 +19,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using StateRows = Eigen::Matrix<double, Eigen::Dynamic, kChainBlock>;
 
-/// The accelerometer's reading at an instant of its clock, between samples linearly.
-Eigen::Vector3d forceAt(const std::vector<ImuSample>& samples, TimeNs t) {
-  if (samples.empty()) return Eigen::Vector3d::Zero();
-  const auto after = std::ranges::lower_bound(samples, t, {}, &ImuSample::t);
-  if (after == samples.begin()) return samples.front().accel;
-  if (after == samples.end()) return samples.back().accel;
-  const auto before = after - 1;
-  const double u = secondsBetween(before->t, t) / secondsBetween(before->t, after->t);
-  return (1 - u) * before->accel + u * after->accel;
-}
-
 /// Views as rows by every column that moves them. Weights are those of re-weighted least squares
 /// (clamp 0), roots on the rows: scores and information of the same model.
 class ViewRows {
@@ -38,14 +28,8 @@ class ViewRows {
       : problem_(problem), solution_(solution), columns_(columns), basis_(problem.target) {
     gram_ = problem.gram;
     gram_.triggs_clamp = 0;
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (const Frame& frame : problem.frames) {
-      const TimeNs t = frame.t + toNanoseconds(solution.estimate.timeOffset());
-      forces_.push_back(forceAt(problem.samples, t));
-      mean += forces_.back() / static_cast<double>(problem.frames.size());
-    }
     // What the mean force does to the mount is part of T_SC0.
-    for (Eigen::Vector3d& force : forces_) force -= mean;
+    forces_ = frameForces(problem, solution.estimate);
   }
 
   FaultViewTerms view(std::size_t i, std::size_t c) const {
