@@ -69,8 +69,11 @@ struct VerdictThresholds {
   Bound misplaced_tags{0, 1e6};       ///< tags with another's id, above
   Bound false_corners{0.01, 0.5};     ///< share of corners far off where their view says, above
   Bound clipped_samples{0, 1e6};      ///< samples of a channel at the end of its range, above
-  Bound isolated_residual{30, 1e6};   ///< largest inertial residual over their median, above
-  Bound long_residuals{2, 1e6};       ///< inertial residuals over what segments explain, above
+  /// Share of a sensor's readings that repeat a neighbour, or lie on the line between both, above;
+  /// a raw stream has 0.2 %, one interpolated from a third of its rate a third.
+  Bound resampled{0.2, 2};
+  Bound isolated_residual{30, 1e6};  ///< largest inertial residual over their median, above
+  Bound long_residuals{2, 1e6};      ///< inertial residuals over what segments explain, above
   /// What an unmodelled fault, or a decentred lens, moves the calibration by, in its standard
   /// deviations, above.
   Bound fault_sigma{1, 50};

@@ -70,6 +70,7 @@ const ThresholdMembers& thresholdMembers() {
       {"misplaced_tags", &VerdictThresholds::misplaced_tags},
       {"false_corners", &VerdictThresholds::false_corners},
       {"clipped_samples", &VerdictThresholds::clipped_samples},
+      {"resampled", &VerdictThresholds::resampled},
       {"isolated_residual", &VerdictThresholds::isolated_residual},
       {"long_residuals", &VerdictThresholds::long_residuals},
       {"gravity", &VerdictThresholds::gravity},

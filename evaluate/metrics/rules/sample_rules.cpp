@@ -12,6 +12,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/initialise/resampled_readings.h"
 #include "calibrator/initialise/sample_screening.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
@@ -119,6 +120,28 @@ std::string tagWords(const MisplacedTag& m, const std::vector<CameraCalibration>
                      m.place);
 }
 
+/// Of both sensors: the share of readings that the driver made of others.
+Finding resampledFinding(const std::vector<ImuSample>& samples, const VerdictThresholds& t) {
+  double worst = 0;
+  std::vector<std::string> parts;
+  for (const auto& [name, sensor] :
+       {std::pair{"gyroscope", &ImuSample::gyro}, std::pair{"accelerometer", &ImuSample::accel}}) {
+    const Resampling r = findResampling(samples, sensor);
+    worst = std::max({worst, r.held, r.on_line});
+    parts.push_back(
+        fmt::format("{}: {:.1f} % repeat a neighbour, {:.1f} % lie on the line between "
+                    "both",
+                    name, 100 * r.held, 100 * r.on_line));
+  }
+  return above({"Readings held or interpolated", "share", t.resampled,
+                "These are not the sensor's own readings: a driver made them of a lower rate, and "
+                "the densities and delays of the sensor do not hold for them. Record every sensor "
+                "at its own rate, or both at the slower one's."},
+               worst,
+               joined(
+                   parts, [](const std::string& p) { return p; }, "; "));
+}
+
 /// "no spikes", or "3 spikes: " with the list.
 std::string counted(std::size_t count, const char* what, const std::string& list) {
   return count == 0 ? fmt::format("no {}", what) : fmt::format("{} {}: {}", count, what, list);
@@ -134,11 +157,13 @@ Findings judgeSamples(const std::vector<ImuSample>& samples, const VerdictThresh
                        c.channel < 3 ? "gyroscope" : "accelerometer", "xyz"[c.channel % 3], c.limit,
                        c.samples.size());
   });
-  return {above({"Readings at the end of the sensor's range", "1", t.clipped_samples,
-                 "Move more gently, or set the IMU to a wider range: these samples were excluded "
-                 "(unless they are 40 % or more), since clipped readings bias T_SC0."},
-                static_cast<double>(worst),
-                list.empty() ? "no channel repeats its largest reading" : list)};
+  Findings findings = {above(
+      {"Readings at the end of the sensor's range", "1", t.clipped_samples,
+       "Move more gently, or set the IMU to a wider range: these samples were excluded "
+       "(unless they are 40 % or more), since clipped readings bias T_SC0."},
+      static_cast<double>(worst), list.empty() ? "no channel repeats its largest reading" : list)};
+  findings.push_back(resampledFinding(samples, t));
+  return findings;
 }
 
 Findings judgeStampJitter(const CameraImuStageResult& stage, const VerdictThresholds& t) {

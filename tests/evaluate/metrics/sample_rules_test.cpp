@@ -30,8 +30,19 @@ std::vector<ImuSample> swinging() {
 
 TEST(SampleRules, ASwingingSensorIsNotCutOff) {
   const Findings findings = judgeSamples(swinging(), {});
-  ASSERT_EQ(findings.size(), 1U);
-  EXPECT_EQ(findings.front().level, VerdictLevel::kGood);
+  ASSERT_EQ(findings.size(), 2U);
+  EXPECT_EQ(findings[0].level, VerdictLevel::kGood);
+  EXPECT_EQ(findings[1].level, VerdictLevel::kGood) << findings[1].evidence;
+}
+
+TEST(SampleRules, CopiesOfReadingsAreNamedByTheirSensor) {
+  std::vector<ImuSample> samples = swinging();
+  for (std::size_t k = 1; k < samples.size(); k += 2) samples[k].accel = samples[k - 1].accel;
+  const Finding found = judgeSamples(samples, {})[1];
+  EXPECT_EQ(found.rule, "Readings held or interpolated");
+  EXPECT_EQ(found.level, VerdictLevel::kCaution);
+  EXPECT_THAT(found.evidence, HasSubstr("accelerometer: 100.0 % repeat a neighbour"));
+  EXPECT_THAT(found.evidence, HasSubstr("gyroscope: 0.0 % repeat a neighbour"));
 }
 
 TEST(SampleRules, ReadingsCutOffAreFoundWithChannelAndLimit) {
