@@ -13,6 +13,7 @@
 #include "calibrator/base/transform.h"
 #include "evaluate/compare/lone_parameters.h"
 #include "evaluate/compare/parameters.h"
+#include "evaluate/metrics/calibration/held_imu.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 #include "evaluate/results/text.h"
@@ -21,10 +22,23 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kMostNamed = 6;
+constexpr double kRounding = 1e-12;     // of the algebra on equal values
 constexpr double kMostUndefined = 0.5;  // of the image, from where the rest does not speak for it
 
 std::string pairName(const ComparisonRecord& record, std::size_t i) {
   return fmt::format("{} against {}", record.calibrations[i].label, record.calibrations[0].label);
+}
+
+/// Whether two have the same values to the last digit, as only copies of one result have.
+bool areEqual(const ComparisonRecord& record, std::size_t i) {
+  bool any = false;
+  for (const ComparedParameter& p : record.parameters) {
+    if (!p.difference[i]) continue;
+    const double size = std::max(1.0, std::abs(p.values[i].value_or(0)));
+    if (!(std::abs(*p.difference[i]) <= kRounding * size)) return false;
+    any = true;
+  }
+  return any;
 }
 
 /// Caution at most: significant differences may compensate each other, which the projection shows.
@@ -46,6 +60,14 @@ Finding significantFinding(const ComparisonRecord& record, std::size_t i) {
     names.push_back(fmt::format("{} ({:.1f})", p->name, *p->significance[i]));
   }
   const double bound = kThresholds.significance;
+  if (areEqual(record, i)) {
+    // An export to another tool has the same values by right.
+    const bool copies = record.calibrations[i].tool == record.calibrations[0].tool;
+    return {"Parameters of " + pairName(record, i),
+            copies ? VerdictLevel::kCaution : VerdictLevel::kGood,
+            "all values are equal to the last digit: these are two files of one calibration",
+            copies ? "compare the files of two calibrations" : ""};
+  }
   return finding(
       {"Parameters of " + pairName(record, i),
        "sigma",
@@ -119,13 +141,22 @@ std::string geometryWords(const std::vector<Geometry>& all) {
   return joined(all, words, "; ");
 }
 
-std::string geometryAdvice(const ComparisonRecord& record) {
+/// By the tests of each file on the recording.
+std::string geometryAdvice(const ComparisonRecord& record, std::size_t i) {
   if (record.scores.empty()) {
     return "evaluate both on a session that neither was calibrated on (compare --session): its "
            "corners and its IMU show which of the two is wrong";
   }
-  return "the scores on " + record.name +
-         " show which of the two is wrong, if neither was calibrated on it";
+  const ComparedCalibration& first = record.calibrations[0];
+  const ComparedCalibration& other = record.calibrations[i];
+  const bool first_is = isContradicted(first), other_is = isContradicted(other);
+  if (first_is != other_is) {
+    return fmt::format("{} contradicts {} alone (see its findings)", record.name,
+                       first_is ? first.label : other.label);
+  }
+  return fmt::format(
+      "{} {}: compare on a recording that tells more, and that neither was calibrated on",
+      record.name, first_is ? "contradicts both" : "contradicts neither");
 }
 
 /// All transforms and the offset are one finding, of the worst level among them; its value is, of
@@ -142,7 +173,7 @@ void addGeometry(const ComparisonRecord& record, std::size_t i, std::vector<Find
   const VerdictLevel level =
       worst.explained ? VerdictLevel::kGood : levelAbove(worst.value, worst.bound);
   findings.push_back(finding({"Transforms and offset of " + pairName(record, i), worst.unit,
-                              worst.bound, geometryAdvice(record)},
+                              worst.bound, geometryAdvice(record, i)},
                              level, worst.value, geometryWords(all)));
   findings.back().subject = FindingSubject::kExtrinsics;
 }
@@ -254,7 +285,7 @@ void addUnscored(const ComparisonRecord& record, std::vector<Finding>& findings)
 }
 
 /// Another model is no fault: projections compare all the same. Another size or number of cameras
-/// is.
+/// is, and an IMU on one side alone.
 void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Finding>& findings) {
   const auto& a = record.calibrations[0].calibration.cameras;
   const auto& b = record.calibrations[i].calibration.cameras;
@@ -265,9 +296,12 @@ void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Findin
     const Intrinsics& l = b[c].intrinsics;
     if (!(k.resolution == l.resolution)) {
       comparable = false;
-      parts.push_back(fmt::format("{} has images of {}x{} and {}x{}: no difference map", a[c].name,
-                                  l.resolution.width, l.resolution.height, k.resolution.width,
-                                  k.resolution.height));
+      const bool exchanged =
+          k.resolution.width == l.resolution.height && k.resolution.height == l.resolution.width;
+      parts.push_back(fmt::format("{} has images of {}x{} and {}x{}{}: no difference map",
+                                  a[c].name, l.resolution.width, l.resolution.height,
+                                  k.resolution.width, k.resolution.height,
+                                  exchanged ? " (width and height exchanged)" : ""));
     } else if (k.projection_model != l.projection_model ||
                k.distortion_model != l.distortion_model) {
       parts.push_back(fmt::format("{} is {}-{} and {}-{}: only projections can be compared",
@@ -277,6 +311,12 @@ void addModels(const ComparisonRecord& record, std::size_t i, std::vector<Findin
     }
   }
   if (a.size() != b.size()) parts.push_back(fmt::format("{} and {} cameras", b.size(), a.size()));
+  const bool imu = record.calibrations[0].calibration.imu.has_value();
+  if (imu != record.calibrations[i].calibration.imu.has_value()) {
+    comparable = false;
+    parts.push_back(fmt::format("only {} has T_SC0 and a time offset: they are not compared",
+                                record.calibrations[imu ? 0 : i].label));
+  }
   if (parts.empty()) return;
   findings.push_back({"Models of " + pairName(record, i),
                       comparable ? VerdictLevel::kGood : VerdictLevel::kCaution,
@@ -308,6 +348,12 @@ std::string firstNames(std::vector<std::string> names, std::size_t most) {
     names.push_back("...");
   }
   return joined(names);
+}
+
+bool isContradicted(const ComparedCalibration& calibration) {
+  return std::ranges::any_of(calibration.lint, [](const Finding& f) {
+    return f.rule.ends_with(kAgainstRecording) && f.level != VerdictLevel::kGood;
+  });
 }
 
 bool isHeldOut(const ComparisonRecord& record, const std::string& label) {

@@ -89,6 +89,14 @@ bool othersHeldOut(const ComparisonRecord& record, std::size_t calibration) {
   return true;
 }
 
+/// Whether the recording contradicts every calibration but this one: a majority is no proof.
+bool areContradictedBut(const ComparisonRecord& record, std::size_t calibration) {
+  for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
+    if (isContradicted(record.calibrations[i]) == (i == calibration)) return false;
+  }
+  return true;
+}
+
 /// A finding where a calibration stands alone in some parameter against `whom`.
 void addLone(const ComparisonRecord& record, const std::vector<LoneParameter>& lone, std::size_t i,
              const char* whom, std::vector<Finding>& findings) {
@@ -101,16 +109,23 @@ void addLone(const ComparisonRecord& record, const std::vector<LoneParameter>& l
     most = std::max(most, p.sigmas);
     others = std::max(others, p.others);
   }
+  const bool others_are_wrong = areContradictedBut(record, i);
   findings.push_back(finding(
       {fmt::format("{} against {}", label, whom),
        "sigma",
        {kThresholds.significance, 0},
-       "check the recording and the options of " + label + " before the others'"},
+       others_are_wrong
+           ? "check what the others share, such as the stated size of their board"
+           : "check the recording and the options of " + label + " before the others'"},
       VerdictLevel::kCaution, most,
       fmt::format("{} is the outlier: at least this many standard deviations from each of the "
-                  "others, which agree within {:.2g}: {}",
-                  label, others, names)));
+                  "others, which agree within {:.2g}: {}{}",
+                  label, others, names,
+                  others_are_wrong
+                      ? "; yet the recording contradicts each of them, and not " + label
+                      : "")));
 }
+
 }  // namespace
 
 std::vector<LoneParameter> loneParameters(const ComparisonRecord& record) {

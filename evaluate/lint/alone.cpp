@@ -87,26 +87,37 @@ double impliedScale(const Intrinsics& k) {
   return std::abs(x - y) < 0.25 * mean ? mean : 1;
 }
 
+/// Distance of the principal point from an image's middle, the larger of its shares of the sides.
+double principalShift(const Intrinsics& k, const Resolution& image) {
+  const Eigen::Index n = k.projection.size();
+  return std::max(std::abs(k.projection(n - 2) / (image.width - 1) - 0.5),
+                  std::abs(k.projection(n - 1) / (image.height - 1) - 0.5));
+}
+
 /// Uncropped images have it near their middle; another resolution moves it off by its factor.
 std::vector<Finding> principalPoint(const LintedCalibration& linted,
                                     const CameraCalibration& camera) {
   const Intrinsics& k = camera.intrinsics;
   const Eigen::Index n = k.projection.size();
-  const double x = k.projection(n - 2) / (k.resolution.width - 1) - 0.5;
-  const double y = k.projection(n - 1) / (k.resolution.height - 1) - 0.5;
-  const double shift = std::max(std::abs(x), std::abs(y));
+  const double shift = principalShift(k, k.resolution);
   if (shift <= kMaxPrincipalShift) return {};
   const double scale = impliedScale(k);
+  const bool exchanged =
+      principalShift(k, {k.resolution.height, k.resolution.width}) <= kMaxPrincipalShift;
+  std::string fits;
+  if (exchanged) {
+    fits = fmt::format("; it fits {}x{}", k.resolution.height, k.resolution.width);
+  } else if (scale != 1) {
+    fits = fmt::format("; it fits an image {:.2g} times as large", scale);
+  }
   return {bad(
       "Resolution and principal point",
       fmt::format("{}: {}'s principal point ({:.1f}, {:.1f}) is {:.0f} % off the centre of {}x{}{}",
                   linted.name, camera.name, k.projection(n - 2), k.projection(n - 1), 100 * shift,
-                  k.resolution.width, k.resolution.height,
-                  scale == 1 ? std::string()
-                             : fmt::format("; it fits an image {:.2g} times as large", scale)),
-      fmt::format("check resolution and intrinsics of {} in {}: one of them belongs to scaled or "
-                  "cropped images",
-                  camera.name, linted.name),
+                  k.resolution.width, k.resolution.height, fits),
+      fmt::format("check resolution and intrinsics of {} in {}: {}", camera.name, linted.name,
+                  exchanged ? "width and height are likely exchanged"
+                            : "one of them belongs to scaled or cropped images"),
       {shift, kMaxPrincipalShift, "share"})};
 }
 

@@ -46,8 +46,14 @@ std::string recoveredText(const TestedOffsets& tested, double bound_s) {
 
 std::optional<Finding> offsetFinding(const PerturbationRecord& record,
                                      const PerturbationThresholds& bounds) {
+  constexpr const char* kRule = "Injected time offsets recovered";
   const auto shifts = solvedCases(record, PerturbationKind::kImuShift);
   if (shifts.empty()) return std::nullopt;
+  // Which is recovered by definition.
+  if (std::ranges::all_of(shifts, [](const PerturbationCase* c) { return c->amount == 0; })) {
+    return Finding{kRule, VerdictLevel::kCaution, "not tested: no offset other than 0 was solved",
+                   "inject offsets such as --offsets-ms 100,10,1"};
+  }
   const PerturbationCase& worst = **std::max_element(
       shifts.begin(), shifts.end(), [](const PerturbationCase* a, const PerturbationCase* b) {
         return further(b->offset_error_s, a->offset_error_s);
@@ -63,7 +69,7 @@ std::optional<Finding> offsetFinding(const PerturbationRecord& record,
                   : error < 1e-3 ? fmt::format("{:.4g} us", 1e6 * error)
                                  : fmt::format("{:.4g} ms", 1e3 * error));
   if (!one) evidence += "; " + recoveredText(tested, bounds.offset_error_s.bad);
-  return Finding{"Injected time offsets recovered",
+  return Finding{kRule,
                  level,
                  evidence,
                  level == VerdictLevel::kGood
@@ -83,6 +89,7 @@ std::optional<Finding> othersFinding(const PerturbationRecord& record,
   std::string name;
   double amount = 0;
   for (const PerturbationCase* c : solvedCases(record, PerturbationKind::kImuShift)) {
+    if (c->amount == 0) continue;
     const auto i = largestOtherChange(record.parameters, *c);
     // The first is taken whatever it is, also 0.
     if (!i || (!name.empty() && !further(c->changes_sigma[*i], largest))) continue;
@@ -203,9 +210,12 @@ Finding failuresFinding(const PerturbationRecord& record) {
     if (c.problem.empty()) continue;
     if (failed++ == 0) first = &c;
   }
+  VerdictLevel level = failed == 0 ? VerdictLevel::kGood : VerdictLevel::kCaution;
+  // Then the study says nothing.
+  if (failed > 0 && failed == record.cases.size()) level = VerdictLevel::kBad;
   Finding f{
       "Solved cases",
-      failed == 0 ? VerdictLevel::kGood : VerdictLevel::kCaution,
+      level,
       fmt::format("{} of {} cases were solved", record.cases.size() - failed, record.cases.size()),
       "",
       static_cast<double>(failed),

@@ -108,8 +108,8 @@ std::vector<OffsetBetween> offsetsBetween(const CameraImuStageResult& estimated,
 Findings judgeHeldBetween(const ImuCalibration& held, HeldOffset offset,
                           const CameraImuStageResult& estimated,
                           const EstimatedVariance& of_offset) {
-  Rule rule{"Time offsets between cameras against this recording", "ms", kUsualBounds.offset_std_ms,
-            ""};
+  Rule rule{fmt::format("Time offsets between cameras {}", kAgainstRecording), "ms",
+            kUsualBounds.offset_std_ms, ""};
   VerdictLevel worst = VerdictLevel::kGood;
   double value = 0;
   std::string list;
@@ -256,7 +256,7 @@ HeldDifference heldDifference(const ImuCalibration& held, const ImuCalibration& 
 std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
                                   const Result<CameraImuStageResult>& estimated) {
   Finding f;
-  f.rule = "T_SC0 and time offset against this recording";
+  f.rule = fmt::format("T_SC0 and time offset {}", kAgainstRecording);
   f.subject = FindingSubject::kExtrinsics;
   if (!estimated || !estimated->summary.converged) {
     // A recording that moves too little to tell is no fault of the calibration.

@@ -45,6 +45,49 @@ TEST(ComparisonFindings, NameWhatDiffersAndWhichPredictsBetter) {
   EXPECT_EQ(find(findings, "Corners of cam1")->evidence.rfind("no clear difference", 0), 0u);
 }
 
+TEST(ComparisonFindings, CopiesAreNoAgreementOfTwoCalibrations) {
+  ComparisonRecord record;
+  record.calibrations = {{"a", "", "kalibr", stereo(), {}}, {"b", "", "kalibr", stereo(), {}}};
+  record.parameters = comparedParameters({stereo(), stereo()});
+  const auto parameters = [&] { return *find(comparisonFindings(record), "Parameters of b"); };
+  EXPECT_EQ(parameters().level, VerdictLevel::kCaution);
+  EXPECT_NE(parameters().evidence.find("one calibration"), std::string::npos);
+  // Exported, it has the same values by right.
+  record.calibrations[1].tool = "basalt";
+  EXPECT_EQ(parameters().level, VerdictLevel::kGood);
+}
+
+TEST(ComparisonFindings, AnImuOnOneSideAloneIsSaid) {
+  Calibration cameras_alone = stereo();
+  cameras_alone.imu.reset();
+  ComparisonRecord record;
+  record.calibrations = {{"a", "", "", stereo(), {}}, {"b", "", "", cameras_alone, {}}};
+  record.parameters = comparedParameters({stereo(), cameras_alone});
+  const auto findings = comparisonFindings(record);
+  ASSERT_NE(find(findings, "Models of b"), nullptr);
+  EXPECT_EQ(find(findings, "Models of b")->level, VerdictLevel::kCaution);
+  EXPECT_EQ(find(findings, "Models of b")->evidence.rfind("only a has T_SC0", 0), 0u);
+}
+
+// By the tests of each file on it; equal words for two that are contradicted alike.
+TEST(ComparisonFindings, OfTwoThatDifferTheRecordingsContradictionNamesOne) {
+  Calibration far = stereo();
+  far.imu->T_SC0.t.x() += 0.02;
+  ComparisonRecord record;
+  record.name = "night";
+  record.calibrations = {{"a", "", "", stereo(), {}}, {"b", "", "", far, {}}};
+  record.parameters = comparedParameters({stereo(), far});
+  record.scores.emplace_back();
+  const auto advice = [&] { return find(comparisonFindings(record), "Transforms")->advice; };
+  EXPECT_EQ(advice().rfind("night contradicts neither", 0), 0u) << advice();
+  const Finding contradicted{"T_SC0 and time offset against this recording", VerdictLevel::kBad,
+                             "differs"};
+  record.calibrations[1].lint = {contradicted};
+  EXPECT_EQ(advice().rfind("night contradicts b alone", 0), 0u) << advice();
+  record.calibrations[0].lint = {contradicted};
+  EXPECT_EQ(advice().rfind("night contradicts both", 0), 0u) << advice();
+}
+
 // A wrong lens is off by thousands of pixels at the border, a foreign rig by decimetres.
 TEST(ComparisonFindings, LargeDifferencesHaveNoExponent) {
   ComparisonRecord record;

@@ -78,6 +78,20 @@ TEST(LoneParameters, AreFoundAndSaid) {
               Not(HasSubstr("outlier")));
 }
 
+// Two with one mistake, such as the size of their common board, against one without.
+TEST(LoneParameters, AMajorityIsNoProofWhereTheRecordingContradictsIt) {
+  ComparisonRecord record = comparison({0.010, 0.011, 0.018}, 0.001);
+  const Finding contradicted{"Cameras against this recording", VerdictLevel::kCaution, "differ"};
+  record.calibrations[0].lint = {contradicted};
+  EXPECT_THAT(loneFindings(record)[0].evidence, Not(HasSubstr("contradicts")));
+  record.calibrations[1].lint = {contradicted};
+  EXPECT_THAT(loneFindings(record)[0].evidence,
+              HasSubstr("the recording contradicts each of them, and not c"));
+  EXPECT_THAT(loneFindings(record)[0].advice, HasSubstr("what the others share"));
+  record.calibrations[2].lint = {contradicted};
+  EXPECT_THAT(loneFindings(record)[0].evidence, Not(HasSubstr("contradicts")));
+}
+
 /// Two calibrations, a and b, and what the session itself gives.
 ComparisonRecord onSession(double a, double b, double session, bool a_held_out, bool b_held_out) {
   ComparisonRecord record = comparison({a, b}, 0.001);

@@ -53,6 +53,11 @@ std::vector<LintCase> aloneCases() {
          c.cameras[0].intrinsics.resolution = {376, 240};
        },
        "Resolution and principal point", "cam0"},
+      {"width and height exchanged",
+       [](Calibration& c) {
+         c.cameras[0].intrinsics.resolution = {480, 752};
+       },
+       "Resolution and principal point", "width and height"},
       {"accelerometer's density in micro-g",
        [](Calibration& c) { c.imu->noise.accel_density = 200; }, "Noise densities",
        "accelerometer_noise_density"},

@@ -77,6 +77,34 @@ TEST(PerturbationFindings, TheLargestOfManyChangesMayBeLarger) {
   EXPECT_EQ(levelOf(), VerdictLevel::kCaution);
 }
 
+// It comes back by definition, and nothing else can move.
+TEST(PerturbationFindings, AnOffsetOfZeroTestsNothing) {
+  PerturbationRecord record;
+  record.parameters = {"T_SC0.tx"};
+  PerturbationCase c;
+  c.kind = toString(Kind::kImuShift);
+  c.changes = c.changes_sigma = {0};
+  record.cases = {c};
+  const auto findings = perturbationFindings(record, {});
+  ASSERT_EQ(findings.size(), 2U);  // with that on solved cases
+  EXPECT_EQ(findings[0].level, VerdictLevel::kCaution);
+  EXPECT_THAT(findings[0].evidence, HasSubstr("not tested"));
+  record.cases[0].amount = 10;
+  EXPECT_EQ(perturbationFindings(record, {})[0].level, VerdictLevel::kGood);
+}
+
+TEST(PerturbationFindings, AStudyWithoutASolvedCaseIsBad) {
+  PerturbationRecord record;
+  PerturbationCase failed, solved;
+  failed.kind = solved.kind = toString(Kind::kImuShift);
+  failed.amount = solved.amount = 10;
+  failed.problem = "no solution";
+  record.cases = {failed, failed};
+  EXPECT_EQ(perturbationFindings(record, {}).back().level, VerdictLevel::kBad);
+  record.cases = {failed, solved};
+  EXPECT_EQ(perturbationFindings(record, {}).back().level, VerdictLevel::kCaution);
+}
+
 TEST(PerturbationFindings, AddedCornerNoiseMayMoveItByItsShareOfTheOwn) {
   const Finding f = findingOf(Kind::kCornerNoise, 0.5, 7);
   EXPECT_NEAR(f.threshold, 3 * 0.5 / kSigma, 1e-12);

@@ -119,7 +119,7 @@ TEST(PerturbationStudy, ATargetOfImpossibleSizeIsRefusedAndKeptAsAFailure) {
   const std::string& problem = record.cases[0].problem;
   EXPECT_THAT(problem, HasSubstr("target"));
   EXPECT_EQ(problem.find(';'), std::string::npos) << "no cure of what was injected: " << problem;
-  EXPECT_EQ(record.verdict.level, VerdictLevel::kCaution);
+  EXPECT_EQ(record.verdict.level, VerdictLevel::kBad);  // of a study of this case alone
   EXPECT_THAT(record.verdict.findings.back().evidence, HasSubstr("0 of 1"));
 }
 
@@ -288,7 +288,7 @@ TEST(TestedOffsets, ASingleOneThatFailedIsNoFindingOnOffsets) {
   record.cases = {shift(300, 0, "did not converge")};
   const auto findings = perturbationFindings(record, {});
   ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].level, VerdictLevel::kCaution);
+  EXPECT_EQ(findings[0].level, VerdictLevel::kBad);
   EXPECT_THAT(findings[0].evidence, HasSubstr("0 of 1 cases were solved; the first that failed, "
                                               "imu-shift +300 ms: did not converge"));
 }
