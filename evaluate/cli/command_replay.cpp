@@ -182,6 +182,7 @@ struct ReplayOptions {
   int random_orders = 5;
   std::uint64_t seed = 1;
   double stop_tolerance_s = 5;
+  double sufficient_px = StoppingRuleOptions().projection_px;
   bool no_images = false;
 };
 
@@ -203,6 +204,11 @@ void declareReplay(CLI::App& app, ReplayOptions& o) {
   addWithDefault(app, "--stop-tolerance-s", o.stop_tolerance_s,
                  "A stop up to this long after the views were sufficient counts as right [s]")
       ->check(numberFrom(0));
+  addWithDefault(app, "--sufficient-px", o.sufficient_px,
+                 "Expected projection error up to which the views kept count as sufficient, RMS "
+                 "over the image of the worst camera [px]; 0: what adds 10 % to the error of a "
+                 "corner. With --stop-projection-px that bar counts")
+      ->check(numberFrom(0));
   o.output.declareResult(app);
   app.add_flag("--no-images", o.no_images, "Do not embed images in the page")
       ->excludes(app.get_option("--no-report"));
@@ -216,6 +222,7 @@ ReplayRequest replayRequest(const ReplayOptions& o, const CLI::App& app) {
   request.arrival_s = o.guide.arrival_ms / 1e3;
   request.suggestions = o.suggestions;
   request.audit.tolerance_s = o.stop_tolerance_s;
+  request.audit.projection_px = o.sufficient_px;
   if (!o.no_counterfactuals) {
     request.counterfactuals.emplace();
     request.counterfactuals->random_seeds = o.random_orders;

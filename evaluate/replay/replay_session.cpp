@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -12,8 +13,10 @@
 #include "calibrator/base/error.h"
 #include "calibrator/guidance/guide.h"
 #include "datasets/session/suggestions_reader.h"
+#include "evaluate/metrics/calibration/held_cameras.h"
 #include "evaluate/metrics/calibration/score.h"
 #include "evaluate/metrics/failure_text.h"
+#include "evaluate/metrics/rules/rules.h"
 #include "evaluate/replay/frames.h"
 #include "evaluate/replay/stage_summary.h"
 #include "evaluate/replay/suggestion_outcomes.h"
@@ -209,6 +212,29 @@ class Judge {
   StageBatches<CameraStageResult> batches_;
 };
 
+/// Whether cameras and a board's shape that were given are the recording's: with others the guide
+/// is judged by what the recording is not.
+std::vector<Finding> judgeGiven(const ReplayRequest& request, const ReplayRun& run,
+                                const std::optional<std::vector<CameraCalibration>>& cameras) {
+  std::vector<Finding> findings;
+  const Session session = run.sessionFrom();
+  if (cameras) {
+    ScoreOptions options;
+    options.camera = run.camera;
+    if (const auto held = scoreCameras(session, *cameras, run.camera)) {
+      findings = judgeHeldCameras(*held, session, options);
+    }
+  }
+  if (request.load.target_shape) {
+    CameraStageOptions tested = run.camera;
+    tested.target = TargetMode::kKnown;
+    if (cameras) tested.start = *cameras;
+    const auto stage = calibrateCameras(session, tested);
+    if (stage) std::ranges::move(judgeTargetShape(*stage, {}), std::back_inserter(findings));
+  }
+  return findings;
+}
+
 }  // namespace
 
 void ReplayRequest::check() const {
@@ -270,7 +296,8 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
                       played.options,    request.camera, request.camera_imu,
                       played.camera_end, record.begin};
   Judge(request, run, played.guide, given, suggestions, progress).write(record);
-  record.verdict = replayVerdict(record, request);
+  progress("testing what was given", -1);
+  record.verdict = replayVerdict(record, request, judgeGiven(request, run, given));
   return record;
 }
 

@@ -49,7 +49,9 @@ ReplayRecord replaySession(const ReplayRequest& request, const ProgressSink& pro
 
 /// What a replay's figures say of the recording and of the guide, stage by stage: whether it could
 /// start, whether it stopped and rightly so, how far its calibration is from that of all frames.
-Verdict replayVerdict(const ReplayRecord& record, const ReplayRequest& request);
+/// First what was found of cameras and a board's shape that were given.
+Verdict replayVerdict(const ReplayRecord& record, const ReplayRequest& request,
+                      std::vector<Finding> of_what_was_given = {});
 
 /// One decision as one line of decisions.jsonl, with its line end: its fields (guide_fields.h),
 /// null where there is no value. Suggestions and rounds of candidates appear on the line of the

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -65,19 +66,32 @@ std::string stopAdvice(const GuideOptions& guide, GuideStage stage, bool later) 
   return advice;
 }
 
+/// What may make a recording sufficient that is not.
+std::string moreAdvice(bool board_taken_as_flat) {
+  std::string advice =
+      "see what plumbline calibrate says of it, and record longer or with the views and motion "
+      "that it lacks";
+  if (board_taken_as_flat) advice += "; give the board's shape, if it is known (--target-shape)";
+  return advice;
+}
+
 /// The seconds that a stop was early or late, held against what is still right: none too early,
 /// `tolerance_s` too late.
-Finding stopFinding(const StopAudit& audit, const GuideOptions& guide, double tolerance_s) {
+Finding stopFinding(const StopAudit& audit, const GuideOptions& guide, double tolerance_s,
+                    bool flat) {
   using Verdict = StopAudit::Verdict;
   Finding f{ruleName(audit.stage, "stop"),
             audit.verdict == Verdict::kRight ? VerdictLevel::kGood : VerdictLevel::kCaution,
             audit.explanation};
-  if (audit.finished && audit.verdict != Verdict::kNotJudged) {
+  const bool judged = audit.verdict != Verdict::kNotJudged;
+  if (audit.finished && judged) {
     f.value = audit.seconds;
     f.threshold = audit.verdict == Verdict::kEarly ? 0 : tolerance_s;
     f.unit = "s";
   }
-  if (audit.verdict == Verdict::kNeverStopped) {
+  if (judged && !audit.enough && !audit.all_suffice) {
+    f.advice = "the whole recording does not suffice either: " + moreAdvice(flat);
+  } else if (audit.verdict == Verdict::kNeverStopped) {
     f.advice = fmt::format("the guide had not finished when the {} ended",
                            audit.ended ? "stage was" : "recording");
   } else if (audit.verdict == Verdict::kEarly) {
@@ -98,13 +112,14 @@ Finding noStageFinding(bool imu_is_read) {
                       imu_is_read ? "give a recording with imu0" : "replay without --no-imu")};
 }
 
-std::vector<Finding> replayFindings(const ReplayRecord& record, const ReplayRequest& request) {
-  std::vector<Finding> findings;
+std::vector<Finding> replayFindings(const ReplayRecord& record, const ReplayRequest& request,
+                                    std::vector<Finding> findings) {
   for (const ReplayStageSummary& stage : record.stages) {
     findings.push_back(startFinding(stage, beginOf(record)));
     for (const StopAudit& audit : record.stop_audits) {
       if (audit.stage != stage.stage || !stage.ran) continue;
-      findings.push_back(stopFinding(audit, request.guide, request.audit.tolerance_s));
+      findings.push_back(stopFinding(audit, request.guide, request.audit.tolerance_s,
+                                     record.target.shape.isFlat()));
     }
   }
   if (record.stages.empty()) findings.push_back(noStageFinding(request.load.read.read_imu));
@@ -121,8 +136,9 @@ std::string stopWords(const ReplayRecord& record) {
 
 }  // namespace
 
-Verdict replayVerdict(const ReplayRecord& record, const ReplayRequest& request) {
-  Verdict verdict = makeVerdict(replayFindings(record, request));
+Verdict replayVerdict(const ReplayRecord& record, const ReplayRequest& request,
+                      std::vector<Finding> of_what_was_given) {
+  Verdict verdict = makeVerdict(replayFindings(record, request, std::move(of_what_was_given)));
   verdict.headline = headlineOf(verdict, stopWords(record));
   return verdict;
 }

@@ -15,8 +15,10 @@
 #include "calibrator/guidance/trajectories/imu_reprojection.h"
 #include "calibrator/guidance/views/view_error.h"
 #include "calibrator/information/covariance.h"
+#include "evaluate/metrics/calibration/distances.h"
 #include "evaluate/replay/frame_split.h"
 #include "evaluate/replay/frames.h"
+#include "evaluate/replay/sufficiency.h"
 
 namespace plumbline {
 namespace {
@@ -103,16 +105,26 @@ std::string beforeEnd(const ReplayRun& run, const StopAudit& audit) {
                      sinceStart(run, run.frames.back().t), at);
 }
 
-/// Early, late or right, once it is known when the frames were enough.
+/// Early, late or right, once it is known when the frames were sufficient.
 void judge(const ReplayRun& run, const StoppingRuleOptions& options, const std::string& what,
            StopAudit& audit) {
   const TimeNs end = run.frames.back().t;
   const std::string reached =
-      audit.enough ? "from " + sinceStart(run, *audit.enough) + " on" : "never in this recording";
+      audit.enough ? "sufficient from " + sinceStart(run, *audit.enough) + " on"
+      : audit.all_suffice
+          ? "never sufficient, while all frames of the recording are"
+          : "never sufficient in this recording, the deviations of all frames' calibration alone "
+            "exceed the bars";
   if (!audit.finished) {
     audit.verdict = StopAudit::Verdict::kNeverStopped;
     audit.explanation =
         fmt::format("the guide did not say stop {}; {}: {}", beforeEnd(run, audit), what, reached);
+    if (audit.enough) audit.seconds = secondsBetween(*audit.enough, audit.ended.value_or(end));
+    // Where the stage went on beyond its last frame nobody knows how late its stop would have been.
+    if (audit.seconds > options.tolerance_s) {
+      audit.explanation +=
+          fmt::format(", so that a stop is late by {:.1f} s at least", audit.seconds);
+    }
     return;
   }
   const std::string said = "the guide said stop at " + sinceStart(run, *audit.finished);
@@ -152,17 +164,17 @@ std::optional<double> lastOf(const ReplayRun& run, GuideStage stage,
   return std::nullopt;
 }
 
+/// Of a stage that went on to the end both are calibrations of the same frames.
+void measured(const Distance& px, StopAudit& audit) {
+  if (!audit.finished && !audit.ended) return;
+  audit.measured_px = px.value;
+  audit.reference_std_px = px.std;
+}
+
 StopAudit notJudged(StopAudit audit, const std::string& why) {
   audit.verdict = StopAudit::Verdict::kNotJudged;
   audit.explanation = "not judged: " + why;
   return audit;
-}
-
-std::optional<double> heldOutError(const Session& held_out,
-                                   const std::vector<CameraCalibration>& cameras,
-                                   const CameraStageOptions& options) {
-  const auto scored = scoreCameras(held_out, cameras, options);
-  return scored ? std::optional(scored->summary.reprojection.rmse_px) : std::nullopt;
 }
 
 /// The excess that the guide's model predicts of frames like those held out, for the cameras of the
@@ -190,36 +202,6 @@ std::optional<double> predictedExcessOn(const ReplayRun& run, const std::vector<
   return errors.isKnown() ? std::optional(errors.excess()) : std::nullopt;
 }
 
-bool isNear(const ImuCalibration& a, const ImuCalibration& b, const StoppingRuleOptions& options) {
-  const Vector6d difference = boxminus(a.T_SC0, b.T_SC0);
-  return difference.head<3>().norm() <= options.translation_m &&
-         difference.tail<3>().norm() <= options.rotation_rad &&
-         std::abs(a.timeOffset() - b.timeOffset()) <= options.offset_s;
-}
-
-/// What is held against a stop by T_SC0 and time offset.
-std::string armWords(const ImuCalibration& kept, const ImuCalibration& best,
-                     const StoppingRuleOptions& options) {
-  const Vector6d off = boxminus(kept.T_SC0, best.T_SC0);
-  return fmt::format(
-      "T_SC0 of the frames kept is {:.2f} mm and {:.3f} deg, the time offset {:.1f} us from the "
-      "whole recording's; within {:.2g} mm, {:.2g} deg and {:.3g} us",
-      1e3 * off.head<3>().norm(), off.tail<3>().norm() * kDegrees,
-      1e6 * std::abs(kept.timeOffset() - best.timeOffset()), 1e3 * options.translation_m,
-      options.rotation_rad * kDegrees, 1e6 * options.offset_s);
-}
-
-/// The same of a stop by the points that the IMU predicts.
-std::string pointsWords(const StopAudit& audit, double bar_px) {
-  const auto words = [](const std::optional<double>& px) {
-    return px ? fmt::format("{:.3f} px", *px) : "unknown";
-  };
-  return fmt::format(
-      "points that the IMU predicts are {} from where the whole recording's calibration puts them "
-      "({} expected by the guide); within {:g} px",
-      words(audit.measured_px), words(audit.predicted_px), bar_px);
-}
-
 }  // namespace
 
 void StoppingRuleOptions::check() const {
@@ -227,6 +209,7 @@ void StoppingRuleOptions::check() const {
   if (held_out_frames < 1) throw InputError("at least one frame must be held out");
   if (checkpoints < 2) throw InputError("\"enough\" is searched over 2 or more numbers of frames");
   if (!(tolerance_s >= 0)) throw InputError("the tolerance of a stop must not be negative");
+  if (!(projection_px >= 0)) throw InputError("projection_px must not be negative");
   if (!(translation_m > 0 && rotation_rad > 0 && offset_s > 0)) {
     throw InputError("translation_m, rotation_rad and offset_s must be positive");
   }
@@ -249,30 +232,27 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
   if (!best) {
     return notJudged(std::move(audit), "no frame with a pose was left to be held out");
   }
-  // A ratio, so that one bar serves cameras with good corners and with poor ones.
-  const double bound = options.held_out_factor * *best;
+  const CameraBars bars = barsOf(run.guide.views.stop_projection_px, *best, options);
+  const auto shortfall = [&](const std::vector<CameraCalibration>& cameras) {
+    return shortfallOf(cameras, *batches.full, held_out, run.camera);
+  };
   CameraStageOptions camera = run.camera;
   // All checkpoints in the minimum of the batch that they are held against.
   camera.start = batches.kept->cameras;
   const auto counts = checkpointCounts(run.guide.views.start_frames, static_cast<int>(order.size()),
                                        options.checkpoints, finished_with);
-  std::optional<double> at_finish;
-  audit.enough = enoughSince(run, order, counts, [&](const Session& session, int count) {
+  audit.enough = enoughSince(run, order, counts, [&](const Session& session, int) {
     const auto batch = calibrateCameras(session, camera);
-    const auto error = batch ? heldOutError(held_out, batch->cameras, run.camera) : std::nullopt;
-    // It is among the counts (checkpointCounts()).
-    if (count == finished_with) at_finish = error;
-    return error && *error <= bound;
+    return batch && bars.areMetBy(shortfall(batch->cameras));
   });
-  if (at_finish) audit.measured_excess = *at_finish / *best - 1;
+  const CameraShortfall kept = shortfall(batches.kept->cameras);
+  audit.all_suffice = bars.areMetBy(shortfall(batches.full->cameras));
+  if (kept.held_out_px) audit.measured_excess = *kept.held_out_px / *best - 1;
   audit.predicted_excess = lastOf(run, GuideStage::kCamera, &Decision::excess);
   audit.held_out_excess = predictedExcessOn(run, others, batches.kept->cameras);
-  judge(run, options,
-        fmt::format("held-out error of the views kept by then: {} on {} frames; of those of the "
-                    "whole recording: {:.4f} px; within {:.0f} % of that",
-                    at_finish ? fmt::format("{:.4f} px", *at_finish) : "unknown", others.size(),
-                    *best, 100 * (options.held_out_factor - 1)),
-        audit);
+  audit.predicted_px = lastOf(run, GuideStage::kCamera, &Decision::projection_px);
+  measured(kept.projection_px, audit);
+  judge(run, options, cameraWords(kept, bars, *best, others.size(), audit), audit);
   return audit;
 }
 
@@ -297,21 +277,26 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
                        options.checkpoints, finished_with);
   const ImuReprojection use(cameras);
   const double bar_px = run.guide.trajectories.stop_reprojection_px;
-  const ImuCalibration& best = batches.full->imu;
+  const CameraImuStageResult& full = *batches.full;
+  const double full_px = std::sqrt(use.expectedErrorUnder(imuCovariance(full), full.imu.T_SC0));
+  const auto points = [&](const ImuCalibration& imu) {
+    return Distance{use.differencePx(imu, full.imu), full_px};
+  };
   audit.enough = enoughSince(run, order, counts, [&](const Session& session, int) {
     const auto batch = calibrateCameraImu(session, cameras, imu);
     // Frames that cannot be solved are not enough.
     if (!batch || !batch->summary.converged) return false;
-    // By the measure that the stage stopped by, otherwise a stop would be judged by what it was not
-    // for.
-    return bar_px > 0 ? use.differencePx(batch->imu, best) <= bar_px
-                      : isNear(batch->imu, best, options);
+    // As for the cameras, by the measure that the stage stopped by.
+    return bar_px > 0 ? points(batch->imu).expectedError() <= bar_px
+                      : isNear(imuDistance(batch->imu, full), options);
   });
   audit.predicted_px = lastOf(run, GuideStage::kCameraImu, &Decision::error_px);
-  // Of a stage that went on to the end both are calibrations of the same frames.
-  if (audit.finished) audit.measured_px = use.differencePx(batches.kept->imu, best);
+  const Distance kept_px = points(batches.kept->imu);
+  audit.all_suffice = bar_px > 0 ? full_px <= bar_px : isNear(imuDistance(full.imu, full), options);
+  measured(kept_px, audit);
   judge(run, options,
-        bar_px > 0 ? pointsWords(audit, bar_px) : armWords(batches.kept->imu, best, options),
+        bar_px > 0 ? pointsWords(kept_px, audit, bar_px)
+                   : armWords(imuDistance(batches.kept->imu, full), options),
         audit);
   return audit;
 }

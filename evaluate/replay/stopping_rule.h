@@ -9,12 +9,19 @@
 
 namespace plumbline {
 
-/// When views count as enough, and when a stop as late.
+/// When views count as sufficient, and when a stop as late. Errors are those to be expected against
+/// the truth (Distance::expectedError()): the distance from the calibration of all frames, and its
+/// own standard deviation.
 struct StoppingRuleOptions {
   /// Camera stage: held-out RMSE within this factor of the one of the batch over all frames.
   double held_out_factor = 1.1;
   int held_out_frames = 200;  ///< at most; evenly spread over the frames that were not kept
-  /// Camera-IMU stage: T_SC0 and time offset this close to those of the batch over all frames.
+  /// Camera stage: error of the worst camera's projections, RMS over the image [px]. Poses absorb
+  /// most of such an error, so that held-out frames hardly show it. 0: what raises the full batch's
+  /// error e of a corner by held_out_factor as well, were it not absorbed,
+  /// e sqrt(held_out_factor^2 - 1).
+  double projection_px = 0;
+  /// Errors of T_C0Ci (camera stage), of T_SC0 and of the time offset (camera-IMU stage).
   double translation_m = 1e-3;
   double rotation_rad = 0.05 * kDegree;
   double offset_s = 1e-4;
@@ -26,17 +33,17 @@ struct StoppingRuleOptions {
 };
 
 /// Camera stage: the views kept, and after "finish" those that would have been kept by the same
-/// threshold, are solved in batch for a growing number of them, and scored on frames that were not
-/// kept (only poses move). They are enough from the first number on from which the error stays
-/// within options.held_out_factor of that of all frames' batch. Throws InputError for options out
-/// of range.
+/// threshold, are solved in batch for a growing number of them. They are sufficient from the first
+/// number on from which all three stay within options: the error on frames that were not kept (only
+/// poses move), and those of projections and T_C0Ci. Of a stage that stops by
+/// ViewGuideOptions::stop_projection_px the projections' error alone, against that bar. Throws
+/// InputError for options out of range.
 StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageResult>& batches,
                           const StoppingRuleOptions& options = {});
 
-/// Camera-IMU stage: the same for the frames since the stage's start, held against T_SC0 and time
-/// offset of the batch over all of them; of a stage that stops by
-/// TrajectoryGuideOptions::stop_reprojection_px, by the points that the IMU predicts, which that
-/// bar is for. Throws InputError for options out of range.
+/// Camera-IMU stage: the same for the frames since the stage's start, by the errors of T_SC0 and
+/// time offset; of a stage that stops by TrajectoryGuideOptions::stop_reprojection_px, by that of
+/// the points that the IMU predicts, against that bar. Throws InputError for options out of range.
 StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalibration>& cameras,
                              const StageBatches<CameraImuStageResult>& batches,
                              const StoppingRuleOptions& options = {});

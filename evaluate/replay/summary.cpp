@@ -62,9 +62,9 @@ void addExcess(Text& text, const StopAudit& audit) {
         100 * *audit.measured_excess);
   }
   if (audit.predicted_px && audit.measured_px) {
-    add(text,
-        "  points that the IMU predicts are off by {:.3f} px (expected), {:.3f} px (measured)\n",
-        *audit.predicted_px, *audit.measured_px);
+    add(text, "  {} are off by {:.3f} px (expected), {:.3f} +- {:.3f} px (measured)\n",
+        audit.stage == GuideStage::kCamera ? "projections" : "points that the IMU predicts",
+        *audit.predicted_px, *audit.measured_px, audit.reference_std_px.value_or(0));
   }
 }
 

@@ -75,16 +75,18 @@ inline int endedSuggestions(const OperatorCompliance& c) {
                                                                          &SuggestionOutcome::end));
 }
 
-/// Was the guide's "finish" right? Judged by the held-out error of the batch over the views kept.
+/// Was the guide's "finish" right? Judged by how far the calibration of the frames kept by then is
+/// from that of all frames, and by the deviation of the latter.
 struct StopAudit {
   enum class Verdict { kNeverStopped, kEarly, kLate, kRight, kNotJudged };
   GuideStage stage = GuideStage::kCamera;
   Verdict verdict = Verdict::kNeverStopped;
   std::optional<TimeNs> finished, ended, enough;
+  bool all_suffice = false;
   double seconds = 0, saved_s = 0;
   /// Of the camera stage.
   std::optional<double> predicted_excess, held_out_excess, measured_excess;
-  std::optional<double> predicted_px, measured_px;
+  std::optional<double> predicted_px, measured_px, reference_std_px;
   double entropy_at_finish_nats = 0, entropy_of_all_nats = 0;
   std::string explanation;
 };
@@ -100,7 +102,10 @@ void fields(auto& v, StopAudit& a) {
   v("finished_ns", a.finished, "the guide's \"finish\"");
   v("ended_ns", a.ended, "the stage was ended here without one");
   v("enough_ns", a.enough, "first instant at which the views kept were sufficient");
-  v("seconds", a.seconds, "s", "early: missing; late: wasted; right or never: 0");
+  v("all_suffice", a.all_suffice, "1",
+    "whether the deviations of all frames' calibration are within the bars");
+  v("seconds", a.seconds, "s",
+    "early: missing; late: wasted; never stopped: until its end, after the frames were sufficient");
   v("saved_s", a.saved_s, "s", "of the recording, after \"finish\"");
   v("predicted_excess", a.predicted_excess, "1",
     "share by which the views kept raise the error, as predicted by the guide for its later use");
@@ -108,9 +113,11 @@ void fields(auto& v, StopAudit& a) {
     "likewise predicted, with the held-out frames as later use");
   v("measured_excess", a.measured_excess, "1", "measured on these frames, against all frames");
   v("predicted_px", a.predicted_px, "px",
-    "camera-IMU stage: error of points that the IMU predicts (RMS), as expected by the guide");
+    "error (RMS) as expected by the guide: camera stage: of the worst camera's projections, with "
+    "`--stop-projection-px`; camera-IMU stage: of points that the IMU predicts");
   v("measured_px", a.measured_px, "px",
-    "the same of the calibration of the frames kept, against that of all frames");
+    "distance in the same of the calibration of the frames kept from that of all frames");
+  v("reference_std_px", a.reference_std_px, "px", "standard deviation of the latter");
   v("entropy_at_finish_nats", a.entropy_at_finish_nats, "nat", "of the calibration parameters");
   v("entropy_of_all_nats", a.entropy_of_all_nats, "nat", "had every frame been used");
   v("explanation", a.explanation, "a sentence with the numbers that decided it");
@@ -297,8 +304,7 @@ void fields(auto& v, ReplayRecord& r) {
     "where times into the recording count from");
   v("rule", r.rule, "by what the guide chose views and trajectories, and stopped");
   v("stages", r.stages, "each stage in figures");
-  v("stop_audits", r.stop_audits,
-    "stopping rule: was the guide's \"finish\" right? By the held-out error");
+  v("stop_audits", r.stop_audits, "stopping rule: was the guide's \"finish\" right?");
   v("suggestions", r.suggestions, "how each ended");
   v("compliance", r.compliance, "what a guided recording says of its operator");
   v("counterfactuals", r.counterfactuals, "other orders in which frames could have been used");

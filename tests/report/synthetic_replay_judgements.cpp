@@ -88,13 +88,13 @@ void addJudgements(ReplayRecord& record) {
   compliance.median_seconds_to_reach = 4.25;
   record.compliance = compliance;
   const auto early = StopAudit::Verdict::kEarly;
-  record.stop_audits = {
-      {GuideStage::kCamera, StopAudit::Verdict::kLate, record.stages[0].finished, std::nullopt,
-       record.frames[record.frames.size() / 3].t, 3.5, 6.25, 0.018, 0.015, 0.021, std::nullopt,
-       std::nullopt, -40.5, -47.25, "good enough at 31 views, finish came at 44"},
-      {GuideStage::kCameraImu, early, record.stages[1].finished, std::nullopt, std::nullopt, 1.5,
-       0.5, std::nullopt, std::nullopt, std::nullopt, 0.12, 0.2, -20, -22,
-       "8 % worse than the batch over all"}};
+  record.stop_audits = {{GuideStage::kCamera, StopAudit::Verdict::kLate, record.stages[0].finished,
+                         std::nullopt, record.frames[record.frames.size() / 3].t, true, 3.5, 6.25,
+                         0.018, 0.015, 0.021, std::nullopt, std::nullopt, std::nullopt, -40.5,
+                         -47.25, "good enough at 31 views, finish came at 44"},
+                        {GuideStage::kCameraImu, early, record.stages[1].finished, std::nullopt,
+                         std::nullopt, false, 1.5, 0.5, std::nullopt, std::nullopt, std::nullopt,
+                         0.12, 0.2, 0.05, -20, -22, "8 % worse than the batch over all"}};
   record.counterfactuals = counterfactuals();
   record.verdict =
       makeVerdict({{"Finish of the camera stage", VerdictLevel::kCaution, "3.5 s late",

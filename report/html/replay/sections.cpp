@@ -166,10 +166,11 @@ Cell verdictCell(StopAudit::Verdict verdict) {
   return {text, Cell::Kind::kTight, level};
 }
 
-/// Measured is what a stage had when it stopped.
+/// Measured is what a stage had when it stopped, with the deviation of what it is held against.
 Cell measuredCell(const StopAudit& a) {
-  const bool never = a.predicted_px && !a.measured_px && !a.finished;
-  return never ? tight("no stop") : orDash(a.measured_px, 1, "{:.3f}");
+  if (a.predicted_px && !a.measured_px && !a.finished) return tight("no stop");
+  if (!a.measured_px || !a.reference_std_px) return orDash(a.measured_px, 1, "{:.3f}");
+  return number(fmt::format("{:.3f} \u00b1 {:.3f}", *a.measured_px, *a.reference_std_px));
 }
 
 /// An entropy of 0 is one that is not known.
@@ -226,18 +227,21 @@ Section replaySuggestionsSection(const ReplayRecord& record) {
 Section stopAuditSection(const ReplayRecord& record) {
   Section section{
       "stop-audit", "Stopping rule",
-      "The guide's \"finish\" compared with the first instant at which the views kept were "
-      "sufficient, judged by the held-out error of the batch over them. Off by: the time that was "
-      "missing, or wasted. Saved: the part of the "
-      "recording after it. Excess: relative increase of the error with the views kept over that "
-      "with all frames: as predicted by the guide for later use, likewise predicted with the "
-      "held-out frames as later use, and measured on these frames. Points by "
-      "the IMU: by how much points that it predicts are off, as expected by the guide and against "
-      "the calibration of all frames. Ended: without a stop, so that the other stage is replayed."};
+      "The guide's \"finish\" compared with the first instant at which the frames kept were "
+      "sufficient: the error to be expected of their calibration, its distance from that of all "
+      "frames together with the standard deviation of the latter, is within the bars named below. "
+      "Off by: the time that was missing, or wasted (never stopped: at least). Saved: the part of "
+      "the recording after it. Excess: relative increase of the error with the views kept over "
+      "that with all frames: as predicted by the guide for later use, likewise predicted with the "
+      "held-out frames as later use, and measured on these frames, where poses absorb most of an "
+      "error of the cameras. Distance: camera stage: of the worst camera's projections, RMS over "
+      "the image; camera-IMU stage: of points that the IMU predicts; as expected by the guide, and "
+      "measured from the calibration of all frames \u00b1 its deviation. Ended: without a stop, so "
+      "that the other stage is replayed."};
   Table table{{words("Stage"), words("Judgement"), number("Finish [s]"), number("Sufficient [s]"),
                number("Off by [s]"), number("Saved [s]"), number("Excess, by the guide [%]"),
                number("Held out, predicted [%]"), number("Measured [%]"),
-               number("Points by the IMU, expected [px]"), number("Measured [px]"),
+               number("Distance, expected [px]"), number("Measured [px]"),
                number("Entropy then [nats]"), number("Of all frames [nats]")}};
   for (const StopAudit& a : record.stop_audits) {
     table.rows.push_back(auditRow(record, a));

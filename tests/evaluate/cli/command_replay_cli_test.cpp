@@ -235,14 +235,39 @@ TEST_F(CommandReplay, GivenCamerasWithoutImuLeaveNothingToReplay) {
 // Long after the views were enough: by the option that decides when it stops.
 TEST_F(CommandReplay, ALateStopNamesTheOptionThatDecidesIt) {
   const std::string options = "--no-report --no-imu --to 8 --stop-tolerance-s 0 ";
-  const Outcome in_px = replay(session(), options + "--stop-projection-px 0.5");
+  const Outcome in_px = replay(session(), options + "--stop-projection-px 0.5 --min-views 40");
   ASSERT_EQ(in_px.exit_code, 0) << in_px.text;
-  EXPECT_THAT(in_px.text, HasSubstr("Raise --stop-projection-px.\n"));
-  const Outcome by_excess =
-      replay(session(), options + "--criterion predicted-error --stop-excess 50 --min-views 8");
+  EXPECT_THAT(in_px.text,
+              HasSubstr("Raise --stop-projection-px, or require fewer views (--min-views).\n"));
+  const Outcome by_excess = replay(
+      session(),
+      options + "--criterion predicted-error --stop-excess 50 --min-views 20 --sufficient-px 5");
   ASSERT_EQ(by_excess.exit_code, 0) << by_excess.text;
   EXPECT_THAT(by_excess.text,
               HasSubstr("Raise --stop-excess, or require fewer views (--min-views).\n"));
+}
+
+// The guide is judged by what the recording is: cameras of another one would make it seem so.
+TEST_F(CommandReplay, CamerasThatAreNotTheRecordingsAreACaution) {
+  fs::create_directories(scratch());
+  const std::string right = (scratch() / "right.yaml").string();
+  const std::string wrong = (scratch() / "wrong.yaml").string();
+  const std::string text = read(session() / "truth" / "camchain-imucam.yaml");
+  write(right, text);
+  const auto at = text.find("intrinsics: [") + 13;
+  const double fu = std::stod(text.substr(at));
+  write(wrong, text.substr(0, at) + std::to_string(1.02 * fu) + text.substr(text.find(',', at)));
+  const auto rule = [&](const std::string& cameras) {
+    const Outcome run = replay(session(), "--no-report --to 8 --cameras " + cameras);
+    EXPECT_EQ(run.exit_code, 0) << run.text;
+    const json verdict = json::parse(read(out() / "replay.json"))["verdict"];
+    for (const json& f : verdict["findings"]) {
+      if (f["rule"] == "Cameras against this recording") return std::string(f["level"]);
+    }
+    return std::string();
+  };
+  EXPECT_EQ(rule(right), "good");
+  EXPECT_EQ(rule(wrong), "caution");
 }
 
 TEST_F(CommandReplay, BadUsageLeavesNothing) {

@@ -75,8 +75,54 @@ TEST_F(Stopping, PredictedExcessIsThatOfTheFramesThatItIsMeasuredOn) {
 }
 
 TEST_F(Stopping, SoonAfterEnoughIsRight) {
-  decide(GuideStage::kCamera, 2, 4);
-  EXPECT_EQ(cameraAudit().verdict, Stop::kRight);
+  decide(GuideStage::kCamera, 2, 15);
+  const auto enough = cameraAudit().enough;
+  ASSERT_TRUE(enough);
+  decisions_.clear();
+  stopped_ = false;
+  decide(GuideStage::kCamera, 2, secondsBetween(frames_.front().t, *enough) + 3);
+  EXPECT_EQ(cameraAudit().verdict, Stop::kRight) << cameraAudit().explanation;
+}
+
+// Poses absorb what cameras of a few views are off by: a tenth of a per cent on unseen frames, and
+// most of a pixel over the image.
+TEST_F(Stopping, HeldOutFramesAloneAreNoProof) {
+  decide(GuideStage::kCamera, 2, 1.3);
+  const StopAudit audit = cameraAudit();
+  ASSERT_TRUE(audit.measured_excess && audit.measured_px && audit.reference_std_px);
+  EXPECT_LT(*audit.measured_excess, 0.05);
+  EXPECT_GT(*audit.measured_px, 0.3);
+  EXPECT_LT(*audit.reference_std_px, 0.1);
+  EXPECT_EQ(audit.verdict, Stop::kEarly) << audit.explanation;
+  EXPECT_TRUE(audit.all_suffice);
+}
+
+// An accuracy that the whole recording does not have is not agreed upon by two parts of it.
+TEST_F(Stopping, BelowTheDeviationOfAllFramesNothingIsSufficient) {
+  decide(GuideStage::kCamera, 1, 19);
+  StoppingRuleOptions strict;
+  strict.projection_px = 0.01;
+  const ReplayRun r = run();
+  const StopAudit audit = judgeCameraStop(r, cameraBatches(r, keptCameras(r)), strict);
+  EXPECT_EQ(audit.verdict, Stop::kEarly);
+  EXPECT_FALSE(audit.enough.has_value());
+  EXPECT_FALSE(audit.all_suffice);
+  EXPECT_THAT(audit.explanation, HasSubstr("exceed the bars"));
+}
+
+// By the measure that the stage stopped by, and not by what held-out frames say.
+TEST_F(Stopping, ACameraStageThatStopsByProjectionsIsJudgedByThem) {
+  decide(GuideStage::kCamera, 2, 10);
+  decisions_.back().projection_px = 0.4;
+  ReplayRun r = run();
+  const auto judged = [&](double bar_px) {
+    r.guide.views.stop_projection_px = bar_px;
+    return judgeCameraStop(r, cameraBatches(r, keptCameras(r)));
+  };
+  EXPECT_EQ(judged(10).verdict, Stop::kLate) << judged(10).explanation;
+  EXPECT_EQ(judged(1e-3).verdict, Stop::kEarly) << judged(1e-3).explanation;
+  EXPECT_EQ(judged(10).predicted_px, 0.4);
+  EXPECT_THAT(judged(10).explanation, HasSubstr("0.400 px expected by the guide"));
 }
 
 TEST_F(Stopping, ARecordingWithoutAStopSaysSo) {
@@ -85,6 +131,9 @@ TEST_F(Stopping, ARecordingWithoutAStopSaysSo) {
   EXPECT_EQ(audit.verdict, Stop::kNeverStopped);
   EXPECT_FALSE(audit.finished.has_value());
   EXPECT_THAT(audit.explanation, HasSubstr("did not say stop"));
+  ASSERT_TRUE(audit.enough);
+  EXPECT_NEAR(audit.seconds, secondsBetween(*audit.enough, frames_.back().t), 1e-9);
+  EXPECT_THAT(audit.explanation, HasSubstr("late by"));
 }
 
 TEST_F(Stopping, WhatCannotBeSolvedIsNotJudged) {
