@@ -4,7 +4,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "calibrator/base/statistics/statistics.h"
@@ -13,7 +15,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kFewest = 200;
-constexpr double kOnLine = 0.02;      // of the 90 % quantile of the distances
+constexpr double kOnLine = 0.01;      // of the 99 % quantile of the distances
 constexpr double kCoarseSteps = 5;    // of a converter, in the median change
 constexpr double kSameValue = 1e-12;  // relative: equal up to rounding
 
@@ -36,8 +38,9 @@ double stepOf(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample::*se
 
 }  // namespace
 
-Resampling findResampling(std::span<const ImuSample> samples, Eigen::Vector3d ImuSample::*sensor) {
-  if (samples.size() < kFewest) return {};
+std::optional<Resampling> findResampling(std::span<const ImuSample> samples,
+                                         Eigen::Vector3d ImuSample::*sensor) {
+  if (samples.size() < kFewest) return std::nullopt;
   std::vector<double> changes, distances;
   for (std::size_t k = 1; k + 1 < samples.size(); ++k) {
     const Eigen::Vector3d &a = samples[k - 1].*sensor, &b = samples[k + 1].*sensor;
@@ -46,9 +49,13 @@ Resampling findResampling(std::span<const ImuSample> samples, Eigen::Vector3d Im
     changes.push_back((b - a).norm());
     distances.push_back((samples[k].*sensor - (1 - w) * a - w * b).norm());
   }
-  const double moved = middleOf(changes);
-  if (!(moved > kCoarseSteps * stepOf(samples, sensor))) return {};
-  const double near = kOnLine * quantile(distances, 0.9);
+  // Between copies nothing changes.
+  std::vector<double> real_changes;
+  std::ranges::copy_if(changes, std::back_inserter(real_changes), [](double c) { return c > 0; });
+  if (real_changes.empty()) return std::nullopt;
+  const double moved = middleOf(std::move(real_changes));
+  if (!(moved > kCoarseSteps * stepOf(samples, sensor))) return std::nullopt;
+  const double near = kOnLine * quantile(distances, 0.99);
   double judged = 0, held = 0, on_line = 0;
   for (std::size_t k = 1; k + 1 < samples.size(); ++k) {
     if (changes[k - 1] < moved) continue;
@@ -60,7 +67,7 @@ Resampling findResampling(std::span<const ImuSample> samples, Eigen::Vector3d Im
       on_line += 1;
     }
   }
-  return {held / judged, on_line / judged};
+  return Resampling{held / judged, on_line / judged};
 }
 
 }  // namespace plumbline

@@ -224,6 +224,20 @@ std::vector<Finding> heldFindings(const ComparedFile& file, const Session& sessi
   return findings;
 }
 
+/// Whether the tests of a file on the recording contradict it; empty where none was judged. An
+/// offset of 0 that was assumed for a file without one is no statement of it.
+std::optional<bool> isContradicted(const std::vector<Finding>& tests, bool states_offset) {
+  std::optional<bool> contradicted;
+  for (const Finding& f : tests) {
+    if (!f.rule.ends_with(kAgainstRecording) || isNotJudged(f) || std::isnan(f.value)) continue;
+    const bool of_cameras = f.subject == FindingSubject::kCameras;
+    const VerdictLevel least =
+        of_cameras || states_offset ? VerdictLevel::kCaution : VerdictLevel::kBad;
+    contradicted = contradicted.value_or(false) || f.level >= least;
+  }
+  return contradicted;
+}
+
 /// Of files whose cameras are the recording's (matchToSession()); what the scores say of each file
 /// joins its remarks.
 std::vector<OnSession> scoreAll(const CompareRequest& request, LoadedSession& loaded,
@@ -239,7 +253,10 @@ std::vector<OnSession> scoreAll(const CompareRequest& request, LoadedSession& lo
     all.push_back(scoreOn(loaded, file, request, progress));
     append(file.remarks, worstOf(std::move(all.back().judged)));
     progress("testing " + file.compared.label, -1);
-    append(file.remarks, heldFindings(file, loaded.session, request.score, all.back().stage));
+    std::vector<Finding> tests =
+        heldFindings(file, loaded.session, request.score, all.back().stage);
+    file.compared.contradicted = isContradicted(tests, file.states_offset);
+    append(file.remarks, std::move(tests));
     const std::string shape = unusedShapeOf(file.path, file.extras, *request.load);
     if (!shape.empty() && loaded.session.target.shape.isFlat()) {
       file.remarks.push_back(unusedShape(shape));

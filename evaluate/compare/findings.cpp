@@ -13,7 +13,6 @@
 #include "calibrator/base/transform.h"
 #include "evaluate/compare/lone_parameters.h"
 #include "evaluate/compare/parameters.h"
-#include "evaluate/metrics/calibration/held_imu.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
 #include "evaluate/results/text.h"
@@ -65,7 +64,8 @@ Finding significantFinding(const ComparisonRecord& record, std::size_t i) {
     const bool copies = record.calibrations[i].tool == record.calibrations[0].tool;
     return {"Parameters of " + pairName(record, i),
             copies ? VerdictLevel::kCaution : VerdictLevel::kGood,
-            "all values are equal to the last digit: these are two files of one calibration",
+            "all values that both have are equal to the last digit, as of two files of one "
+            "calibration",
             copies ? "compare the files of two calibrations" : ""};
   }
   return finding(
@@ -149,14 +149,16 @@ std::string geometryAdvice(const ComparisonRecord& record, std::size_t i) {
   }
   const ComparedCalibration& first = record.calibrations[0];
   const ComparedCalibration& other = record.calibrations[i];
-  const bool first_is = isContradicted(first), other_is = isContradicted(other);
-  if (first_is != other_is) {
+  if (!first.contradicted || !other.contradicted) {
+    return fmt::format("{} could not test both: compare on a recording that can", record.name);
+  }
+  if (*first.contradicted != *other.contradicted) {
     return fmt::format("{} contradicts {} alone (see its findings)", record.name,
-                       first_is ? first.label : other.label);
+                       *first.contradicted ? first.label : other.label);
   }
   return fmt::format(
       "{} {}: compare on a recording that tells more, and that neither was calibrated on",
-      record.name, first_is ? "contradicts both" : "contradicts neither");
+      record.name, *first.contradicted ? "contradicts both" : "contradicts neither");
 }
 
 /// All transforms and the offset are one finding, of the worst level among them; its value is, of
@@ -348,12 +350,6 @@ std::string firstNames(std::vector<std::string> names, std::size_t most) {
     names.push_back("...");
   }
   return joined(names);
-}
-
-bool isContradicted(const ComparedCalibration& calibration) {
-  return std::ranges::any_of(calibration.lint, [](const Finding& f) {
-    return f.rule.ends_with(kAgainstRecording) && f.level != VerdictLevel::kGood;
-  });
 }
 
 bool isHeldOut(const ComparisonRecord& record, const std::string& label) {

@@ -26,10 +26,6 @@ std::string firstNames(std::vector<std::string> names, std::size_t most);
 /// Whether a calibration is known to be from other data than the session.
 bool isHeldOut(const ComparisonRecord& record, const std::string& label);
 
-/// Whether the recording contradicts a calibration by itself: one of the tests of its cameras,
-/// T_SC0 or offsets on it is not good (judgeHeldCameras(), testHeldImu()).
-bool isContradicted(const ComparedCalibration& calibration);
-
 /// What a comparison says, in the order in which it is read: parameters that differ beyond their
 /// deviations, transforms and offsets, the worst projection difference of each pair and camera with
 /// its value at the centre, which calibration predicts corners better, calibrations that could not

@@ -92,7 +92,8 @@ bool othersHeldOut(const ComparisonRecord& record, std::size_t calibration) {
 /// Whether the recording contradicts every calibration but this one: a majority is no proof.
 bool areContradictedBut(const ComparisonRecord& record, std::size_t calibration) {
   for (std::size_t i = 0; i < record.calibrations.size(); ++i) {
-    if (isContradicted(record.calibrations[i]) == (i == calibration)) return false;
+    const std::optional<bool>& contradicted = record.calibrations[i].contradicted;
+    if (!contradicted || *contradicted == (i == calibration)) return false;
   }
   return true;
 }

@@ -212,25 +212,47 @@ class Judge {
   StageBatches<CameraStageResult> batches_;
 };
 
+Finding untested(const std::string& what, const Failure& why) {
+  return {what, VerdictLevel::kCaution, "not tested: " + textOf(why).message};
+}
+
+std::vector<Finding> judgeCameras(const Session& session, const CameraStageOptions& camera,
+                                  const std::vector<CameraCalibration>& cameras) {
+  const auto held = scoreCameras(session, cameras, camera);
+  if (!held) return {untested("Cameras that were given", held.failure())};
+  ScoreOptions options;
+  options.camera = camera;
+  return judgeHeldCameras(*held, session, options);
+}
+
+std::vector<Finding> judgeShape(const Session& session, CameraStageOptions camera,
+                                const std::optional<std::vector<CameraCalibration>>& cameras) {
+  camera.target = TargetMode::kKnown;
+  if (cameras) camera.start = *cameras;
+  const auto stage = calibrateCameras(session, camera);
+  if (!stage) return {untested("Shape of the target", stage.failure())};
+  std::vector<Finding> findings = judgeTargetShape(*stage, {});
+  for (Finding& f : findings) {
+    if (f.level == VerdictLevel::kGood || f.advice.empty()) continue;
+    f.advice =
+        "leave out --target-shape, or give the file that plumbline calibrate --target-shape auto "
+        "writes for this recording";
+  }
+  return findings;
+}
+
 /// Whether cameras and a board's shape that were given are the recording's: with others the guide
 /// is judged by what the recording is not.
 std::vector<Finding> judgeGiven(const ReplayRequest& request, const ReplayRun& run,
-                                const std::optional<std::vector<CameraCalibration>>& cameras) {
-  std::vector<Finding> findings;
+                                const std::optional<std::vector<CameraCalibration>>& cameras,
+                                const ProgressSink& progress) {
+  if (!cameras && !request.load.target_shape) return {};
+  progress("testing what was given", -1);
   const Session session = run.sessionFrom();
-  if (cameras) {
-    ScoreOptions options;
-    options.camera = run.camera;
-    if (const auto held = scoreCameras(session, *cameras, run.camera)) {
-      findings = judgeHeldCameras(*held, session, options);
-    }
-  }
+  std::vector<Finding> findings;
+  if (cameras) findings = judgeCameras(session, run.camera, *cameras);
   if (request.load.target_shape) {
-    CameraStageOptions tested = run.camera;
-    tested.target = TargetMode::kKnown;
-    if (cameras) tested.start = *cameras;
-    const auto stage = calibrateCameras(session, tested);
-    if (stage) std::ranges::move(judgeTargetShape(*stage, {}), std::back_inserter(findings));
+    std::ranges::move(judgeShape(session, run.camera, cameras), std::back_inserter(findings));
   }
   return findings;
 }
@@ -296,8 +318,7 @@ ReplayRecord replaySession(const ReplayRequest& asked, const ProgressSink& progr
                       played.options,    request.camera, request.camera_imu,
                       played.camera_end, record.begin};
   Judge(request, run, played.guide, given, suggestions, progress).write(record);
-  progress("testing what was given", -1);
-  record.verdict = replayVerdict(record, request, judgeGiven(request, run, given));
+  record.verdict = replayVerdict(record, request, judgeGiven(request, run, given, progress));
   return record;
 }
 

@@ -89,7 +89,7 @@ Finding stopFinding(const StopAudit& audit, const GuideOptions& guide, double to
     f.threshold = audit.verdict == Verdict::kEarly ? 0 : tolerance_s;
     f.unit = "s";
   }
-  if (judged && !audit.enough && !audit.all_suffice) {
+  if (judged && !audit.enough && !audit.all_suffice.value_or(false)) {
     f.advice = "the whole recording does not suffice either: " + moreAdvice(flat);
   } else if (audit.verdict == Verdict::kNeverStopped) {
     f.advice = fmt::format("the guide had not finished when the {} ended",

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "calibrator/base/error.h"
-#include "calibrator/base/transform.h"
 #include "calibrator/guidance/trajectories/imu_reprojection.h"
 #include "calibrator/guidance/views/view_error.h"
 #include "calibrator/information/covariance.h"
@@ -81,7 +80,7 @@ std::optional<TimeNs> enoughSince(const ReplayRun& run, const std::vector<int>& 
                                   const std::vector<int>& counts, const auto& is_enough) {
   std::optional<TimeNs> since;
   for (const int count : counts) {
-    if (!is_enough(run.sessionOfFrames({order.begin(), order.begin() + count}), count)) {
+    if (!is_enough(run.sessionOfFrames({order.begin(), order.begin() + count}))) {
       since.reset();
     } else if (!since) {
       since = run.frames[order[count - 1]].t;
@@ -111,7 +110,7 @@ void judge(const ReplayRun& run, const StoppingRuleOptions& options, const std::
   const TimeNs end = run.frames.back().t;
   const std::string reached =
       audit.enough ? "sufficient from " + sinceStart(run, *audit.enough) + " on"
-      : audit.all_suffice
+      : audit.all_suffice.value_or(false)
           ? "never sufficient, while all frames of the recording are"
           : "never sufficient in this recording, the deviations of all frames' calibration alone "
             "exceed the bars";
@@ -119,7 +118,10 @@ void judge(const ReplayRun& run, const StoppingRuleOptions& options, const std::
     audit.verdict = StopAudit::Verdict::kNeverStopped;
     audit.explanation =
         fmt::format("the guide did not say stop {}; {}: {}", beforeEnd(run, audit), what, reached);
-    if (audit.enough) audit.seconds = secondsBetween(*audit.enough, audit.ended.value_or(end));
+    const TimeNs until = audit.ended.value_or(end);
+    if (audit.enough && *audit.enough < until) {
+      audit.seconds = secondsBetween(*audit.enough, until);
+    }
     // Where the stage went on beyond its last frame nobody knows how late its stop would have been.
     if (audit.seconds > options.tolerance_s) {
       audit.explanation +=
@@ -164,9 +166,7 @@ std::optional<double> lastOf(const ReplayRun& run, GuideStage stage,
   return std::nullopt;
 }
 
-/// Of a stage that went on to the end both are calibrations of the same frames.
 void measured(const Distance& px, StopAudit& audit) {
-  if (!audit.finished && !audit.ended) return;
   audit.measured_px = px.value;
   audit.reference_std_px = px.std;
 }
@@ -205,7 +205,7 @@ std::optional<double> predictedExcessOn(const ReplayRun& run, const std::vector<
 }  // namespace
 
 void StoppingRuleOptions::check() const {
-  if (!(held_out_factor >= 1)) throw InputError("held_out_factor must be 1 or more");
+  if (!(held_out_factor > 1)) throw InputError("held_out_factor must be above 1");
   if (held_out_frames < 1) throw InputError("at least one frame must be held out");
   if (checkpoints < 2) throw InputError("\"enough\" is searched over 2 or more numbers of frames");
   if (!(tolerance_s >= 0)) throw InputError("the tolerance of a stop must not be negative");
@@ -241,7 +241,7 @@ StopAudit judgeCameraStop(const ReplayRun& run, const StageBatches<CameraStageRe
   camera.start = batches.kept->cameras;
   const auto counts = checkpointCounts(run.guide.views.start_frames, static_cast<int>(order.size()),
                                        options.checkpoints, finished_with);
-  audit.enough = enoughSince(run, order, counts, [&](const Session& session, int) {
+  audit.enough = enoughSince(run, order, counts, [&](const Session& session) {
     const auto batch = calibrateCameras(session, camera);
     return batch && bars.areMetBy(shortfall(batch->cameras));
   });
@@ -282,7 +282,7 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   const auto points = [&](const ImuCalibration& imu) {
     return Distance{use.differencePx(imu, full.imu), full_px};
   };
-  audit.enough = enoughSince(run, order, counts, [&](const Session& session, int) {
+  audit.enough = enoughSince(run, order, counts, [&](const Session& session) {
     const auto batch = calibrateCameraImu(session, cameras, imu);
     // Frames that cannot be solved are not enough.
     if (!batch || !batch->summary.converged) return false;
@@ -293,7 +293,8 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   audit.predicted_px = lastOf(run, GuideStage::kCameraImu, &Decision::error_px);
   const Distance kept_px = points(batches.kept->imu);
   audit.all_suffice = bar_px > 0 ? full_px <= bar_px : isNear(imuDistance(full.imu, full), options);
-  measured(kept_px, audit);
+  // Of a stage that went on to the end both are calibrations of the same frames.
+  if (audit.finished) measured(kept_px, audit);
   judge(run, options,
         bar_px > 0 ? pointsWords(kept_px, audit, bar_px)
                    : armWords(imuDistance(batches.kept->imu, full), options),

@@ -11,7 +11,7 @@ namespace plumbline {
 
 /// When views count as sufficient, and when a stop as late. Errors are those to be expected against
 /// the truth (Distance::expectedError()): the distance from the calibration of all frames, and its
-/// own standard deviation.
+/// own standard deviation, in the camera-IMU stage under the cameras that both use.
 struct StoppingRuleOptions {
   /// Camera stage: held-out RMSE within this factor of the one of the batch over all frames.
   double held_out_factor = 1.1;

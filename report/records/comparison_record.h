@@ -20,6 +20,7 @@ struct ComparedCalibration {
   std::string label, file, tool;
   Calibration calibration;
   std::vector<Finding> lint;
+  std::optional<bool> contradicted = std::nullopt;
 };
 
 void fields(auto& v, ComparedCalibration& c) {
@@ -28,6 +29,8 @@ void fields(auto& v, ComparedCalibration& c) {
   v("tool", c.tool, "who wrote it: `plumbline`, `kalibr`, `yac`, ...");
   fields(v, c.calibration);
   v("lint", c.lint, "findings on its conventions: inverted transforms, flipped signs, ...");
+  v("contradicted", c.contradicted, "1",
+    "whether the session contradicts what it states of cameras, T_SC0 or offset; null: not tested");
 }
 
 /// One parameter under all calibrations, in one convention.

@@ -82,7 +82,7 @@ struct StopAudit {
   GuideStage stage = GuideStage::kCamera;
   Verdict verdict = Verdict::kNeverStopped;
   std::optional<TimeNs> finished, ended, enough;
-  bool all_suffice = false;
+  std::optional<bool> all_suffice;
   double seconds = 0, saved_s = 0;
   /// Of the camera stage.
   std::optional<double> predicted_excess, held_out_excess, measured_excess;
@@ -101,9 +101,9 @@ void fields(auto& v, StopAudit& a) {
   v("verdict", a.verdict, "`right`, `early`, `late`, `never stopped`, `not judged`");
   v("finished_ns", a.finished, "the guide's \"finish\"");
   v("ended_ns", a.ended, "the stage was ended here without one");
-  v("enough_ns", a.enough, "first instant at which the views kept were sufficient");
+  v("enough_ns", a.enough, "first instant at which the frames kept were sufficient");
   v("all_suffice", a.all_suffice, "1",
-    "whether the deviations of all frames' calibration are within the bars");
+    "whether the deviations of all frames' calibration are within the bars; null: not judged");
   v("seconds", a.seconds, "s",
     "early: missing; late: wasted; never stopped: until its end, after the frames were sufficient");
   v("saved_s", a.saved_s, "s", "of the recording, after \"finish\"");

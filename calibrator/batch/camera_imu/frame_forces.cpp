@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/base/time.h"
+#include "calibrator/base/transform.h"
 
 namespace plumbline {
 namespace {

@@ -48,7 +48,9 @@ Eigen::Matrix<double, 7, 7> imuCovariance(const CameraImuStageResult& estimated)
   if (!estimated.faults) return S;
   for (Eigen::Index k = 0; k < 7; ++k) {
     const double scale = estimated.faults->robust_std[k] / std::sqrt(S(k, k));
-    if (!std::isfinite(scale) || !(scale > 0)) continue;
+    // Without a degree of freedom it says nothing.
+    const auto& dof = estimated.faults->robust_dof;
+    if (!std::isfinite(scale) || !(scale > 0) || (dof && !((*dof)[k] > 0))) continue;
     S.row(k) *= scale;
     S.col(k) *= scale;
   }

@@ -16,9 +16,9 @@ struct Distance {
   double value = 0, std = 0;
 
   /// RMS error to be expected against the truth of what lies so far from the estimate, where it
-  /// was estimated from a part of the same data: an efficient estimate's own error is not
-  /// correlated with the distance of a less efficient one from it (Hausman 1978), so that the
-  /// squares add.
+  /// was estimated from a part of the same data, under what both take as given: an efficient
+  /// estimate's own error is not correlated with the distance of a less efficient one from it
+  /// (Hausman 1978), so that the squares add; approximately, where the model misfits.
   double expectedError() const { return std::hypot(value, std); }
 };
 

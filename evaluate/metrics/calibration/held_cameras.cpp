@@ -2,7 +2,6 @@
 #include "evaluate/metrics/calibration/held_cameras.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
 
@@ -55,8 +54,8 @@ Finding findingOf(const Rule& rule, const std::vector<Difference>& all, double h
                   double own_px) {
   double worst = 0;
   for (const Difference& d : all) {
-    const auto& [value, std] = d.distance;
-    if (value > kSignificant * std) worst = std::max(worst, value / d.bound);
+    const Distance& off = d.distance;
+    if (off.value > kSignificant * off.std) worst = std::max(worst, off.value / d.bound);
   }
   const auto words = [](const Difference& d) {
     return fmt::format("{} by {:.2g} {} (std {:.2g})", d.name, d.distance.value, d.unit,

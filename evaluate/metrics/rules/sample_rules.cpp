@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -120,26 +121,28 @@ std::string tagWords(const MisplacedTag& m, const std::vector<CameraCalibration>
                      m.place);
 }
 
-/// Of both sensors: the share of readings that the driver made of others.
+/// Of both sensors: the share of readings that were made of others.
 Finding resampledFinding(const std::vector<ImuSample>& samples, const VerdictThresholds& t) {
+  const Rule rule{"Readings held or interpolated", "share", t.resampled,
+                  "These are not the sensor's own readings, but made of a lower rate, and the "
+                  "densities and delays of the sensor do not hold for them. Record every sensor at "
+                  "its own rate, or both at the slower one's."};
   double worst = 0;
   std::vector<std::string> parts;
   for (const auto& [name, sensor] :
        {std::pair{"gyroscope", &ImuSample::gyro}, std::pair{"accelerometer", &ImuSample::accel}}) {
-    const Resampling r = findResampling(samples, sensor);
-    worst = std::max({worst, r.held, r.on_line});
+    const std::optional<Resampling> r = findResampling(samples, sensor);
+    if (!r) {
+      parts.push_back(fmt::format("{}: too few readings, or too coarse steps, to tell", name));
+      continue;
+    }
+    worst = std::max({worst, r->held, r->on_line});
     parts.push_back(
         fmt::format("{}: {:.1f} % repeat a neighbour, {:.1f} % lie on the line between "
                     "both",
-                    name, 100 * r.held, 100 * r.on_line));
+                    name, 100 * r->held, 100 * r->on_line));
   }
-  return above({"Readings held or interpolated", "share", t.resampled,
-                "These are not the sensor's own readings: a driver made them of a lower rate, and "
-                "the densities and delays of the sensor do not hold for them. Record every sensor "
-                "at its own rate, or both at the slower one's."},
-               worst,
-               joined(
-                   parts, [](const std::string& p) { return p; }, "; "));
+  return above(rule, worst, joined(parts, "; "));
 }
 
 /// "no spikes", or "3 spikes: " with the list.

@@ -301,6 +301,14 @@ TEST_F(CommandCompare, ALeverArmThatIsNotTheRecordingsIsSaid) {
   }
   EXPECT_EQ(of_ours, 1);
   EXPECT_THAT(outcome.text, HasSubstr("moved: T_SC0 and time offset against this recording"));
+  // What the tests say decides the advice on where the two differ.
+  EXPECT_EQ(document()["calibrations"][0]["contradicted"], false);
+  EXPECT_EQ(document()["calibrations"][1]["contradicted"], true);
+  for (const json& f : verdict["findings"]) {
+    if (f["rule"] == "Transforms and offset of moved against ours" && f["level"] != "good") {
+      EXPECT_THAT(std::string(f["advice"]), HasSubstr("contradicts moved alone")) << f;
+    }
+  }
 }
 
 TEST_F(CommandCompare, TheSessionItselfCanBeLeftOut) {

@@ -81,14 +81,14 @@ TEST(LoneParameters, AreFoundAndSaid) {
 // Two with one mistake, such as the size of their common board, against one without.
 TEST(LoneParameters, AMajorityIsNoProofWhereTheRecordingContradictsIt) {
   ComparisonRecord record = comparison({0.010, 0.011, 0.018}, 0.001);
-  const Finding contradicted{"Cameras against this recording", VerdictLevel::kCaution, "differ"};
-  record.calibrations[0].lint = {contradicted};
+  record.calibrations[0].contradicted = true;
+  record.calibrations[2].contradicted = false;
   EXPECT_THAT(loneFindings(record)[0].evidence, Not(HasSubstr("contradicts")));
-  record.calibrations[1].lint = {contradicted};
+  record.calibrations[1].contradicted = true;
   EXPECT_THAT(loneFindings(record)[0].evidence,
               HasSubstr("the recording contradicts each of them, and not c"));
   EXPECT_THAT(loneFindings(record)[0].advice, HasSubstr("what the others share"));
-  record.calibrations[2].lint = {contradicted};
+  record.calibrations[2].contradicted = true;
   EXPECT_THAT(loneFindings(record)[0].evidence, Not(HasSubstr("contradicts")));
 }
 

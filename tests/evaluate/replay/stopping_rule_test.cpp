@@ -14,6 +14,7 @@ namespace plumbline {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Stop = StopAudit::Verdict;
 
 /// A recording of 20 s, and a guide that keeps every n-th frame of a stage and then says stop.
@@ -94,7 +95,7 @@ TEST_F(Stopping, HeldOutFramesAloneAreNoProof) {
   EXPECT_GT(*audit.measured_px, 0.3);
   EXPECT_LT(*audit.reference_std_px, 0.1);
   EXPECT_EQ(audit.verdict, Stop::kEarly) << audit.explanation;
-  EXPECT_TRUE(audit.all_suffice);
+  EXPECT_TRUE(audit.all_suffice.value_or(false));
 }
 
 // An accuracy that the whole recording does not have is not agreed upon by two parts of it.
@@ -106,8 +107,19 @@ TEST_F(Stopping, BelowTheDeviationOfAllFramesNothingIsSufficient) {
   const StopAudit audit = judgeCameraStop(r, cameraBatches(r, keptCameras(r)), strict);
   EXPECT_EQ(audit.verdict, Stop::kEarly);
   EXPECT_FALSE(audit.enough.has_value());
-  EXPECT_FALSE(audit.all_suffice);
+  EXPECT_FALSE(audit.all_suffice.value_or(true));
   EXPECT_THAT(audit.explanation, HasSubstr("exceed the bars"));
+}
+
+// What comes after its end would have been sufficient: nothing was late.
+TEST_F(Stopping, AStageThatWasEndedTooEarlyIsNotLate) {
+  decide(GuideStage::kCamera, 2, 1.3);
+  ReplayRun r = run();
+  r.camera_end = CameraStageEnd::kHalf;
+  const StopAudit audit = judgeCameraStop(r, cameraBatches(r, keptCameras(r)));
+  EXPECT_EQ(audit.verdict, Stop::kNeverStopped);
+  EXPECT_EQ(audit.seconds, 0);
+  EXPECT_THAT(audit.explanation, Not(HasSubstr("late by")));
 }
 
 // By the measure that the stage stopped by, and not by what held-out frames say.
@@ -198,6 +210,7 @@ TEST_F(Stopping, ACameraStageThatWasEndedDidNotStop) {
   EXPECT_FALSE(audit.finished.has_value());
   ASSERT_TRUE(audit.ended.has_value());
   EXPECT_THAT(audit.explanation, HasSubstr("ended at half of it, 10.0 s"));
+  EXPECT_GE(audit.seconds, 0);
   // A wrong stamp of the first frame does not count.
   r.since = frames_[10].t;
   EXPECT_THAT(judgeCameraStop(r, cameraBatches(r, keptCameras(r))).explanation,
