@@ -9,7 +9,7 @@
 #include "calibrator/base/guide_decision.h"
 #include "calibrator/guidance/guide_options.h"
 #include "evaluate/replay/counterfactuals.h"
-#include "evaluate/replay/stopping_rule.h"
+#include "evaluate/replay/stops/stopping_rule.h"
 #include "evaluate/results/progress.h"
 #include "evaluate/session/load_session.h"
 #include "report/records/replay_record.h"

@@ -199,7 +199,7 @@ void setThreshold(const std::string& assignment, VerdictThresholds& thresholds) 
   }
   refuse("--threshold", assignment,
          "NAME=CAUTION,BAD with NAME one of " +
-             joined(thresholdMembers(), [](const auto& member) { return member.first; }));
+             joined(thresholdMembers(), [](const auto& known) { return known.first; }));
 }
 
 TimeNs nanosecondsFromMilliseconds(const std::string& option, double milliseconds) {

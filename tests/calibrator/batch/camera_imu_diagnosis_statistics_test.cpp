@@ -17,8 +17,8 @@
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera_imu/batch.h"
-#include "calibrator/batch/camera_imu/score_tests.h"
 #include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/batch/faults/score_tests.h"
 #include "calibrator/simulate/faults/fault.h"
 #include "tests/calibrator/batch/camera_imu_examples.h"
 

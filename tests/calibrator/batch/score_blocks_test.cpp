@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrator/batch/camera_imu/score_tests.h"
+#include "calibrator/batch/faults/score_tests.h"
 
 namespace plumbline {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/stopping_rule.h"
+#include "evaluate/replay/stops/stopping_rule.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@
 #include "evaluate/metrics/calibration/distances.h"
 #include "evaluate/replay/frame_split.h"
 #include "evaluate/replay/frames.h"
-#include "evaluate/replay/sufficiency.h"
+#include "evaluate/replay/stops/sufficiency.h"
 
 namespace plumbline {
 namespace {
@@ -279,8 +279,8 @@ StopAudit judgeCameraImuStop(const ReplayRun& run, const std::vector<CameraCalib
   const double bar_px = run.guide.trajectories.stop_reprojection_px;
   const CameraImuStageResult& full = *batches.full;
   const double full_px = std::sqrt(use.expectedErrorUnder(imuCovariance(full), full.imu.T_SC0));
-  const auto points = [&](const ImuCalibration& imu) {
-    return Distance{use.differencePx(imu, full.imu), full_px};
+  const auto points = [&](const ImuCalibration& of) {
+    return Distance{use.differencePx(of, full.imu), full_px};
   };
   audit.enough = enoughSince(run, order, counts, [&](const Session& session) {
     const auto batch = calibrateCameraImu(session, cameras, imu);

@@ -11,7 +11,7 @@
 #include "calibrator/base/session.h"
 #include "calibrator/batch/camera/batch.h"
 #include "evaluate/metrics/calibration/distances.h"
-#include "evaluate/replay/stopping_rule.h"
+#include "evaluate/replay/stops/stopping_rule.h"
 #include "report/records/replay_record.h"
 
 namespace plumbline {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Was the stop right? On a simulated recording, for decisions made up so that the answer is known.
-#include "evaluate/replay/stopping_rule.h"
+#include "evaluate/replay/stops/stopping_rule.h"
 
 #include <cmath>
 

@@ -6,8 +6,8 @@
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/transform.h"
-#include "calibrator/batch/camera_imu/frame_forces.h"
-#include "calibrator/batch/camera_imu/score_tests.h"
+#include "calibrator/batch/faults/frame_forces.h"
+#include "calibrator/batch/faults/score_tests.h"
 #include "calibrator/camera/camera.h"
 
 namespace plumbline {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/fault_columns.h"
+#include "calibrator/batch/faults/fault_columns.h"
 
 #include <numeric>
 #include <utility>
 
 #include "calibrator/batch/camera/problem.h"
-#include "calibrator/batch/camera_imu/score_tests.h"
+#include "calibrator/batch/faults/score_tests.h"
 #include "calibrator/residuals/imu_residual.h"
 
 namespace plumbline {

@@ -13,8 +13,8 @@
 #include "calibrator/base/results.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/batch/camera/problem.h"
-#include "calibrator/batch/camera_imu/fault_columns.h"
 #include "calibrator/batch/camera_imu/problem.h"
+#include "calibrator/batch/faults/fault_columns.h"
 #include "calibrator/linear/block_arrow.h"
 #include "calibrator/residuals/imu_residual.h"
 

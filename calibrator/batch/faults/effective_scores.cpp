@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "calibrator/batch/camera_imu/score_tests.h"
+#include "calibrator/batch/faults/score_tests.h"
 
 namespace plumbline {
 namespace {

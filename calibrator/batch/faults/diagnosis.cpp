@@ -6,9 +6,9 @@
 #include <set>
 #include <utility>
 
-#include "calibrator/batch/camera_imu/fault_columns.h"
-#include "calibrator/batch/camera_imu/score_tests.h"
 #include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/batch/faults/fault_columns.h"
+#include "calibrator/batch/faults/score_tests.h"
 
 namespace plumbline {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/frame_forces.h"
+#include "calibrator/batch/faults/frame_forces.h"
 
 #include <algorithm>
 #include <cmath>

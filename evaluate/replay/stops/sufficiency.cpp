@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "evaluate/replay/sufficiency.h"
+#include "evaluate/replay/stops/sufficiency.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibrator/batch/camera_imu/score_tests.h"
+#include "calibrator/batch/faults/score_tests.h"
 
 #include <algorithm>
 #include <cmath>
