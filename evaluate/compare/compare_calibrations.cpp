@@ -229,7 +229,7 @@ std::vector<Finding> heldFindings(const ComparedFile& file, const Session& sessi
 std::optional<bool> isContradicted(const std::vector<Finding>& tests, bool states_offset) {
   std::optional<bool> contradicted;
   for (const Finding& f : tests) {
-    if (!f.rule.ends_with(kAgainstRecording) || isNotJudged(f) || std::isnan(f.value)) continue;
+    if (isNotJudged(f) || std::isnan(f.value)) continue;
     const bool of_cameras = f.subject == FindingSubject::kCameras;
     const VerdictLevel least =
         of_cameras || states_offset ? VerdictLevel::kCaution : VerdictLevel::kBad;

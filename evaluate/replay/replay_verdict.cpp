@@ -67,18 +67,18 @@ std::string stopAdvice(const GuideOptions& guide, GuideStage stage, bool later) 
 }
 
 /// What may make a recording sufficient that is not.
-std::string moreAdvice(bool board_taken_as_flat) {
+std::string moreAdvice(const AprilGrid& board) {
   std::string advice =
       "see what plumbline calibrate says of it, and record longer or with the views and motion "
       "that it lacks";
-  if (board_taken_as_flat) advice += "; give the board's shape, if it is known (--target-shape)";
+  if (board.shape.isFlat()) advice += "; give the board's shape, if it is known (--target-shape)";
   return advice;
 }
 
-/// The seconds that a stop was early or late, held against what is still right: none too early,
-/// `tolerance_s` too late.
-Finding stopFinding(const StopAudit& audit, const GuideOptions& guide, double tolerance_s,
-                    bool flat) {
+/// The seconds that a stop was early or late, held against what is still right: none too early, the
+/// audit's tolerance too late.
+Finding stopFinding(const StopAudit& audit, const ReplayRecord& record,
+                    const ReplayRequest& request) {
   using Verdict = StopAudit::Verdict;
   Finding f{ruleName(audit.stage, "stop"),
             audit.verdict == Verdict::kRight ? VerdictLevel::kGood : VerdictLevel::kCaution,
@@ -86,19 +86,19 @@ Finding stopFinding(const StopAudit& audit, const GuideOptions& guide, double to
   const bool judged = audit.verdict != Verdict::kNotJudged;
   if (audit.finished && judged) {
     f.value = audit.seconds;
-    f.threshold = audit.verdict == Verdict::kEarly ? 0 : tolerance_s;
+    f.threshold = audit.verdict == Verdict::kEarly ? 0 : request.audit.tolerance_s;
     f.unit = "s";
   }
   if (judged && !audit.enough && !audit.all_suffice.value_or(false)) {
-    f.advice = "the whole recording does not suffice either: " + moreAdvice(flat);
+    f.advice = "the whole recording does not suffice either: " + moreAdvice(record.target);
   } else if (audit.verdict == Verdict::kNeverStopped) {
     f.advice = fmt::format("the guide had not finished when the {} ended",
                            audit.ended ? "stage was" : "recording");
   } else if (audit.verdict == Verdict::kEarly) {
-    f.advice = stopAdvice(guide, audit.stage, true);
+    f.advice = stopAdvice(request.guide, audit.stage, true);
   } else if (audit.verdict == Verdict::kLate) {
     f.evidence += fmt::format("; {:.1f} s were spent beyond that", audit.seconds);
-    f.advice = stopAdvice(guide, audit.stage, false);
+    f.advice = stopAdvice(request.guide, audit.stage, false);
   }
   return f;
 }
@@ -118,8 +118,7 @@ std::vector<Finding> replayFindings(const ReplayRecord& record, const ReplayRequ
     findings.push_back(startFinding(stage, beginOf(record)));
     for (const StopAudit& audit : record.stop_audits) {
       if (audit.stage != stage.stage || !stage.ran) continue;
-      findings.push_back(stopFinding(audit, request.guide, request.audit.tolerance_s,
-                                     record.target.shape.isFlat()));
+      findings.push_back(stopFinding(audit, record, request));
     }
   }
   if (record.stages.empty()) findings.push_back(noStageFinding(request.load.read.read_imu));

@@ -11,7 +11,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kQuiet = 0.1;            // noise of a reading over what readings vary by
+constexpr double kQuiet = 0.1;            // noise of a reading over what the force varies by
 constexpr double kGaussian = 1.4826;      // standard deviation over median of |x|
 constexpr double kOfMiddle = 1.22474487;  // of x_k - (x_k-1 + x_k+1) / 2, for white noise of 1
 

@@ -43,14 +43,29 @@ std::vector<CameraDistance> cameraDistances(const std::vector<CameraCalibration>
   return all;
 }
 
+ImuVariances imuVariances(const CameraImuStageResult& estimated) {
+  const ImuCalibration& imu = estimated.imu;
+  ImuVariances out;
+  for (std::size_t k = 0; k < kImuParameters; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const double formal = k < 6 ? (*imu.T_SC0_std)[i] : *imu.time_offset_std_s;
+    out[k].value = formal * formal;
+    if (!estimated.faults) continue;
+    const FaultDiagnosis& faults = *estimated.faults;
+    const EstimatedVariance robust{
+        faults.robust_std[i] * faults.robust_std[i],
+        faults.robust_dof ? (*faults.robust_dof)[i] : EstimatedVariance{}.dof};
+    // Without a degree of freedom it says nothing.
+    if (std::isfinite(robust.value) && robust.value > 0 && robust.dof > 0) out[k] = robust;
+  }
+  return out;
+}
+
 Eigen::Matrix<double, 7, 7> imuCovariance(const CameraImuStageResult& estimated) {
   Eigen::Matrix<double, 7, 7> S = estimated.summary.covariance.matrix.topLeftCorner<7, 7>();
-  if (!estimated.faults) return S;
+  const ImuVariances variances = imuVariances(estimated);
   for (Eigen::Index k = 0; k < 7; ++k) {
-    const double scale = estimated.faults->robust_std[k] / std::sqrt(S(k, k));
-    // Without a degree of freedom it says nothing.
-    const auto& dof = estimated.faults->robust_dof;
-    if (!std::isfinite(scale) || !(scale > 0) || (dof && !((*dof)[k] > 0))) continue;
+    const double scale = std::sqrt(variances[static_cast<std::size_t>(k)].value / S(k, k));
     S.row(k) *= scale;
     S.col(k) *= scale;
   }

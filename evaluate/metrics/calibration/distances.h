@@ -2,12 +2,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/results.h"
+#include "calibrator/base/statistics/statistics.h"
 
 namespace plumbline {
 
@@ -36,8 +39,17 @@ struct CameraDistance {
 std::vector<CameraDistance> cameraDistances(const std::vector<CameraCalibration>& cameras,
                                             const CameraStageResult& estimated);
 
-/// Covariance of T_SC0 (3 m, 3 rad) and time offset [s] of a batch under the cameras that it held:
-/// the formal one, its deviations scaled to the cluster-robust ones where those are known.
+/// T_SC0 (3 m, 3 rad) and the time offset [s].
+inline constexpr std::size_t kImuParameters = 7;
+using ImuVariances = std::array<EstimatedVariance, kImuParameters>;
+
+/// Variances of a batch's T_SC0 and time offset under the cameras that it held: cluster-robust
+/// where they are known with a degree of freedom, as `calibrate` states them, otherwise formal. By
+/// formal ones alone, what the recording's own unmodelled errors do would be called a
+/// contradiction.
+ImuVariances imuVariances(const CameraImuStageResult& estimated);
+
+/// The formal covariance, its deviations scaled to those.
 Eigen::Matrix<double, 7, 7> imuCovariance(const CameraImuStageResult& estimated);
 
 /// How far T_SC0 and the time offset are from those of a batch.

@@ -11,7 +11,6 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/initialise/camera_start.h"
 #include "evaluate/metrics/calibration/distances.h"
-#include "evaluate/metrics/calibration/held_imu.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/lists.h"
 #include "evaluate/metrics/rules/rules.h"
@@ -72,7 +71,7 @@ Finding findingOf(const Rule& rule, const std::vector<Difference>& all, double h
 
 std::vector<Finding> judgeHeldCameras(const CameraStageResult& held, const Session& session,
                                       const ScoreOptions& options) {
-  const Rule rule{fmt::format("Cameras {}", kAgainstRecording), "x", kOverItsBound,
+  const Rule rule{"Cameras against this recording", "x", kOverItsBound,
                   "Focus, mount or board may have changed since, or one of the two recordings "
                   "determines the cameras badly: calibrate this one, and compare both (plumbline "
                   "compare) on a third."};

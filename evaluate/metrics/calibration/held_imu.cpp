@@ -15,6 +15,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
+#include "evaluate/metrics/calibration/distances.h"
 #include "evaluate/metrics/failure_text.h"
 #include "evaluate/metrics/half_width.h"
 #include "evaluate/metrics/lists.h"
@@ -108,8 +109,8 @@ std::vector<OffsetBetween> offsetsBetween(const CameraImuStageResult& estimated,
 Findings judgeHeldBetween(const ImuCalibration& held, HeldOffset offset,
                           const CameraImuStageResult& estimated,
                           const EstimatedVariance& of_offset) {
-  Rule rule{fmt::format("Time offsets between cameras {}", kAgainstRecording), "ms",
-            kUsualBounds.offset_std_ms, ""};
+  Rule rule{"Time offsets between cameras against this recording", "ms", kUsualBounds.offset_std_ms,
+            ""};
   VerdictLevel worst = VerdictLevel::kGood;
   double value = 0;
   std::string list;
@@ -167,32 +168,9 @@ std::string contradictionAdvice(const ImuCalibration& held, const CameraImuStage
          "the verdict of plumbline calibrate on it)";
 }
 
-/// T_SC0 (3 m, 3 rad) and the time offset [s].
-constexpr std::size_t kHeldParameters = 7;
-using HeldVariances = std::array<EstimatedVariance, kHeldParameters>;
-
-/// Robust where they are known, as `calibrate` states them: by formal ones alone, what the
-/// recording's own unmodelled errors do to T_SC0 would be called a contradiction.
-HeldVariances variancesOf(const CameraImuStageResult& estimated) {
-  HeldVariances out;
-  for (std::size_t k = 0; k < kHeldParameters; ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    const double formal = k < 6 ? (*estimated.imu.T_SC0_std)[i] : *estimated.imu.time_offset_std_s;
-    out[k].value = formal * formal;
-    if (!estimated.faults) continue;
-    const FaultDiagnosis& faults = *estimated.faults;
-    const EstimatedVariance robust{
-        faults.robust_std[i] * faults.robust_std[i],
-        faults.robust_dof ? (*faults.robust_dof)[i] : EstimatedVariance{}.dof};
-    // Without a degree of freedom it says nothing.
-    if (std::isfinite(robust.value) && robust.value > 0 && robust.dof > 0) out[k] = robust;
-  }
-  return out;
-}
-
 /// Those that the file states. Both sides are estimates: one that states none is taken to be as
 /// uncertain as the recording's.
-HeldVariances statedVariances(const ImuCalibration& held, HeldVariances own) {
+ImuVariances statedVariances(const ImuCalibration& held, ImuVariances own) {
   for (std::size_t k = 0; held.T_SC0_std && k < 6; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const double std = (*held.T_SC0_std)[i];
@@ -213,13 +191,13 @@ struct HeldDifference {
 /// `own` are the variances of `seen`. Every component is judged by itself: a length is known as
 /// badly as the worst of its components, which would hide the others.
 HeldDifference heldDifference(const ImuCalibration& held, const ImuCalibration& seen,
-                              const HeldVariances& own) {
+                              const ImuVariances& own) {
   constexpr std::array kNames = {"T_SC0.tx", "T_SC0.ty", "T_SC0.tz",   "T_SC0.rx",
                                  "T_SC0.ry", "T_SC0.rz", "time offset"};
-  const HeldVariances stated = statedVariances(held, own);
-  Eigen::Matrix<double, kHeldParameters, 1> off, variance, by;
+  const ImuVariances stated = statedVariances(held, own);
+  Eigen::Matrix<double, kImuParameters, 1> off, variance, by;
   off << boxminus(held.T_SC0, seen.T_SC0), held.timeOffset() - seen.timeOffset();
-  for (std::size_t k = 0; k < kHeldParameters; ++k) {
+  for (std::size_t k = 0; k < kImuParameters; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     variance[i] = own[k].value + stated[k].value;
     by[i] = deviates(off[i], own[k], stated[k]);
@@ -256,7 +234,7 @@ HeldDifference heldDifference(const ImuCalibration& held, const ImuCalibration& 
 std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
                                   const Result<CameraImuStageResult>& estimated) {
   Finding f;
-  f.rule = fmt::format("T_SC0 and time offset {}", kAgainstRecording);
+  f.rule = "T_SC0 and time offset against this recording";
   f.subject = FindingSubject::kExtrinsics;
   if (!estimated || !estimated->summary.converged) {
     // A recording that moves too little to tell is no fault of the calibration.
@@ -271,7 +249,7 @@ std::vector<Finding> judgeHeldImu(const ImuCalibration& held, HeldOffset offset,
                  ")";
     return {f};
   }
-  const HeldVariances own = variancesOf(*estimated);
+  const ImuVariances own = imuVariances(*estimated);
   const HeldDifference d = heldDifference(held, estimated->imu, own);
   // A file cannot contradict the recording in an offset that it does not state.
   const bool assumed = offset == HeldOffset::kAssumed;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string_view>
 #include <vector>
 
 #include "calibrator/base/calibration.h"
@@ -12,9 +11,6 @@
 #include "evaluate/metrics/verdict.h"
 
 namespace plumbline {
-
-/// How the rules of what is held end, here and in held_cameras.h.
-inline constexpr std::string_view kAgainstRecording = "against this recording";
 
 /// T_SC0 and the time offset that were held against those that `estimated` found on the recording
 /// with the same cameras: a caution where a component differs by more than three standard

@@ -270,6 +270,34 @@ TEST_F(CommandReplay, CamerasThatAreNotTheRecordingsAreACaution) {
   EXPECT_EQ(rule(wrong), "caution");
 }
 
+TEST_F(CommandReplay, AShapeOfAnotherBoardIsACaution) {
+  fs::create_directories(scratch());
+  const auto made = [&](const char* name, const std::string& options) {
+    const std::string folder = (scratch() / name).string();
+    EXPECT_EQ(plumbline("simulate --seed 5 --duration 10 --camera-rate 10 " + options + " --out " +
+                        folder)
+                  .exit_code,
+              0);
+    return folder;
+  };
+  const std::string bent = made("bent", "--target-shape bow=4mm"), even = made("even", "");
+  const auto finding = [&](const std::string& session) {
+    const Outcome run =
+        replay(session, "--no-report --no-imu --no-counterfactuals --target-shape " + bent +
+                            "/truth/target_shape.yaml --force");
+    EXPECT_EQ(run.exit_code, 0) << run.text;
+    const json verdict = json::parse(read(out() / "replay.json"))["verdict"];
+    for (const json& f : verdict["findings"]) {
+      if (f["rule"] == "Shape of the target") return f;
+    }
+    return json();
+  };
+  EXPECT_EQ(finding(bent)["level"], "good");
+  const json other = finding(even);
+  EXPECT_EQ(other["level"], "caution") << other;
+  EXPECT_THAT(std::string(other["advice"]), HasSubstr("leave out --target-shape"));
+}
+
 TEST_F(CommandReplay, BadUsageLeavesNothing) {
   for (const char* options :
        {"--latency-ms frame=5", "--latency-ms camera-frame=x", "--latency-ms camera-frame=-1",

@@ -85,8 +85,7 @@ TEST_F(Stopping, SoonAfterEnoughIsRight) {
   EXPECT_EQ(cameraAudit().verdict, Stop::kRight) << cameraAudit().explanation;
 }
 
-// Poses absorb what cameras of a few views are off by: a tenth of a per cent on unseen frames, and
-// most of a pixel over the image.
+// Poses absorb what cameras of a few views are off by.
 TEST_F(Stopping, HeldOutFramesAloneAreNoProof) {
   decide(GuideStage::kCamera, 2, 1.3);
   const StopAudit audit = cameraAudit();
