@@ -278,47 +278,44 @@ void addDeviations(const YamlMap& file, const char* stage, StatedDeviations& out
 
 }  // namespace
 
-Calibration readCalibration(const std::string& path) {
-  const YamlMap file = loadCalibration(path);
-  const Tool tool = toolOf(file);
-  if (tool == Tool::kYac) return readYacResult(file);
-  if (tool == Tool::kBasalt) return readBasaltCalibration(file);
-  if (tool == Tool::kKalibr) return calibrationOf(readKalibrCamchain(path));
-  if (file.has("schema") && file.has("cameras")) return readOurs(file);
-  refuseOtherKeys(file);
+CalibrationFile::CalibrationFile(const std::string& path) : map_(loadCalibration(path)) {}
+
+Calibration CalibrationFile::calibration() const {
+  const Tool tool = toolOf(map_);
+  if (tool == Tool::kYac) return readYacResult(map_);
+  if (tool == Tool::kBasalt) return readBasaltCalibration(map_);
+  if (tool == Tool::kKalibr) return calibrationOf(readKalibrCamchain(map_.path()));
+  if (map_.has("schema") && map_.has("cameras")) return readOurs(map_);
+  refuseOtherKeys(map_);
   throw badInput(
-      path, 1,
+      map_.path(), 1,
       {InputFault::kUnknownFile, "this is not a known calibration format", kKnownCalibrations});
 }
 
-bool statesImuNoise(const std::string& path) {
-  const YamlMap file = YamlMap::load(path, kKnownCalibrations);
+bool CalibrationFile::statesImuNoise() const {
   // Kalibr's camchain has none: they are in a file of their own.
-  return isYacResult(file) || isBasaltCalibration(file) || file.has("schema");
+  return isYacResult(map_) || isBasaltCalibration(map_) || map_.has("schema");
 }
 
 // Of the formats Kalibr's alone may leave the offset out, which is then read as zero.
-bool statesTimeOffset(const std::string& path) {
-  const YamlMap file = YamlMap::load(path, kKnownCalibrations);
-  return toolOf(file) != Tool::kKalibr || readKalibrCamchain(path).statesTimeOffset();
+bool CalibrationFile::statesTimeOffset() const {
+  return toolOf(map_) != Tool::kKalibr || readKalibrCamchain(map_.path()).statesTimeOffset();
 }
 
-bool statesImuPlacesTwice(const std::string& path) {
-  const YamlMap file = YamlMap::load(path, kKnownCalibrations);
-  return toolOf(file) == Tool::kKalibr && readKalibrCamchain(path).statesImuPlacesTwice();
+bool CalibrationFile::statesImuPlacesTwice() const {
+  return toolOf(map_) == Tool::kKalibr && readKalibrCamchain(map_.path()).statesImuPlacesTwice();
 }
 
-CalibrationExtras readCalibrationExtras(const std::string& path) {
-  const YamlMap file = YamlMap::load(path, "a calibration");
-  const Tool tool = toolOf(file);
+CalibrationExtras CalibrationFile::extras() const {
+  const Tool tool = toolOf(map_);
   if (tool == Tool::kYac) return {"yac"};
-  if (tool == Tool::kBasalt) return {.tool = "basalt", .remarks = basaltRemarks(file)};
+  if (tool == Tool::kBasalt) return {.tool = "basalt", .remarks = basaltRemarks(map_)};
   if (tool == Tool::kKalibr) {
-    return {file.map("cam0", "a camera").has("T_imu_cam") ? "openvins" : "kalibr"};
+    return {map_.map("cam0", "a camera").has("T_imu_cam") ? "openvins" : "kalibr"};
   }
-  CalibrationExtras extras{"plumbline", camerasCovariance(file)};
-  if (file.has("provenance")) {
-    const YamlMap provenance = file.map("provenance", "where the result comes from");
+  CalibrationExtras extras{"plumbline", camerasCovariance(map_)};
+  if (map_.has("provenance")) {
+    const YamlMap provenance = map_.map("provenance", "where the result comes from");
     extras.input = provenance.textOr("input", "");
     extras.input_hash = provenance.textOr("input_hash", "");
     const YAML::Node hashes = provenance.node("camera_hashes");
@@ -329,15 +326,16 @@ CalibrationExtras readCalibrationExtras(const std::string& path) {
   return extras;
 }
 
-StatedDeviations readDeviations(const std::string& path) {
+StatedDeviations CalibrationFile::deviations() const {
   StatedDeviations out;
-  const YamlMap file = YamlMap::load(path, "a calibration");
-  const bool ours = toolOf(file) == Tool::kPlumbline;
-  if (!ours || !file.has("covariance") || !file.has("stages")) return out;
+  const bool ours = toolOf(map_) == Tool::kPlumbline;
+  if (!ours || !map_.has("covariance") || !map_.has("stages")) return out;
   // In this order: what both stages estimate the second one has said last.
-  addDeviations(file, "camera", out);
-  addDeviations(file, "camera_imu", out);
+  addDeviations(map_, "camera", out);
+  addDeviations(map_, "camera_imu", out);
   return out;
 }
+
+Calibration readCalibration(const std::string& path) { return CalibrationFile(path).calibration(); }
 
 }  // namespace plumbline

@@ -35,34 +35,6 @@ bool isYacResult(const YamlMap& file);
 /// gyroscope's bias and the reverse), and the poses.
 Calibration readYacResult(const YamlMap& file);
 
-/// Reads a calibration, told by its content: ours (calibration.json), Kalibr's (camchain*.yaml),
-/// OpenVINS' (kalibr_imucam_chain.yaml), yac's (its results of camera and of camera-IMU
-/// calibration) or Basalt's (calibration.json, all below value0).
-///
-/// Kalibr: T_cam_imu maps IMU to camera, T_cn_cnm1 the previous camera to this one; a chain is
-/// resolved to T_C0Ci. The IMU is there if a camera has T_cam_imu; the time offset is that of
-/// camera 0, with those of all where they differ. Its noise is not in that file (see
-/// datasets/calibration/kalibr/run.h for all files of a run).
-/// yac: T_cam0_cam1 and T_imu0_cam0 are our T_C0C1 and T_SC0, time_delay our time offset
-/// (imu_timestamp = camera_timestamp + time_delay); densities sigma_*_c are continuous-time ones.
-/// Throws InputError, with file and line, for a file that is none of these, missing keys,
-/// transforms that are not rigid or contradict each other by more than 1 mm or 0.1 degrees, a
-/// rolling shutter (line_delay), and models whose number of parameters is wrong.
-Calibration readCalibration(const std::string& path);
-
-/// Whether a calibration's file states the noise densities of its IMU: ours, yac's and Basalt's do,
-/// Kalibr's and OpenVINS' camchain do not (ImuCalibration::noise is then its default). Throws
-/// InputError for a file that cannot be parsed.
-bool statesImuNoise(const std::string& path);
-
-/// Whether it states a time offset: Kalibr's and OpenVINS' camchain may leave it out
-/// (ImuCalibration::time_offsets is then 0). Throws InputError for a file that cannot be parsed.
-bool statesTimeOffset(const std::string& path);
-
-/// Whether it states where several cameras lie to the IMU beside where they lie to each other
-/// (Kalibr's T_cam_imu and T_cn_cnm1), which agree. Throws InputError as readCalibration() does.
-bool statesImuPlacesTwice(const std::string& path);
-
 /// What a calibration's file says beside the calibration itself.
 struct CalibrationExtras {
   std::string tool;  ///< who wrote it: "plumbline", "kalibr", "openvins", "yac", "basalt"
@@ -71,16 +43,56 @@ struct CalibrationExtras {
   std::string input = {};       ///< ours: name of the session that it was estimated from
   std::string input_hash = {};  ///< and its hash, "algorithm:hex"
   std::vector<std::string> camera_hashes = {};  ///< and of what each of its cameras recorded
-  std::vector<std::string> remarks = {};  ///< on what readCalibration() simplified, a sentence each
+  std::vector<std::string> remarks = {};  ///< on what calibration() simplified, a sentence each
 };
 
-/// Reads them from a file that readCalibration() reads. Throws InputError, with file and line, for
-/// a covariance that is not square or does not fit its list of parameters.
-CalibrationExtras readCalibrationExtras(const std::string& path);
+/// A calibration's file, parsed once: ours (calibration.json), Kalibr's (camchain*.yaml), OpenVINS'
+/// (kalibr_imucam_chain.yaml), yac's (its results of camera and of camera-IMU calibration) or
+/// Basalt's (calibration.json, all below value0), told by its content.
+class CalibrationFile {
+ public:
+  /// Throws InputError, with file and line, for a file that cannot be parsed.
+  explicit CalibrationFile(const std::string& path);
 
-/// What a calibration's file states of its parameters ("cam0.fu", "T_SC0.tx", "time_offset"): ours,
-/// robust where the stage has them (`robust_std`, `robust_dof`), else formal.
-/// Empty for other tools' files. Throws InputError as readCalibrationExtras() does.
-StatedDeviations readDeviations(const std::string& path);
+  const std::string& path() const { return map_.path(); }
+
+  /// Kalibr: T_cam_imu maps IMU to camera, T_cn_cnm1 the previous camera to this one; a chain is
+  /// resolved to T_C0Ci. The IMU is there if a camera has T_cam_imu; the time offset is that of
+  /// camera 0, with those of all where they differ. Its noise is not in that file (see
+  /// datasets/calibration/kalibr/run.h for all files of a run).
+  /// yac: T_cam0_cam1 and T_imu0_cam0 are our T_C0C1 and T_SC0, time_delay our time offset
+  /// (imu_timestamp = camera_timestamp + time_delay); densities sigma_*_c are continuous-time ones.
+  /// Throws InputError, with file and line, for a file that is none of these, missing keys,
+  /// transforms that are not rigid or contradict each other by more than 1 mm or 0.1 degrees, a
+  /// rolling shutter (line_delay), and models whose number of parameters is wrong.
+  Calibration calibration() const;
+
+  /// Whether it states the noise densities of its IMU: ours, yac's and Basalt's do, Kalibr's and
+  /// OpenVINS' camchain do not (ImuCalibration::noise is then its default).
+  bool statesImuNoise() const;
+
+  /// Whether it states a time offset: Kalibr's and OpenVINS' camchain may leave it out
+  /// (ImuCalibration::time_offsets is then 0). Throws InputError as calibration() does.
+  bool statesTimeOffset() const;
+
+  /// Whether it states where several cameras lie to the IMU beside where they lie to each other
+  /// (Kalibr's T_cam_imu and T_cn_cnm1), which agree. Throws InputError as calibration() does.
+  bool statesImuPlacesTwice() const;
+
+  /// Throws InputError, with file and line, for a covariance that is not square or does not fit its
+  /// list of parameters.
+  CalibrationExtras extras() const;
+
+  /// What it states of its parameters ("cam0.fu", "T_SC0.tx", "time_offset"): ours, robust where
+  /// the stage has them (`robust_std`, `robust_dof`), else formal. Empty for other tools' files.
+  /// Throws InputError as extras() does.
+  StatedDeviations deviations() const;
+
+ private:
+  YamlMap map_;
+};
+
+/// CalibrationFile::calibration() of a file of which nothing else is asked.
+Calibration readCalibration(const std::string& path);
 
 }  // namespace plumbline

@@ -52,8 +52,9 @@ CalibrationRecord recordOf(const LoadedSession& loaded, const EvaluateCalibratio
 /// Mistakes of convention and of units, in the file and against the recording. Densities are not
 /// the file's here: those of the recording's imu.yaml are used.
 std::vector<Finding> conventionFindings(const EvaluateCalibrationRequest& asked,
-                                        const Calibration& calibration, const Session& session) {
-  LintedCalibration linted = lintedFrom(asked.calibration, calibration);
+                                        const CalibrationFile& file, const Calibration& calibration,
+                                        const Session& session) {
+  LintedCalibration linted = lintedFrom(file, calibration);
   linted.noise_known = false;
   Session seen = session;
   if (!asked.score.use_imu) {
@@ -99,10 +100,9 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   asked.check();
   const std::string label = std::filesystem::path(asked.calibration).filename().string();
   // First what explains files that are no calibrations.
-  Calibration read = readCalibration(asked.calibration);
-  const Calibration calibration =
-      withDeviations(std::move(read), readDeviations(asked.calibration));
-  const CalibrationExtras from = readCalibrationExtras(asked.calibration);
+  const CalibrationFile file(asked.calibration);
+  const Calibration calibration = withDeviations(file.calibration(), file.deviations());
+  const CalibrationExtras from = file.extras();
   const auto scoredOn = [&](const Session& session) {
     return ScoredCalibration{label, matchCalibration(calibration, asked.calibration, session)};
   };
@@ -112,7 +112,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   SessionScores on_session = scoreSession(scored, loaded.session, asked.score, progress);
   const CalibrationScore& whole = on_session.scores.front();
   const std::vector<Finding> mistakes =
-      conventionFindings(asked, scored.calibration, loaded.session);
+      conventionFindings(asked, file, scored.calibration, loaded.session);
   // Without a single corner there is nothing to show: the reason is the result.
   if (whole.reprojection.count == 0) {
     std::string problem = whole.problem;
@@ -148,8 +148,7 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   progress("testing the cameras", -1);
   std::vector<Finding> held = judgeHeldCameras(*record.camera, loaded.session, asked.score);
   if (record.camera_imu) progress("testing T_SC0 and the time offset", -1);
-  const HeldOffset offset =
-      statesTimeOffset(asked.calibration) ? HeldOffset::kStated : HeldOffset::kAssumed;
+  const HeldOffset offset = file.statesTimeOffset() ? HeldOffset::kStated : HeldOffset::kAssumed;
   append(held, testHeldImu(scored.calibration, offset, loaded.session, asked.score),
          FindingSubject::kExtrinsics);
   record.verdict =

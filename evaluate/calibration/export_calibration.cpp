@@ -20,9 +20,8 @@
 namespace plumbline {
 namespace {
 
-Calibration requestedCalibration(const ExportRequest& request) {
-  Calibration calibration =
-      selectCameras(readCalibration(request.calibration), request.only, request.calibration);
+Calibration requestedCalibration(const ExportRequest& request, const CalibrationFile& file) {
+  Calibration calibration = selectCameras(file.calibration(), request.only, request.calibration);
   if (!request.imu) return calibration;
   if (!calibration.imu) {
     throw InputError(request.calibration, 0,
@@ -103,8 +102,9 @@ bool compare(const Intrinsics& from, const Intrinsics& to, ModelConversion& out)
 }
 
 /// Of units and conventions in the files that are exported: noise by the file that states it.
-std::vector<Finding> mistakesOf(const ExportRequest& request, const Calibration& calibration) {
-  LintedCalibration linted = lintedFrom(request.calibration, calibration);
+std::vector<Finding> mistakesOf(const ExportRequest& request, const CalibrationFile& file,
+                                const Calibration& calibration) {
+  LintedCalibration linted = lintedFrom(file, calibration);
   if (!request.imu) return lintCalibrations({&linted, 1});
   linted.noise_known = false;
   std::vector<Finding> found = lintCalibrations({&linted, 1});
@@ -119,12 +119,13 @@ std::vector<Finding> mistakesOf(const ExportRequest& request, const Calibration&
 }  // namespace
 
 CalibrationExport exportCalibrationFile(const ExportRequest& request) {
+  const CalibrationFile file(request.calibration);
   const ExportOptions options{request.calibration, kVersion,
-                              request.imu.has_value() || statesImuNoise(request.calibration),
-                              request.camera_rate_hz, statesTimeOffset(request.calibration)};
-  Calibration calibration = requestedCalibration(request);
+                              request.imu.has_value() || file.statesImuNoise(),
+                              request.camera_rate_hz, file.statesTimeOffset()};
+  Calibration calibration = requestedCalibration(request, file);
   // Mistakes of units and of convention would go into the other tool without a word.
-  const std::vector<Finding> mistakes = mistakesOf(request, calibration);
+  const std::vector<Finding> mistakes = mistakesOf(request, file, calibration);
   CalibrationExport out;
   if (request.model) {
     out.conversions = convertModels(calibration, *request.model, request.calibration);

@@ -54,9 +54,9 @@ struct CalibrationExport : ExportedFiles {
 
 /// Reads a calibration and gives it in a tool's format: the files, and what they leave out.
 ///
-/// Noise densities are known where the file states them (statesImuNoise()) or `imu` is given, the
-/// time offset where it states that (statesTimeOffset()).
-/// Throws InputError for what cannot be read or represented.
+/// Noise densities are known where the file states them (CalibrationFile::statesImuNoise()) or
+/// `imu` is given, the time offset where it states that (statesTimeOffset()). Throws InputError for
+/// what cannot be read or represented.
 CalibrationExport exportCalibrationFile(const ExportRequest& request);
 
 }  // namespace plumbline

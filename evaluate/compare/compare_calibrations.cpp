@@ -337,11 +337,11 @@ std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
     ComparedFile file;
     file.path = paths[i];
     // First what explains files that are no calibrations.
-    Calibration read = readCalibration(paths[i]);
-    file.compared.calibration = withDeviations(std::move(read), readDeviations(paths[i]));
-    file.extras = readCalibrationExtras(paths[i]);
-    file.states_noise = statesImuNoise(paths[i]);
-    file.states_offset = statesTimeOffset(paths[i]);
+    const CalibrationFile read(paths[i]);
+    file.compared.calibration = withDeviations(read.calibration(), read.deviations());
+    file.extras = read.extras();
+    file.states_noise = read.statesImuNoise();
+    file.states_offset = read.statesTimeOffset();
     addRemarks(file.extras.remarks, "IMU model", file);
     if (file.extras.tool == "kalibr") readKalibr(file);
     if (file.compared.calibration.imu && !file.states_offset) addUnknownOffset(file);

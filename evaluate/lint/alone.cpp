@@ -174,10 +174,10 @@ std::vector<Finding> alone(const LintedCalibration& linted) {
 
 namespace plumbline {
 
-LintedCalibration lintedFrom(const std::string& path, Calibration calibration) {
-  const bool noise_known = calibration.imu && statesImuNoise(path);
-  return {std::filesystem::path(path).filename().string(), std::move(calibration), noise_known,
-          statesTimeOffset(path), statesImuPlacesTwice(path)};
+LintedCalibration lintedFrom(const CalibrationFile& file, Calibration calibration) {
+  const bool noise_known = calibration.imu && file.statesImuNoise();
+  return {std::filesystem::path(file.path()).filename().string(), std::move(calibration),
+          noise_known, file.statesTimeOffset(), file.statesImuPlacesTwice()};
 }
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
+#include "datasets/calibration/calibration_reader.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {
@@ -22,9 +23,9 @@ struct LintedCalibration {
   bool imu_places_agree = false;
 };
 
-/// A calibration that was read from `path` under that file's name, with what the file itself
+/// A calibration that was read from `file` under that file's name, with what the file itself
 /// states; an imu.yaml beside Kalibr's camchain is not looked at.
-LintedCalibration lintedFrom(const std::string& path, Calibration calibration);
+LintedCalibration lintedFrom(const CalibrationFile& file, Calibration calibration);
 
 /// Looks for mistakes of convention and of units in calibrations of one rig: each by itself, and,
 /// where there are several, against each other. One finding for each fault, none for clean files;

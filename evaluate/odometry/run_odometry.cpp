@@ -32,8 +32,9 @@ std::vector<NamedCalibration> readCalibrations(const OdometryRequest& request) {
   std::vector<NamedCalibration> list;
   std::set<std::string> names;
   for (const std::string& file : request.calibrations) {
-    NamedCalibration c{nameOfCalibration(file), file, readCalibration(file), statesImuNoise(file),
-                       statesTimeOffset(file)};
+    const CalibrationFile read(file);
+    NamedCalibration c{nameOfCalibration(file), file, read.calibration(), read.statesImuNoise(),
+                       read.statesTimeOffset()};
     if (!c.calibration.imu) {
       throw InputError(file, 0, "has no IMU; odometry needs T_SC0: calibrate with one");
     }
@@ -96,7 +97,8 @@ std::vector<CalibrationSensitivity> sensitivities(
       list.push_back(std::move(s));
     };
     for (const NamedCalibration& of : calibrations) {
-      if (const auto steps = deviationSteps(of.calibration, readDeviations(of.file.string()))) {
+      if (const auto steps =
+              deviationSteps(of.calibration, CalibrationFile(of.file.string()).deviations())) {
         add(of, "", *steps);
       }
     }
@@ -124,7 +126,7 @@ void checkBuiltinOnly(const OdometryRequest& request,
   }
   if (calibrations.size() > 1) return;
   const NamedCalibration& only = calibrations.front();
-  if (deviationSteps(only.calibration, readDeviations(only.file.string()))) return;
+  if (deviationSteps(only.calibration, CalibrationFile(only.file.string()).deviations())) return;
   throw InputError(only.file.string(), 0,
                    "states no standard deviations by which to change its parameters; give a "
                    "calibration.json, or a second calibration");

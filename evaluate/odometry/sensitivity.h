@@ -19,8 +19,8 @@ struct SensitivitySteps {
   bool both_ways = true;  ///< by + and - the step; else the way to another calibration
 };
 
-/// Steps by the deviations that the calibration's file states (readDeviations(): robust where they
-/// are known), by name. Empty where it states none.
+/// Steps by the deviations that the calibration's file states (CalibrationFile::deviations():
+/// robust where they are known), by name. Empty where it states none.
 std::optional<SensitivitySteps> deviationSteps(const Calibration& calibration,
                                                const StatedDeviations& deviations);
 

@@ -60,8 +60,8 @@ std::string exported(const Calibration& calibration, ExportTool tool, const std:
 
 void readAnyCalibration(const std::string& path) {
   expectStable(path, readCalibration(path), oursText, readCalibration);
-  statesImuNoise(path);
-  readCalibrationExtras(path);
+  const CalibrationFile file(path);
+  file.statesImuNoise(), file.extras(), file.deviations();
 }
 
 /// Kalibr's camchain says nothing of gravity, noise, deviations.

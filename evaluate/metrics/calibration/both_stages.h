@@ -22,7 +22,7 @@ Result<CameraImuStageResult> convergedCameraImu(const Session& session,
                                                 const CameraStageResult* estimated = nullptr);
 
 /// The deviations of a record's parameters, as its calibration.json states them to
-/// readDeviations(): robust where they are known, else formal.
+/// CalibrationFile::deviations(): robust where they are known, else formal.
 StatedDeviations statedDeviations(const CalibrationRecord& record);
 
 }  // namespace plumbline

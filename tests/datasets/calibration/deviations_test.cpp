@@ -47,7 +47,7 @@ class Deviations : public testing::Test {
 /// Without their degrees of freedom.
 std::map<std::string, double> deviationsOf(const std::string& path) {
   std::map<std::string, double> out;
-  for (const auto& [name, of] : readDeviations(path)) out[name] = of.std;
+  for (const auto& [name, of] : CalibrationFile(path).deviations()) out[name] = of.std;
   return out;
 }
 
@@ -63,20 +63,23 @@ TEST_F(Deviations, AreRobustWhereTheStageHasThem) {
 
 // Formal ones are taken for known, and so are robust ones without degrees of freedom.
 TEST_F(Deviations, HaveTheDegreesOfFreedomOfRobustOnes) {
-  const auto both = readDeviations(
-      write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7], "robust_dof": [4.5, 9])")));
+  const auto both = CalibrationFile(write(file(covariance("T_SC0.ty"),
+                                               R"("robust_std": [5, 7], "robust_dof": [4.5, 9])")))
+                        .deviations();
   EXPECT_EQ(both.at("T_SC0.ty").dof, 4.5);
   EXPECT_EQ(both.at("T_SC0.tx").dof, 9);
   EXPECT_TRUE(std::isinf(both.at("cam0.fu").dof));
   const auto without =
-      readDeviations(write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7])")));
+      CalibrationFile(write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7])"))).deviations();
   EXPECT_TRUE(std::isinf(without.at("T_SC0.ty").dof));
 }
 
 // A null stands for what is not finite.
 TEST_F(Deviations, OfNullDegreesOfFreedomAreTakenForKnown) {
-  const auto stated = readDeviations(
-      write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7], "robust_dof": [null, 9])")));
+  const auto stated =
+      CalibrationFile(
+          write(file(covariance("T_SC0.ty"), R"("robust_std": [5, 7], "robust_dof": [null, 9])")))
+          .deviations();
   EXPECT_TRUE(std::isinf(stated.at("T_SC0.ty").dof));
   EXPECT_EQ(stated.at("T_SC0.ty").std, 5);
 }
@@ -100,11 +103,13 @@ std::string imuCovariance(const std::vector<std::string>& further = {}) {
 TEST_F(Deviations, ThroughBothStagesMayLeaveOutCamerasOwnOffsets) {
   const std::string robust = R"("robust_std": [3, 1, 1, 1, 1, 1, 1])";
   const auto stated =
-      readDeviations(write(file(imuCovariance({"time_offset.cam1"}), robust.c_str())));
+      CalibrationFile(write(file(imuCovariance({"time_offset.cam1"}), robust.c_str())))
+          .deviations();
   EXPECT_EQ(stated.at("tx").std, 3);
   EXPECT_EQ(stated.at("time_offset.cam1").std, 0);
   const auto refused = [&](const std::vector<std::string>& further, const char* words) {
-    return faultOf([&] { (void)readDeviations(write(file(imuCovariance(further), words))); });
+    return faultOf(
+        [&] { (void)CalibrationFile(write(file(imuCovariance(further), words))).deviations(); });
   };
   EXPECT_EQ(refused({"a", "b"}, R"("robust_std": [1, 1, 1, 1, 1, 1, 1, 1])"),
             InputFault::kContradiction);
@@ -116,10 +121,12 @@ TEST_F(Deviations, ThroughBothStagesMayLeaveOutCamerasOwnOffsets) {
 TEST_F(Deviations, OfTheCameraStageAreOfAllItsParameters) {
   const auto read = [&](const std::string& robust) {
     return faultOf([&] {
-      (void)readDeviations(write(fmt::format(
-          R"({{"schema": 1, "cameras": [], "stages": {{"camera": {{"robust_std": [{}]}}}},
+      (void)CalibrationFile(
+          write(fmt::format(
+              R"({{"schema": 1, "cameras": [], "stages": {{"camera": {{"robust_std": [{}]}}}},
 "covariance": {{"camera": {}}}}})",
-          robust, imuCovariance({"a", "b", "c"}))));
+              robust, imuCovariance({"a", "b", "c"}))))
+          .deviations();
     });
   };
   EXPECT_EQ(read("1, 1, 1, 1, 1, 1, 1, 1, 1, 1"), std::nullopt);
@@ -128,9 +135,12 @@ TEST_F(Deviations, OfTheCameraStageAreOfAllItsParameters) {
 
 // With given cameras there are none through both stages, but those of the tests for faults.
 TEST_F(Deviations, OfGivenCamerasAreThoseOfTheTestsForFaults) {
-  const auto stated = readDeviations(write(file(
-      imuCovariance(),
-      R"("faults": {"robust_std": [3, 1, 1, 1, 1, 1, 1], "robust_dof": [6, 1, 1, 1, 1, 1, 1]})")));
+  const auto stated =
+      CalibrationFile(
+          write(file(
+              imuCovariance(),
+              R"("faults": {"robust_std": [3, 1, 1, 1, 1, 1, 1], "robust_dof": [6, 1, 1, 1, 1, 1, 1]})")))
+          .deviations();
   EXPECT_EQ(stated.at("tx").std, 3);  // formal: 2
   EXPECT_EQ(stated.at("tx").dof, 6);
 }
@@ -139,29 +149,31 @@ TEST_F(Deviations, OfGivenCamerasAreThoseOfTheTestsForFaults) {
 TEST_F(Deviations, OfTwoStagesTheLastCounts) {
   const std::string path = write(file(covariance("cam0.fu"), ""));
   EXPECT_THAT(deviationsOf(path), ElementsAre(Pair("T_SC0.tx", 3), Pair("cam0.fu", 2)));
-  const auto cameras = readCalibrationExtras(path).cameras;
+  const auto cameras = CalibrationFile(path).extras().cameras;
   ASSERT_TRUE(cameras);
   EXPECT_EQ(cameras->names.size(), 2U);
 }
 
 // A stage without a focal length held the cameras: their covariance is the camera stage's.
 TEST_F(Deviations, AStageThatHeldTheCamerasSaysNothingOfThem) {
-  const auto cameras = readCalibrationExtras(write(file(covariance("T_SC0.ty"), ""))).cameras;
+  const auto cameras = CalibrationFile(write(file(covariance("T_SC0.ty"), ""))).extras().cameras;
   ASSERT_TRUE(cameras);
   EXPECT_THAT(cameras->names, ElementsAre("cam0.fu"));
   EXPECT_EQ(cameras->matrix(0, 0), 0.25);
 }
 
 TEST_F(Deviations, OtherToolsStateNone) {
-  EXPECT_THAT(readDeviations(folder_.write("chain.yaml", kCamchainImuYaml)), IsEmpty());
-  EXPECT_EQ(readCalibrationExtras(folder_.path("chain.yaml")).tool, "kalibr");
+  EXPECT_THAT(CalibrationFile(folder_.write("chain.yaml", kCamchainImuYaml)).deviations(),
+              IsEmpty());
+  EXPECT_EQ(CalibrationFile(folder_.path("chain.yaml")).extras().tool, "kalibr");
 }
 
 TEST_F(Deviations, FaultsNameTheirLine) {
   const auto refusal = [&](std::string text, const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
-    return refusalOf([&] { (void)readDeviations(write(text.replace(at, from.size(), to))); });
+    return refusalOf(
+        [&] { (void)CalibrationFile(write(text.replace(at, from.size(), to))).deviations(); });
   };
   const std::string good = file(covariance("T_SC0.ty"), R"("robust_std": [5, 7])");
   const struct {

@@ -49,10 +49,11 @@ TEST(KalibrTimeShifts, ACameraWithoutOneTakesThatOfAnother) {
   EXPECT_EQ(imu.timeOffset(1), -0.0125);
   EXPECT_FALSE(hasOwnOffset(imu.time_offsets, 1));
   EXPECT_EQ(readCalibration(first).imu->timeOffset(), -0.0135);
-  EXPECT_TRUE(statesTimeOffset(first) && statesTimeOffset(second));
+  EXPECT_TRUE(CalibrationFile(first).statesTimeOffset() &&
+              CalibrationFile(second).statesTimeOffset());
   std::string neither = kCamchainImuYaml;
   neither.erase(neither.find("  timeshift"));
-  EXPECT_FALSE(statesTimeOffset(folder.write("neither.yaml", neither)));
+  EXPECT_FALSE(CalibrationFile(folder.write("neither.yaml", neither)).statesTimeOffset());
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ TEST(ExportBasalt, OfUnlikeAxesTheLargestDensityIsReadAndSaid) {
   Json json = Json::parse(fileText(files, "basalt_calib.json"));
   const TemporaryFolder folder;
   const auto remarks = [&](const std::string& name) {
-    return readCalibrationExtras(folder.write(name, json.dump())).remarks;
+    return CalibrationFile(folder.write(name, json.dump())).extras().remarks;
   };
   EXPECT_THAT(remarks("alike.json"), testing::IsEmpty());
   json["value0"]["accel_noise_std"] = {0.016, 0.02, 0.018};
@@ -92,7 +92,7 @@ TEST(ExportBasalt, ScaleAndMisalignmentThatAreNotReadAreSaid) {
   Json json = Json::parse(fileText(files, "basalt_calib.json"));
   const TemporaryFolder folder;
   const auto remarks = [&] {
-    return readCalibrationExtras(folder.write("calibration.json", json.dump())).remarks;
+    return CalibrationFile(folder.write("calibration.json", json.dump())).extras().remarks;
   };
   json["value0"]["calib_accel_bias"][2] = 0.1;
   EXPECT_THAT(remarks(), testing::IsEmpty());
