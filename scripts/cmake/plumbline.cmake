@@ -63,7 +63,7 @@ endif()
 # The headers given, compiled once as the target `name` for all that include them with its flags.
 # PRIVATE names what they need to be found.
 function(plumbline_headers name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;PRIVATE;OPTIONS" ${ARGN})
+  cmake_parse_arguments(ARG "UNSANITIZED" "" "HEADERS;PRIVATE;OPTIONS" ${ARGN})
   set(source ${PROJECT_BINARY_DIR}/${name}.cpp)
   file(TOUCH ${source})
   add_library(${name} OBJECT ${source})
@@ -71,6 +71,7 @@ function(plumbline_headers name)
   target_compile_options(${name} PRIVATE ${ARG_OPTIONS})
   # The time of a header is not part of what is precompiled, so that a new clone finds what ccache keeps.
   target_compile_options(${name} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")
+  set_target_properties(${name} PROPERTIES PLUMBLINE_UNSANITIZED ${ARG_UNSANITIZED})
   target_precompile_headers(${name} PRIVATE ${ARG_HEADERS})
 endfunction()
 
@@ -114,7 +115,7 @@ function(plumbline_precompile_test target)
     return()
   endif()
   if(NOT TARGET plumbline_test_headers)
-    plumbline_headers(plumbline_test_headers PRIVATE fmt::fmt GTest::gmock OPTIONS ${PLUMBLINE_TEST_OPTIONS}
+    plumbline_headers(plumbline_test_headers UNSANITIZED PRIVATE fmt::fmt GTest::gmock OPTIONS ${PLUMBLINE_TEST_OPTIONS}
       HEADERS ${PLUMBLINE_COMMON_HEADERS} <filesystem> <random> <sstream> <tuple> <fmt/format.h>
               <gmock/gmock.h> <gtest/gtest.h>)
   endif()
