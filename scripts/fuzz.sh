@@ -38,7 +38,7 @@ fuzz_one() {
   mkdir -p "$at/corpus" "$at/findings"
   local corpora=("$at/corpus" "$at/seeds")
   [ ! -d "tests/fuzz/regressions/$2" ] || corpora+=("tests/fuzz/regressions/$2")
-  if "build-sanitized/tests/fuzzers/fuzz_$2" -dict="$at/words" -artifact_prefix="$at/findings/" \
+  if build-sanitized/tests/fuzz_parser "--parser=$2" -dict="$at/words" -artifact_prefix="$at/findings/" \
     -seed="${FUZZ_SEED:-0}" -timeout=5 -report_slow_units=1 -rss_limit_mb=512 -malloc_limit_mb=256 \
     -print_final_stats=1 "${@:3}" "${corpora[@]}" >"$at/log" 2>&1 &&
     [ -z "$(ls "$at/findings")" ]; then
@@ -53,5 +53,5 @@ fuzz_one() {
   fi
 }
 export -f fuzz_one
-if [ $# -gt 0 ]; then printf '%s\n' "$@"; else ls build-sanitized/tests/fuzzers | sed 's/^fuzz_//'; fi |
+if [ $# -gt 0 ]; then printf '%s\n' "$@"; else ls "$folder"; fi |
   xargs -P "$(nproc)" -I{} bash -c 'fuzz_one "$@"' _ "$folder" {} "${limit[@]}" || exit 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Fuzzers: one program for each parser that reads files, in the sanitizers' build under clang++
+# Fuzzers of each parser that reads files, in the sanitizers' build under clang++
 # (docs/fuzzing.md). Everywhere else the parsers run on their seeds and on what once made them fail.
 set(PLUMBLINE_PARSERS
     # a recording
@@ -15,25 +15,19 @@ list(TRANSFORM PLUMBLINE_PARSERS REPLACE "(.+)" "PLUMBLINE_PARSER(\\1)\n" OUTPUT
 list(JOIN parsers "" parsers)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/include/generated/fuzz/parser_list.inc CONTENT "${parsers}" @ONLY)
 
-if(NOT PLUMBLINE_SANITIZE)  # only seeds and regressions: compiling takes longer
-  set(plain PLAIN)
-endif()
-plumbline_tests(fuzz ${plain} LIBRARY LIBRARIES calibrator datasets store)
+plumbline_tests(fuzz PLAIN LIBRARY LIBRARIES calibrator datasets store)
 target_sources(plumbline_fuzz_test_helpers PRIVATE
                report/synthetic_record.cpp report/synthetic_replay.cpp
                report/synthetic_replay_judgements.cpp report/synthetic_replay_rig.cpp)
 
 if(PLUMBLINE_READER_OPTIONS)
-  add_executable(write_seeds fuzz/programs/write_seeds.cpp)
-  target_link_libraries(write_seeds PRIVATE plumbline_fuzz_test_helpers)
-  add_custom_target(fuzzers DEPENDS write_seeds)
-  foreach(parser IN LISTS PLUMBLINE_PARSERS)
-    configure_file(fuzz/programs/target.cpp.in fuzz_${parser}.cpp @ONLY)
-    add_executable(fuzz_${parser} ${CMAKE_CURRENT_BINARY_DIR}/fuzz_${parser}.cpp)
-    target_link_libraries(fuzz_${parser} PRIVATE plumbline_fuzz_test_helpers)
-    target_link_options(fuzz_${parser} PRIVATE -fsanitize=fuzzer)
-    set_target_properties(fuzz_${parser} PROPERTIES
-                          RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/fuzzers)
-    add_dependencies(fuzzers fuzz_${parser})
+  add_custom_target(fuzzers)
+  foreach(program write_seeds fuzz_parser)
+    add_executable(${program} fuzz/programs/${program}.cpp)
+    set_target_properties(${program} PROPERTIES PLUMBLINE_UNSANITIZED ON)
+    plumbline_link_whole(${program} calibrator datasets store)
+    target_link_libraries(${program} PRIVATE plumbline_fuzz_test_helpers)
+    add_dependencies(fuzzers ${program})
   endforeach()
+  target_link_options(fuzz_parser PRIVATE -fsanitize=fuzzer)
 endif()

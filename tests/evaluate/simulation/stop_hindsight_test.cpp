@@ -97,7 +97,7 @@ TEST(StopHindsight, ThePredictionAtTheStopIsTheExpectedError) {
   HindsightOptions few;
   few.draws = 2;
   int stops = 0;
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     const OperatedOptions o = stoppedAt(0.1, seed);
     const OperatedSession& s = recordedTo(0.1, seed);
     const auto stop = stopHindsight({s, o, hindsightRig()}, GuideStage::kCamera, few);
@@ -110,7 +110,7 @@ TEST(StopHindsight, ThePredictionAtTheStopIsTheExpectedError) {
     EXPECT_EQ(*stop->best_s <= stopped_s, *stop->expected_px <= 0.1);
     EXPECT_LE(stop->best_views, *stop->best_s <= stopped_s ? stop->views : 1000);
   }
-  EXPECT_GE(stops, 2);
+  EXPECT_EQ(stops, 2);
 }
 
 /// Both stages end by a bar; that of the cameras early, for here the other matters.
@@ -181,7 +181,7 @@ TEST(StopHindsight, KeptFramesOfTheImuStageAreThoseOfItsDecisions) {
 TEST(StopHindsight, TheImuStageStopsWhereTheExpectedErrorIsWithinTheBar) {
   HindsightOptions few;
   few.draws = 1;
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     const OperatedOptions o = imuStoppedAt(0.2, seed);
     const OperatedSession s = recordGuided(hindsightRig(), o);
     const auto stop = stopHindsight({s, o, hindsightRig()}, GuideStage::kCameraImu, few);

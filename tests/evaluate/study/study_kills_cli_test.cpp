@@ -22,7 +22,7 @@ class StudyKills : public StudyNights {
 // PLUMBLINE_KILLS in the environment for a longer run.
 int killsAskedFor() {
   const char* asked = std::getenv("PLUMBLINE_KILLS");
-  return asked != nullptr ? std::atoi(asked) : 30;
+  return asked != nullptr ? std::atoi(asked) : 20;
 }
 
 // The latest process of a step: its own, or that of its command. False where there is none. The
