@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/base/target_shape.h"
 
-#include <Eigen/QR>
 #include <cassert>
 #include <cmath>
 
 #include "calibrator/base/april_grid.h"
+#include "calibrator/dense/decompositions.h"
 
 namespace plumbline {
 namespace {
@@ -58,7 +58,7 @@ FittedShape fitShape(const AprilGrid& grid, const std::vector<Eigen::Vector3d>& 
   }
   // The smallest of all solutions, for on a small grid columns coincide: on one tag tag_edge is the
   // scale.
-  const Eigen::VectorXd x = A.completeOrthogonalDecomposition().solve(d);
+  const Eigen::VectorXd x = leastSquares(A, d);
   FittedShape out{{x.head<kTargetTerms>(), std::nullopt, std::nullopt},
                   (d - A * x).cwiseAbs().maxCoeff()};
   if (with_higher) out.shape.higher = x.tail<kHigherTerms>();

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -29,8 +28,12 @@ PatchBasis affineBasis(const AprilGrid& board) {
     const Eigen::Vector2d p = board.corner(id) / board.pitch();
     A.row(k) << 1, p.x(), p.y();
   }
-  const Eigen::HouseholderQR<PatchBasis> qr(A);
-  return qr.householderQ() * PatchBasis::Identity();
+  // Gram and Schmidt, enough for three columns that are far from parallel.
+  for (Eigen::Index j = 0; j < A.cols(); ++j) {
+    for (Eigen::Index i = 0; i < j; ++i) A.col(j) -= A.col(i).dot(A.col(j)) * A.col(i);
+    A.col(j).normalize();
+  }
+  return A;
 }
 
 /// Where a corner stands: its patch, and its row there; no patch at the rim of an odd grid.

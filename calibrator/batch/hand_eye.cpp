@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/linear/levenberg_marquardt.h"
 
 namespace plumbline {
@@ -138,7 +139,7 @@ HandEyeState startOf(std::span<const HandEyePair> pairs) {
     A += J.transpose() * J;
     b += J.transpose() * (p.T_VM.t - state.T_VW.R * p.T_WS.t);
   }
-  const Vector6d x = A.ldlt().solve(b);
+  const Vector6d x = SymmetricFactor(A).solve(b);
   state.T_SM.t = x.head<3>();
   state.T_VW.t = x.tail<3>();
   return state;
@@ -186,7 +187,7 @@ Eigen::MatrixXd handEyeCovariance(std::span<const HandEyePair> pairs, const Hand
   const auto n = at.H.rows();
   const double freedom = 6 * static_cast<double>(pairs.size()) - static_cast<double>(n);
   // Chi-square over its degrees of freedom makes up for a stated noise that does not fit.
-  return at.H.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) * (2 * at.cost / freedom);
+  return SymmetricFactor(at.H).inverse() * (2 * at.cost / freedom);
 }
 
 // sum (R - mean)^T (R - mean) / n = I - mean^T mean: the squares by which the end of a unit lever

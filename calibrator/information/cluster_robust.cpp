@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/linear/dense.h"
 
 namespace plumbline {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/information/covariance.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/linear/dense.h"
 
 namespace plumbline {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/information/excess_kernel.h"
 #include "calibrator/linear/dense.h"
 #include "calibrator/residuals/view_gram.h"
@@ -46,7 +47,7 @@ std::optional<MatrixXd> lowerFactor(const MatrixXd& A) {
 #endif
 
 /// Sums over views of what the components are made of.
-struct Moments {
+struct FieldMoments {
   MatrixXd H, C, D, DD;
   VectorXd s;
   double s_squared = 0;  // over the views, of each by itself, as DD is
@@ -54,7 +55,7 @@ struct Moments {
   double fields = 0;     // how many functions did
   double squared_px = 0, corners = 0, views = 0;
 
-  explicit Moments(const ViewTerms& like)
+  explicit FieldMoments(const ViewTerms& like)
       : H(MatrixXd::Zero(like.I.rows(), like.I.cols())),
         C(MatrixXd::Zero(like.C.rows(), like.C.cols())),
         D(MatrixXd::Zero(like.D.rows(), like.D.cols())),
@@ -132,7 +133,7 @@ std::optional<MatrixXd> strongestFields(const LaterUse& use, const MatrixXd& som
 ErrorComponents errorComponents(std::span<const ViewTerms> views) {
   ErrorComponents out;
   if (views.empty()) return out;
-  Moments sum(views.front());
+  FieldMoments sum(views.front());
   for (const ViewTerms& view : views) {
     if (view.corners > 0) sum.add(view);
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/initialise/camera_poses.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/initialise/dense_steps.h"
 #include "calibrator/linear/levenberg_marquardt.h"
 #include "calibrator/residuals/view_gram.h"
@@ -91,13 +91,13 @@ std::optional<Homography> solveHomography(const std::vector<RayPoint>& points,
     b.segment<3>(3) += r.z() * r.y() * X;
     b.tail<2>() -= across * q;
   }
-  const Eigen::LDLT<Matrix8d> ldlt(A);
+  const SymmetricFactor factor(A);
   // A bound of the condition from below, which is enough to tell corners that give no homography.
-  const Vector8d D = ldlt.vectorD();
-  if (ldlt.info() != Eigen::Success || !(D.minCoeff() > kLeastRcond * D.maxCoeff())) {
+  const Vector8d D = factor.pivots();
+  if (!factor.succeeded() || !(D.minCoeff() > kLeastRcond * D.maxCoeff())) {
     return std::nullopt;
   }
-  const Vector8d h = ldlt.solve(b);
+  const Vector8d h = factor.solve(b);
   if (!h.allFinite()) return std::nullopt;
   out.H << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), 1;
   return out;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/initialise/inertial_alignment.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/residuals/imu_residual.h"
 
 namespace plumbline {
@@ -159,8 +159,8 @@ std::optional<Equation> equationOf(const Triple& triple, std::span<const CameraP
 }
 
 struct Fit {
-  Eigen::LDLT<Normal> ldlt;
-  Unknowns x = Unknowns::Zero();
+  SymmetricFactor factor;
+  Unknowns x;
 };
 
 /// What a fit holds, by a weight far above what any data give.
@@ -187,10 +187,8 @@ Fit fitted(const std::vector<Equation>& equations, const Held& held = {}) {
     b(0) += kHeld;
   }
   if (held.no_lever) H.diagonal().segment<3>(1).array() += kHeld;
-  Fit fit;
-  fit.ldlt.compute(H);
-  fit.x = fit.ldlt.solve(b);
-  return fit;
+  const SymmetricFactor factor(H);
+  return {factor, factor.solve(b)};
 }
 
 double rmsOf(const std::vector<Equation>& equations, const Unknowns& x) {
@@ -249,7 +247,8 @@ InertialAlignment solve(const std::vector<Equation>& all) {
   out.residual_rms = rmsOf(equations, x);
   out.fixed_rms = rmsOf(equations, held.x);
   // The deviation of 1 / k to first order is dk / k^2.
-  const double inverse_std = out.residual_rms * std::sqrt(fit.ldlt.solve(Unknowns::Unit(0))(0));
+  const double inverse_std =
+      out.residual_rms * std::sqrt(fit.factor.squaredNorm(Unknowns::Unit(0)));
   out.scale_std = inverse_std / (x(0) * x(0));
   // A camera that turns in place has no acceleration, and nothing times k explains that as well as
   // the truth: size and sign of k are then noise, and all else that k divides. Noise that attitudes
@@ -273,7 +272,7 @@ InertialAlignment solve(const std::vector<Equation>& all) {
   // Up to here in metres of the stated target, from here on in true ones; the deviation of gravity
   // is at that scale, the scale taken as known.
   out.residual_rms *= std::abs(out.scale);
-  out.gravity_std = out.residual_rms * std::sqrt(down.dot(fit.ldlt.solve(down)));
+  out.gravity_std = out.residual_rms * std::sqrt(fit.factor.squaredNorm(down));
   if (has_lever) out.t_SC0 = out.scale * x.segment<3>(1);
   out.gravity_F = out.scale * x.segment<3>(4);
   out.accel_bias = out.scale * x.tail<3>();

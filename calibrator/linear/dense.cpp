@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/linear/dense.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstring>
+
+#include "calibrator/dense/decompositions.h"
 
 // Haswell is the first x86-64 with AVX2 and fused multiply-add; the loader chooses the clone.
 #if defined(__x86_64__)
@@ -202,12 +203,6 @@ std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::
   return out;
 }
 
-SymmetricEigen symmetricEigen(const Eigen::MatrixXd& A) {
-  assert(A.rows() == A.cols());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
-  return {eigen.eigenvalues(), eigen.eigenvectors()};
-}
-
 Eigen::MatrixXd symmetricPseudoInverse(const Eigen::MatrixXd& A, double tolerance) {
   const SymmetricEigen eigen = symmetricEigen(A);
   const double least = tolerance * eigen.values.maxCoeff();
@@ -221,8 +216,7 @@ Eigen::MatrixXd finiteInverse(const Eigen::MatrixXd& A, double least, double pri
   const Eigen::VectorXd scale = A.diagonal().cwiseMax(least).cwiseSqrt().cwiseInverse();
   Eigen::MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
   scaled.diagonal().array() += prior;
-  const Eigen::MatrixXd inverse =
-      scaled.ldlt().solve(Eigen::MatrixXd::Identity(A.rows(), A.cols()));
+  const Eigen::MatrixXd inverse = SymmetricFactor(scaled).inverse();
   const Eigen::MatrixXd out = scale.asDiagonal() * inverse * scale.asDiagonal();
   return 0.5 * (out + out.transpose());
 }

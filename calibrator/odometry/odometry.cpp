@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/odometry/odometry.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/odometry/window_problem.h"
 
 namespace plumbline {
@@ -292,7 +292,7 @@ void Odometry::rememberCovariances() {
   const QuadraticCost cost = WindowProblem(window_, rig_, options_.model).reduced();
   if (cost.H.size() == 0) return;
   // Regular: the prior has fixed the first frame's position and yaw, and carries that on.
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(cost.H);
+  const SymmetricFactor factor(cost.H);
   for (std::size_t i = 0; i < window_.frames.size(); ++i) {
     const auto pose = pose_of_.find(window_.frames[i].serial);
     if (pose == pose_of_.end()) continue;
@@ -300,7 +300,7 @@ void Odometry::rememberCovariances() {
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(cost.H.rows(), 6);
     // Six columns of the inverse, those of the pose.
     unit.middleRows<6>(row).setIdentity();
-    result_.poses[pose->second].covariance = ldlt.solve(unit).middleRows<6>(row);
+    result_.poses[pose->second].covariance = factor.solve(unit).middleRows<6>(row);
   }
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/odometry/start_estimate.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "calibrator/base/option_check.h"
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/residuals/imu_residual.h"
 
 namespace plumbline {
@@ -31,7 +31,7 @@ namespace {
 constexpr int kGlobals = 12;  // v_0, g, gyro bias, accelerometer bias
 using GlobalVector = Eigen::Matrix<double, kGlobals, 1>;
 using GlobalMatrix = Eigen::Matrix<double, kGlobals, kGlobals>;
-constexpr int kIterations = 10;
+constexpr int kStartIterations = 10;
 
 struct Globals {
   Eigen::Vector3d v = Eigen::Vector3d::Zero();
@@ -67,7 +67,7 @@ class StartProblem {
 
   std::optional<StartEstimate> solve() {
     if (static_cast<int>(points_.size()) < options_.min_landmarks) return std::nullopt;
-    for (int i = 0; i < kIterations; ++i) {
+    for (int i = 0; i < kStartIterations; ++i) {
       if (!integrate() || !step(i)) return std::nullopt;
     }
     return integrate() ? estimate() : std::nullopt;
@@ -151,8 +151,7 @@ class StartProblem {
     }
     // Chi-square of two degrees of freedom: its median is 2 ln 2.
     rms_ = std::sqrt(median(std::move(squares)) / (2 * std::numbers::ln2));
-    const Eigen::LDLT<GlobalMatrix> ldlt(H_);
-    const GlobalVector d = -ldlt.solve(b);
+    const GlobalVector d = -SymmetricFactor(H_).solve(b);
     if (!d.allFinite()) return false;
     globals_.v += d.head<3>();
     globals_.g += d.segment<3>(3);
@@ -193,7 +192,7 @@ class StartProblem {
     StartEstimate out;
     out.rms = rms_;
     // Of whitened residuals, so that the inverse is the covariance; H_ is that of the last step.
-    const GlobalMatrix P = H_.ldlt().solve(GlobalMatrix::Identity());
+    const GlobalMatrix P = SymmetricFactor(H_).inverse();
     out.velocity_std = std::sqrt(P.diagonal().head<3>().maxCoeff());
     // Of the vector g, over its length: an angle.
     out.tilt_std = std::sqrt(P.diagonal().segment<3>(3).maxCoeff()) / rig_.gravity_m_s2;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/residuals/field_gram.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <variant>
 
 #include "calibrator/camera/camera_dispatch.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/residuals/field_kernel.h"
 
 namespace plumbline {
@@ -132,7 +132,7 @@ Eigen::MatrixXd baseOf(const FieldBox& box) {
     along[kFieldFunctions + kFieldPolynomials + 2 * k + 1] = 1;
     const Eigen::MatrixXd before = base.leftCols(kPolynomials + k);
     const Eigen::MatrixXd weighted = before.transpose() * mean;
-    along -= before * (weighted * before).ldlt().solve(weighted * along);
+    along -= before * SymmetricFactor(weighted * before).solve(weighted * along);
     base.col(kPolynomials + k) = along / std::sqrt(along.dot(mean * along));
   }
   return base;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/simulate/printed_board.h"
 
-#include <Eigen/QR>
-
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/target/tag_family.h"
 
 namespace plumbline {
@@ -27,7 +26,7 @@ BoardSurface::BoardSurface(const AprilGrid& board)
     displacements.row(id).head<2>() -= p.transpose();
   }
   const auto fitted = [&](const Eigen::MatrixXd& terms) {
-    const Eigen::MatrixXd found = terms.completeOrthogonalDecomposition().solve(displacements);
+    const Eigen::MatrixXd found = leastSquares(terms, displacements);
     return Eigen::MatrixXf(found.transpose().cast<float>());
   };
   polynomial_ = fitted(monomials);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/target/division_distortion.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "calibrator/dense/decompositions.h"
 
 namespace plumbline {
 namespace {
@@ -136,9 +137,9 @@ DivisionDistortion refineDistortion(const AprilGrid& grid, const std::vector<Tag
         hessian(i, j) = hessian(j, i) = both - up[i] - up[j] + least;
       }
     }
-    const Eigen::LDLT<Eigen::Matrix3d> factor(hessian);
+    const SymmetricFactor factor(hessian);
     if (!factor.isPositive()) break;
-    const Eigen::Vector3d next = refined.terms - kStep * factor.solve(gradient);
+    const Eigen::Vector3d next = refined.terms - kStep * factor.solve(gradient).col(0);
     const double value = at(next);
     if (!(value < least)) break;
     refined.terms = next;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "datasets/session/target.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/target/tag_family.h"
 #include "datasets/files/numbers.h"
 #include "datasets/files/yaml_map.h"
@@ -124,9 +124,9 @@ TargetCovariance readCovariance(const YamlMap& file) {
   const auto stated = file.matrix(kKey, "12 rows of 12 numbers [mm^2]", kTargetTerms, kTargetTerms);
   const auto isCovariance = [](const TargetCovariance& C) {
     if (!C.allFinite() || !C.isApprox(C.transpose(), 1e-9)) return false;
-    const Eigen::SelfAdjointEigenSolver<TargetCovariance> eigen(C);
+    const Eigen::VectorXd values = symmetricEigen(C).values;
     // Of rounding alone an eigenvalue of zero may come out below it.
-    return eigen.eigenvalues().minCoeff() >= -1e-9 * eigen.eigenvalues().maxCoeff();
+    return values.minCoeff() >= -1e-9 * values.maxCoeff();
   };
   if (stated) {
     const TargetCovariance C = *stated / (kMillimetres * kMillimetres);

@@ -2,7 +2,6 @@
 #include "evaluate/compare/projection_difference.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "calibrator/base/error.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/dense/decompositions.h"
 #include "evaluate/compare/compare_calibrations.h"
 
 namespace plumbline {
@@ -92,9 +92,8 @@ Vector6d newtonStep(const std::vector<RayPair>& pairs, const Transform& T, int s
     if (!squares) H += 4 * w * w * Je * Je.transpose();
   }
   Vector6d step = Vector6d::Zero();
-  const Eigen::MatrixXd reduced = H.bottomRightCorner(size, size);
   // The shortest step where H is singular: the fourth power has no curvature at a perfect fit.
-  step.tail(size) = -reduced.completeOrthogonalDecomposition().solve(g.tail(size));
+  step.tail(size) = -leastSquares(H.bottomRightCorner(size, size), g.tail(size));
   return step;
 }
 

@@ -16,6 +16,7 @@
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/halves.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/linear/dense.h"
 
 namespace plumbline {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/board/target.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/camera/model_choice.h"
 #include "calibrator/batch/camera/stage.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/information/covariance.h"
 #include "calibrator/initialise/lens_fit.h"
 
@@ -215,16 +215,16 @@ std::shared_ptr<const TargetModel> targetModel(const AprilGrid& board, TargetMod
   auto model = std::make_shared<TargetModel>(board);
   if (mode != TargetMode::kKnown) return model;
   model->mean = startTerms(board, mode);
-  using Board = Eigen::Matrix<double, kBoardTerms, kBoardTerms>;
   // Also where the file has deviations: of terms that it calls exact the information would be
   // infinite.
-  Board covariance = kExact * kExact * Board::Identity();
+  Eigen::MatrixXd covariance =
+      kExact * kExact * Eigen::MatrixXd::Identity(kBoardTerms, kBoardTerms);
   if (board.shape.covariance) {
     covariance += board.shape.covariance->topLeftCorner<kBoardTerms, kBoardTerms>();
   }
   const double noise = noiseRatio(problem, estimate);
   if (board.shape.higher && board.shape.higher_std) model->higher = knownHigher(board.shape, noise);
-  const Board information = noise * covariance.llt().solve(Board::Identity());
+  const Eigen::MatrixXd information = noise * SymmetricFactor(covariance).inverse();
   model->information.topLeftCorner<kBoardTerms, kBoardTerms>() = information;
   // Of the gradient I (terms - mean), the mean being off by C: I C I.
   model->scatter.topLeftCorner<kBoardTerms, kBoardTerms>() = information * covariance * information;

@@ -12,6 +12,7 @@
 #include "calibrator/base/statistics/distributions.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/information/cluster_robust.h"
 #include "calibrator/information/covariance.h"
 
@@ -179,13 +180,13 @@ std::optional<Decentring> testOf(const LoneCamera& camera, int threads) {
   if (!(dof > kTerms)) return std::nullopt;
   // (dof - 1) / (2 dof) T^2 is Fisher's F with 2 and dof - 1 degrees of freedom.
   const Eigen::Matrix2d V = robust->matrix.bottomRightCorner<kTerms, kTerms>();
-  const Eigen::LLT<Eigen::Matrix2d> llt(V);
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  out.f = (dof - 1) / (kTerms * dof) * out.p.dot(llt.solve(out.p));
+  const SymmetricFactor factor(V);
+  if (!factor.succeeded() || !(factor.pivots().minCoeff() > 0)) return std::nullopt;
+  out.f = (dof - 1) / (kTerms * dof) * factor.squaredNorm(out.p);
   out.limit = fisherTailQuantile(kTerms, dof - 1, kCentredChance);
   // The other parameters follow: their part of the joint covariance over the terms' own.
   const Eigen::Matrix2d own = covariance->bottomRightCorner<kTerms, kTerms>();
-  out.turn = zero.turn * (covariance->rightCols<kTerms>() * own.llt().solve(out.p));
+  out.turn = zero.turn * (covariance->rightCols<kTerms>() * SymmetricFactor(own).solve(out.p));
   return out;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera/problem.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -9,6 +8,7 @@
 #include <cmath>
 
 #include "calibrator/base/parallel.h"
+#include "calibrator/dense/decompositions.h"
 
 namespace plumbline {
 namespace {
@@ -269,12 +269,12 @@ PoseElimination::PoseElimination(const Matrix6d& H) : llt_(H) {
   for (int i = 0; i < 6; ++i) {
     if (H(i, i) > 0) scale[i] = 1 / std::sqrt(H(i, i));
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scale.asDiagonal() * H * scale.asDiagonal());
+  const SymmetricEigen eigen = symmetricEigen(scale.asDiagonal() * H * scale.asDiagonal());
   Vector6d root = Vector6d::Zero();
   for (int i = 0; i < 6; ++i) {
-    if (eigen.eigenvalues()[i] > kFreePose) root[i] = 1 / std::sqrt(eigen.eigenvalues()[i]);
+    if (eigen.values[i] > kFreePose) root[i] = 1 / std::sqrt(eigen.values[i]);
   }
-  R_ = root.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
+  R_ = root.asDiagonal() * eigen.vectors.transpose() * scale.asDiagonal();
 }
 
 Eigen::MatrixXd PoseElimination::operator*(const Eigen::Ref<const Eigen::MatrixXd>& P) const {

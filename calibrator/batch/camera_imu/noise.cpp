@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/distributions.h"
 #include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/dense/decompositions.h"
 
 namespace plumbline {
 namespace {
@@ -182,7 +182,7 @@ double poseSquares(const BlockArrow& cameras, const ChainSolution& step) {
     // g = H e, so that e' H e = g' H^-1 g.
     const Vector6d g =
         H * step.step[i].head<6>() + C.col(m).head<6>() + C.topLeftCorner(6, m) * step.border_step;
-    sum += g.dot(H.ldlt().solve(g));
+    sum += SymmetricFactor(H).squaredNorm(g);
   }
   return sum;
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/batch/camera_imu/posed_frames.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/statistics/statistics.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/initialise/camera_poses.h"
 #include "calibrator/initialise/view_screening.h"
 
@@ -111,9 +111,9 @@ class FramePoses {
 
   /// Of the camera's position, -R' t of T_C0F = (R, t): its derivative by (rho, phi) is (-R', 0).
   static void addVariances(const PoseRefinement& found, double sigma, CameraPose& pose) {
-    const Eigen::LDLT<Matrix6d> ldlt(found.information);
-    if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return;
-    const Matrix6d covariance = sigma * sigma * ldlt.solve(Matrix6d::Identity());
+    const SymmetricFactor factor(found.information);
+    if (!factor.succeeded() || !factor.isPositive()) return;
+    const Matrix6d covariance = sigma * sigma * factor.inverse();
     // The mean over the axes: the alignment weighs a pose by one number each.
     pose.position_variance = covariance.topLeftCorner<3, 3>().trace() / 3;
     pose.rotation_variance = covariance.bottomRightCorner<3, 3>().trace() / 3;

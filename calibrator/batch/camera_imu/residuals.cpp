@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "calibrator/base/parallel.h"
 #include "calibrator/base/transform.h"
 #include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/dense/decompositions.h"
 
 namespace plumbline {
 namespace {
@@ -138,7 +138,7 @@ FrameErrors frameErrors(const CameraImuProblem& problem, const CameraImuEstimate
       corners += problem.corners[c].view(problem.frames[i].view[c]).used();
     }
     // Twice what the cost falls by with the pose free, and below with its stamp alone free.
-    free += b.dot(H.ldlt().solve(b));
+    free += SymmetricFactor(H).squaredNorm(b);
     const double taken = H_d > 0 ? b_d / std::sqrt(H_d) : 0;
     along += taken * taken;
     weight += H_d;

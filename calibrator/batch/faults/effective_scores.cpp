@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "calibrator/batch/faults/score_tests.h"
+#include "calibrator/dense/decompositions.h"
 
 namespace plumbline {
 namespace {
@@ -132,7 +133,7 @@ JumpPlaces placeJumps(const CameraImuProblem& problem, const FaultColumns& colum
       const Jump C = jumpOf(kind, links[l]);
       const Eigen::Vector3d s = C.transpose() * links[l].r;
       const Eigen::Matrix3d A = C.transpose() * R * C;
-      const double explained = s.dot(A.ldlt().solve(s));
+      const double explained = SymmetricFactor(A).squaredNorm(s);
       if (kind == 2) of_target.push_back(explained);
       if (!(explained > places[kind].best)) continue;
       places[kind].best = explained;

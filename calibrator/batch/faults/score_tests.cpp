@@ -8,6 +8,7 @@
 
 #include "calibrator/base/statistics/distributions.h"
 #include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/information/cluster_robust.h"
 #include "calibrator/linear/dense.h"
 

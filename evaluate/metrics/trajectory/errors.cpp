@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "evaluate/metrics/trajectory/errors.h"
 
-#include <Eigen/Cholesky>
 #include <cassert>
 #include <cmath>
 
 #include "calibrator/base/statistics/distributions.h"
 #include "calibrator/base/transform.h"
+#include "calibrator/dense/decompositions.h"
 #include "evaluate/metrics/trajectory/association.h"
 
 namespace plumbline {
@@ -114,11 +114,6 @@ NeesRecord recordOf(const char* part, int dof, double sum, std::size_t count) {
   if (record.mean > record.upper) record.reading = NeesReading::kOverconfident;
   if (record.mean < record.lower) record.reading = NeesReading::kCautious;
   return record;
-}
-
-template <int N>
-double normalised(const Eigen::Matrix<double, N, 1>& e, const Eigen::Matrix<double, N, N>& P) {
-  return e.dot(P.llt().solve(e));
 }
 
 }  // namespace
@@ -290,16 +285,17 @@ Nees neesOf(const AlignedPoses& poses, const std::vector<Matrix6d>& covariances)
   double position = 0, orientation = 0, pose = 0;
   for (std::size_t i = 0; i < poses.truth.size(); ++i) {
     const Matrix6d& P = covariances[i];
-    // An LLT of NaN may succeed, so it is asked for apart.
-    if (!P.allFinite() || P.llt().info() != Eigen::Success) {
+    const SymmetricFactor factor(P);
+    // A factor of NaN may succeed, so it is asked for apart.
+    if (!P.allFinite() || !factor.succeeded() || !(factor.pivots().minCoeff() > 0)) {
       ++nees.left_out;
       continue;
     }
     // In the tangent at the estimate, where its covariance is.
     const Vector6d e = boxminus(poses.truth[i], poses.estimate[i]);
-    position += normalised<3>(e.head<3>(), P.topLeftCorner<3, 3>());
-    orientation += normalised<3>(e.tail<3>(), P.bottomRightCorner<3, 3>());
-    pose += normalised<6>(e, P);
+    position += SymmetricFactor(P.topLeftCorner<3, 3>()).squaredNorm(e.head<3>());
+    orientation += SymmetricFactor(P.bottomRightCorner<3, 3>()).squaredNorm(e.tail<3>());
+    pose += factor.squaredNorm(e);
     ++nees.used;
   }
   if (nees.used == 0) return nees;

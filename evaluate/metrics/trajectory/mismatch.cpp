@@ -7,6 +7,7 @@
 
 #include "calibrator/base/statistics/statistics.h"
 #include "calibrator/base/time.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/initialise/clock_offset.h"
 #include "evaluate/metrics/trajectory/errors.h"
 
@@ -108,7 +109,7 @@ class ClockTrial {
       ee += e.squaredNorm();
     }
     if (options_.alignment != AlignmentKind::kSim3) N(6, 6) = 1;
-    const double left = vv - Jv.dot(N.ldlt().solve(Jv));  // of v, behind any alignment
+    const double left = vv - SymmetricFactor(N).squaredNorm(Jv);  // of v, behind any alignment
     if (!(left > kHidden * vv && ee > 0)) return {};
     return {-ev / left, ev * ev / (left * ee)};
   }

@@ -10,6 +10,7 @@
 #include "calibrator/batch/camera/batch.h"
 #include "calibrator/batch/camera/information.h"
 #include "calibrator/batch/camera/problem.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

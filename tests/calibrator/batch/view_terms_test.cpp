@@ -13,6 +13,7 @@
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/camera/camera.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/linear/dense.h"
 #include "calibrator/simulate/simulate_session.h"
 

@@ -14,15 +14,6 @@ Eigen::MatrixXd matrixWith(const Eigen::VectorXd& values) {
   return Q * values.asDiagonal() * Q;
 }
 
-TEST(SymmetricEigen, FindsTheEigenvaluesAMatrixWasMadeOf) {
-  const Eigen::VectorXd values = Eigen::Vector4d(-2, 0, 3, 1e6);
-  const Eigen::MatrixXd A = matrixWith(values);
-  const SymmetricEigen eigen = symmetricEigen(A);
-  EXPECT_LT((eigen.values - values).cwiseAbs().maxCoeff(), 1e-9);
-  EXPECT_TRUE((eigen.vectors * eigen.vectors.transpose()).isIdentity(1e-12));
-  EXPECT_TRUE((eigen.vectors * eigen.values.asDiagonal() * eigen.vectors.transpose()).isApprox(A));
-}
-
 // Penrose: A X A = A, X A X = X, both products symmetric.
 TEST(SymmetricPseudoInverse, HoldsPenrosesConditionsForASingularMatrix) {
   const Eigen::MatrixXd A = matrixWith(Eigen::Vector4d(0, 0, 3, 8));

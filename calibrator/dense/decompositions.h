@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+namespace plumbline {
+
+// Decompositions of matrices of any size, compiled once. For each size of its own Eigen makes
+// hundreds of functions of them, a second or two of every compiler that sees one; where they are
+// called a few times a frame, the few allocations are not felt.
+
+/// A = P^T L D L^T P of a symmetric n x n matrix, with pivots: also of matrices of low rank.
+class SymmetricFactor {
+ public:
+  /// Reads the lower triangle of A.
+  explicit SymmetricFactor(const Eigen::MatrixXd& A);
+
+  /// A^-1 B, n x m. Along directions without information zero.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
+  /// A^-1.
+  Eigen::MatrixXd inverse() const;
+  /// b^T A^-1 b.
+  double squaredNorm(const Eigen::VectorXd& b) const;
+
+  bool succeeded() const { return ldlt_.info() == Eigen::Success; }
+  /// No pivot is negative.
+  bool isPositive() const { return ldlt_.isPositive(); }
+  /// Of D, in the order of the pivots.
+  Eigen::VectorXd pivots() const { return ldlt_.vectorD(); }
+  /// An estimate of the reciprocal of A's condition.
+  double rcond() const;
+
+ private:
+  Eigen::LDLT<Eigen::MatrixXd> ldlt_;
+};
+
+/// The X (n x k) of least |A X - B| for A (m x n) of any rank; of several the shortest.
+Eigen::MatrixXd leastSquares(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+
+/// A = V diag(values) V^T of a symmetric n x n matrix.
+struct SymmetricEigen {
+  Eigen::VectorXd values;   ///< ascending
+  Eigen::MatrixXd vectors;  ///< V: orthonormal columns in the order of values
+};
+
+/// Reads the lower triangle of A, whose entries are finite.
+SymmetricEigen symmetricEigen(const Eigen::MatrixXd& A);
+
+}  // namespace plumbline
