@@ -26,7 +26,7 @@ build/evaluate/plumbline calibrate "$out/session" --out "$out/calibration" --for
   --resample 20
 echo
 echo "Simulating a user study of four participants, with and without guidance ..."
-build/evaluate/plumbline simulate study --participants 4 --duration 10 --sequences 2 --out "$out/study" --force
+build/evaluate/plumbline simulate study --participants 4 --duration 10 --sequences 1 --out "$out/study" --force
 echo
 echo "Evaluating it as every night would ..."
 # A demo has no nights before, of other programs, to be worse than.

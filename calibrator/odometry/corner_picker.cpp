@@ -10,10 +10,10 @@
 namespace plumbline {
 namespace {
 
-constexpr int kBorder = 12;  // [px]: the tracker's patch and its gradients fit
-constexpr int kReach = 3;    // of the 7 x 7 window
+constexpr int kImageBorder = 12;  // [px]: the tracker's patch and its gradients fit
+constexpr int kWindowReach = 3;   // of the 7 x 7 window
 
-struct Candidate {
+struct PickedCorner {
   Eigen::Vector2f at = Eigen::Vector2f::Zero();
   float score = 0;
 };
@@ -24,18 +24,18 @@ struct Cell {
 };
 
 /// The gradient's products xx, xy, yy, each summed over 7 pixels of a row: `width` values a row,
-/// from kReach rows above the cell to kReach below it.
+/// from kWindowReach rows above the cell to kWindowReach below it.
 std::array<std::vector<float>, 3> rowSums(const GrayImageView& image, const Cell& cell) {
-  const int tall = cell.height + 2 * kReach, wide = cell.width + 2 * kReach;
+  const int tall = cell.height + 2 * kWindowReach, wide = cell.width + 2 * kWindowReach;
   std::array<std::vector<float>, 3> products, sums;
   for (auto& p : products) p.resize(wide);
   for (auto& s : sums) s.resize(cell.width * tall);
   for (int y = 0; y < tall; ++y) {
-    const int left = cell.x0 - kReach, row = cell.y0 - kReach + y;
+    const int left = cell.x0 - kWindowReach, row = cell.y0 - kWindowReach + y;
     const std::uint8_t* a = image.row(row) + left;
     const std::uint8_t *up = image.row(row - 1) + left, *down = image.row(row + 1) + left;
     for (int x = 0; x < wide; ++x) {
-      // Central differences; kBorder leaves room for the window and one pixel more.
+      // Central differences; kImageBorder leaves room for the window and one pixel more.
       const float gx = 0.5F * static_cast<float>(a[x + 1] - a[x - 1]);
       const float gy = 0.5F * static_cast<float>(down[x] - up[x]);
       products[0][x] = gx * gx;
@@ -56,10 +56,10 @@ std::array<std::vector<float>, 3> rowSums(const GrayImageView& image, const Cell
 /// The best pixel of the cell that is `allowed`. The box of 7 x 7 is summed along rows
 /// first, then down: about 14 additions a pixel for each moment in place of 49.
 template <class Allowed>
-Candidate bestIn(const GrayImageView& image, const Cell& cell, const Allowed& allowed) {
+PickedCorner bestIn(const GrayImageView& image, const Cell& cell, const Allowed& allowed) {
   const auto rows = rowSums(image, cell);
-  constexpr int kWindow = 2 * kReach + 1;
-  Candidate best;
+  constexpr int kWindow = 2 * kWindowReach + 1;
+  PickedCorner best;
   for (int y = 0; y < cell.height; ++y) {
     for (int x = 0; x < cell.width; ++x) {
       float xx = 0, xy = 0, yy = 0;
@@ -95,12 +95,12 @@ std::vector<Eigen::Vector2f> pickCorners(const GrayImageView& image,
                                          const std::vector<Eigen::Vector2f>& taken,
                                          const CornerPickerOptions& options) {
   std::vector<Eigen::Vector2f> all = taken;
-  std::vector<Candidate> found;
+  std::vector<PickedCorner> found;
   const auto least2 = static_cast<float>(options.min_distance_px * options.min_distance_px);
-  for (int y0 = kBorder; y0 < image.height - kBorder; y0 += options.cell_px) {
-    const int y1 = std::min(y0 + options.cell_px, image.height - kBorder);
-    for (int x0 = kBorder; x0 < image.width - kBorder; x0 += options.cell_px) {
-      const int x1 = std::min(x0 + options.cell_px, image.width - kBorder);
+  for (int y0 = kImageBorder; y0 < image.height - kImageBorder; y0 += options.cell_px) {
+    const int y1 = std::min(y0 + options.cell_px, image.height - kImageBorder);
+    for (int x0 = kImageBorder; x0 < image.width - kImageBorder; x0 += options.cell_px) {
+      const int x1 = std::min(x0 + options.cell_px, image.width - kImageBorder);
       const bool occupied = std::any_of(all.begin(), all.end(), [&](const Eigen::Vector2f& p) {
         return p.x() >= x0 && p.x() < x1 && p.y() >= y0 && p.y() < y1;
       });
@@ -111,7 +111,7 @@ std::vector<Eigen::Vector2f> pickCorners(const GrayImageView& image,
           return (p - at).squaredNorm() < least2;
         });
       };
-      const Candidate best = bestIn(image, {x0, y0, x1 - x0, y1 - y0}, allowed);
+      const PickedCorner best = bestIn(image, {x0, y0, x1 - x0, y1 - y0}, allowed);
       if (!(best.score > options.min_eigenvalue)) continue;
       found.push_back(best);
       // So that corners of neighbouring cells keep their distance, too.
@@ -119,9 +119,9 @@ std::vector<Eigen::Vector2f> pickCorners(const GrayImageView& image,
     }
   }
   std::stable_sort(found.begin(), found.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+                   [](const PickedCorner& a, const PickedCorner& b) { return a.score > b.score; });
   std::vector<Eigen::Vector2f> picked;
-  for (const Candidate& c : found) picked.push_back(c.at);
+  for (const PickedCorner& c : found) picked.push_back(c.at);
   return picked;
 }
 

@@ -22,7 +22,7 @@
 namespace plumbline {
 namespace {
 
-constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
+constexpr std::string_view kMcapMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kRecordHead = 1 + 8;               // kind, length
 constexpr std::size_t kDataEnd = kRecordHead + 4;        // and a checksum
 constexpr std::size_t kFooterSum = kRecordHead + 8 + 8;  // behind two positions
@@ -119,15 +119,17 @@ class McapBag : public Bag {
       return true;
     };
     const std::string_view text = file_.text();
-    std::uint32_t sum = checksum(0, kMagic);
+    std::uint32_t sum = checksum(0, kMcapMagic);
     bool is_ended = false;
-    forRecords(text.substr(kMagic.size()), kMagic.size(), [&](RecordKind kind, auto content) {
-      is_ended = kind == RecordKind::kDataEnd;
-      if (is_ended) return false;
-      if (data_sum_ != 0) sum = checksum(sum, text.substr(place_, kRecordHead + content.size()));
-      return kind == RecordKind::kChunk ? (forRecords(chunk(content), 0, record), true)
-                                        : record(kind, content);
-    });
+    forRecords(text.substr(kMcapMagic.size()), kMcapMagic.size(),
+               [&](RecordKind kind, auto content) {
+                 is_ended = kind == RecordKind::kDataEnd;
+                 if (is_ended) return false;
+                 if (data_sum_ != 0)
+                   sum = checksum(sum, text.substr(place_, kRecordHead + content.size()));
+                 return kind == RecordKind::kChunk ? (forRecords(chunk(content), 0, record), true)
+                                                   : record(kind, content);
+               });
     if (!is_ended) throw damaged("the data have no end");
     if (data_sum_ != 0 && data_sum_ != sum) throw damaged("the data do not have their checksum");
   }
@@ -149,16 +151,16 @@ class McapBag : public Bag {
   void readSummary() {
     const std::string_view text = file_.text();
     place_ = text.size();
-    if (text.size() < 2 * kMagic.size() + kFooter || !text.ends_with(kMagic)) {
+    if (text.size() < 2 * kMcapMagic.size() + kFooter || !text.ends_with(kMcapMagic)) {
       throw damaged("it ends without a footer");
     }
-    place_ -= kMagic.size() + kFooter;
+    place_ -= kMcapMagic.size() + kFooter;
     FieldReader footer(text.substr(place_ + kRecordHead), Serialization::kRos1);
     const auto start = footer.number<std::uint64_t>();
     footer.number<std::uint64_t>();  // of the summary's own table
     const auto sum = footer.number<std::uint32_t>();
     const std::size_t summary = start == 0 ? place_ : start;
-    if (summary < kMagic.size() + kDataEnd || summary > place_) {
+    if (summary < kMcapMagic.size() + kDataEnd || summary > place_) {
       throw damaged("the summary is not where it says");
     }
     if (sum != 0 && sum != checksum(0, text.substr(summary, place_ + kFooterSum - summary))) {

@@ -19,7 +19,7 @@ void skipNumbers(FieldReader& in, int count) {
 }
 
 /// std_msgs/Header: of ROS 1 with a sequence number before the stamp, whose seconds have no sign.
-TimeNs stampOf(FieldReader& in, Serialization layout) {
+TimeNs readStamp(FieldReader& in, Serialization layout) {
   const bool is_ros1 = layout == Serialization::kRos1;
   if (is_ros1) in.number<std::uint32_t>();
   const TimeNs seconds =
@@ -34,7 +34,7 @@ TimeNs stampOf(FieldReader& in, Serialization layout) {
 std::optional<ImageMessage> decodeImage(const BagMessage& message) {
   FieldReader in(message.bytes, message.layout);
   ImageMessage image;
-  image.t = stampOf(in, message.layout);
+  image.t = readStamp(in, message.layout);
   image.height = in.number<std::uint32_t>();
   image.width = in.number<std::uint32_t>();
   image.encoding = in.text();
@@ -47,7 +47,7 @@ std::optional<ImageMessage> decodeImage(const BagMessage& message) {
 std::optional<CompressedImageMessage> decodeCompressedImage(const BagMessage& message) {
   FieldReader in(message.bytes, message.layout);
   CompressedImageMessage image;
-  image.t = stampOf(in, message.layout);
+  image.t = readStamp(in, message.layout);
   image.format = in.text();
   image.data = in.bytes();
   return in.good() ? std::optional(image) : std::nullopt;
@@ -57,7 +57,7 @@ std::optional<ImuSample> decodeImu(const BagMessage& message) {
   constexpr int kOrientation = 4 + 9, kCovariance = 9;
   FieldReader in(message.bytes, message.layout);
   ImuSample sample;
-  sample.t = stampOf(in, message.layout);
+  sample.t = readStamp(in, message.layout);
   skipNumbers(in, kOrientation);
   sample.gyro = vectorOf(in);
   skipNumbers(in, kCovariance);

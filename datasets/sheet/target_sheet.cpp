@@ -41,15 +41,15 @@ std::optional<double> numberFrom(std::string_view word) {
 }
 
 /// Everything in millimetres on the paper, y downwards, as it lies.
-struct Layout {
+struct SheetLayout {
   PaperSize paper;
   double left = 0, bottom = 0;  ///< of tag 0's outer corner
   double tag = 0, pitch = 0, gap = 0;
   double width = 0, height = 0;  ///< with the squares around
 };
 
-Layout sized(const AprilGrid& grid) {
-  Layout l;
+SheetLayout sized(const AprilGrid& grid) {
+  SheetLayout l;
   l.tag = 1e3 * grid.tag_size;
   l.pitch = 1e3 * grid.pitch();
   l.gap = l.pitch - l.tag;
@@ -59,7 +59,7 @@ Layout sized(const AprilGrid& grid) {
 }
 
 /// How often the target would fit.
-double room(const Layout& l, const PaperSize& paper) {
+double room(const SheetLayout& l, const PaperSize& paper) {
   // The ruler may be wider than a small target.
   const double across = std::max(l.width, kRuler);
   return std::min((paper.width_mm - 2 * kMargin) / across,
@@ -70,13 +70,13 @@ PaperSize turned(const PaperSize& paper) { return {paper.height_mm, paper.width_
 
 /// As the paper lies below the target. The strip of the ruler stays at the bottom either way, so
 /// that the two differ even for a square target.
-PaperSize lying(const Layout& l, const PaperSize& paper) {
+PaperSize lying(const SheetLayout& l, const PaperSize& paper) {
   return paper.turns && room(l, turned(paper)) > room(l, paper) ? turned(paper) : paper;
 }
 
 /// Centred on the paper, with the strip of the ruler kept free below.
-Layout layoutOf(const SheetOptions& o) {
-  Layout l = sized(o.target);
+SheetLayout layoutOf(const SheetOptions& o) {
+  SheetLayout l = sized(o.target);
   l.paper = lying(l, o.paper);
   l.left = 0.5 * (l.paper.width_mm - l.width) + l.gap;
   l.bottom = 0.5 * (l.paper.height_mm - kStrip + l.height) - l.gap;
@@ -97,7 +97,8 @@ struct Context {
 };
 
 /// Black cells of a row side by side are one rectangle, and all of a tag one path: no seams.
-void addTag(cairo_t* cr, const Layout& l, int tag, double left, double bottom, int border_bits) {
+void addTag(cairo_t* cr, const SheetLayout& l, int tag, double left, double bottom,
+            int border_bits) {
   const int cells = tagCells(border_bits);
   const double cell = l.tag / cells;
   for (int row = 0; row < cells; ++row) {
@@ -116,7 +117,7 @@ void addTag(cairo_t* cr, const Layout& l, int tag, double left, double bottom, i
 
 /// A black square at every crossing of the gaps, outer ones included, as Kalibr's targets have
 /// them: hence one more row and column than tags.
-void drawTarget(cairo_t* cr, const Layout& l, const SheetOptions& o) {
+void drawTarget(cairo_t* cr, const SheetLayout& l, const SheetOptions& o) {
   cairo_set_source_rgb(cr, 0, 0, 0);
   for (int row = 0; row <= o.target.rows; ++row) {
     for (int col = 0; col <= o.target.cols; ++col) {
@@ -130,7 +131,7 @@ void drawTarget(cairo_t* cr, const Layout& l, const SheetOptions& o) {
   }
 }
 
-void drawRuler(cairo_t* cr, const Layout& l, const SheetOptions& o) {
+void drawRuler(cairo_t* cr, const SheetLayout& l, const SheetOptions& o) {
   const double left = l.left - l.gap;
   const double top = l.bottom + l.gap + 5;
   cairo_set_line_width(cr, kRulerLine);
@@ -154,7 +155,7 @@ void drawRuler(cairo_t* cr, const Layout& l, const SheetOptions& o) {
   }
 }
 
-void draw(cairo_t* cr, const Layout& l, const SheetOptions& o) {
+void draw(cairo_t* cr, const SheetLayout& l, const SheetOptions& o) {
   cairo_set_source_rgb(cr, 1, 1, 1);
   cairo_paint(cr);
   drawTarget(cr, l, o);
@@ -196,7 +197,7 @@ void SheetOptions::check() const {
   }
   if (border_bits != 1 && border_bits != 2)
     throw InputError("the tags' border must have 1 or 2 bits");
-  const Layout l = sized(target);
+  const SheetLayout l = sized(target);
   const double fits = room(l, lying(l, paper));
   if (fits >= 1) return;
   const std::string other =
@@ -212,7 +213,7 @@ void SheetOptions::check() const {
 
 std::string targetSheetPdf(const SheetOptions& options) {
   options.check();
-  const Layout l = layoutOf(options);
+  const SheetLayout l = layoutOf(options);
   std::string pdf;
   const auto append = [](void* to, const unsigned char* data, unsigned int length) {
     static_cast<std::string*>(to)->append(reinterpret_cast<const char*>(data), length);

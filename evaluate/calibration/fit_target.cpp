@@ -192,12 +192,12 @@ std::string higherText(const JointTarget& joint) {
 
 /// Each direction by its largest terms.
 std::string undeterminedText(const JointTarget& joint) {
-  constexpr double kNamed = 0.2;  // share of the unit vector that is worth a name
+  constexpr double kWorthNaming = 0.2;  // share of the unit vector that is worth a name
   std::string text;
   for (const TargetDirection& direction : joint.undetermined) {
     std::string terms;
     for (Eigen::Index i = 0; i < direction.size(); ++i) {
-      if (std::abs(direction[i]) < kNamed) continue;
+      if (std::abs(direction[i]) < kWorthNaming) continue;
       terms += fmt::format(" {:+.2f} {}", direction[i], targetTermName(static_cast<int>(i)));
     }
     text += fmt::format("These sessions do not determine{} (no better than to {:g} mm)\n", terms,

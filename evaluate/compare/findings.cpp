@@ -21,7 +21,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kMostNamed = 6;
-constexpr double kRounding = 1e-12;     // of the algebra on equal values
+constexpr double kOfRounding = 1e-12;   // of the algebra on equal values
 constexpr double kMostUndefined = 0.5;  // of the image, from where the rest does not speak for it
 
 std::string pairName(const ComparisonRecord& record, std::size_t i) {
@@ -34,7 +34,7 @@ bool areEqual(const ComparisonRecord& record, std::size_t i) {
   for (const ComparedParameter& p : record.parameters) {
     if (!p.difference[i]) continue;
     const double size = std::max(1.0, std::abs(p.values[i].value_or(0)));
-    if (!(std::abs(*p.difference[i]) <= kRounding * size)) return false;
+    if (!(std::abs(*p.difference[i]) <= kOfRounding * size)) return false;
     any = true;
   }
   return any;

@@ -7,7 +7,6 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/base/session.h"
-#include "datasets/calibration/calibration_reader.h"
 #include "report/records/calibration_record.h"
 
 namespace plumbline {
@@ -22,6 +21,8 @@ struct LintedCalibration {
   /// inverted one by one they would not, so that it takes a recording's lever arm to call them so.
   bool imu_places_agree = false;
 };
+
+class CalibrationFile;
 
 /// A calibration that was read from `file` under that file's name, with what the file itself
 /// states; an imu.yaml beside Kalibr's camchain is not looked at.

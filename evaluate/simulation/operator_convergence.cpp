@@ -20,10 +20,10 @@ struct Checkpoint {
   std::vector<int> frames;
 };
 
-class Judge {
+class ConvergenceJudge {
  public:
-  Judge(const OperatedSession& operated, const OperatedOptions& made, const Calibration& truth,
-        const ConvergenceOptions& options)
+  ConvergenceJudge(const OperatedSession& operated, const OperatedOptions& made,
+                   const Calibration& truth, const ConvergenceOptions& options)
       : operated_(operated), made_(made), truth_(truth), options_(options) {}
 
   OperatedConvergence judged() {
@@ -230,7 +230,7 @@ double trueProjectionErrorPx(const Intrinsics& truth, const Intrinsics& estimate
 OperatedConvergence convergenceOf(const OperatedSession& operated, const OperatedOptions& made,
                                   const Calibration& truth, const ConvergenceOptions& options) {
   options.check();
-  return Judge(operated, made, truth, options).judged();
+  return ConvergenceJudge(operated, made, truth, options).judged();
 }
 
 }  // namespace plumbline

@@ -76,7 +76,8 @@ struct Sample {
 
 /// chi^2 = sum ((x_i - mean) / s_i)^2 about the mean weighted by 1 / s_i^2, with n - 1 degrees of
 /// freedom; the farthest session is the one with the largest term.
-StudySpread spreadOf(const std::string& method, const std::string& parameter, const Sample& x) {
+StudySpread studySpreadOf(const std::string& method, const std::string& parameter,
+                          const Sample& x) {
   StudySpread s;
   s.method = method;
   s.parameter = parameter;
@@ -134,7 +135,7 @@ std::vector<StudySpread> spreadOverSessions(const StudyRecord& record) {
       for (const auto& [lens, sample] : lenses) {
         if (sample.values.size() < kLeastSessions) continue;
         const std::string shown = lenses.size() > 1 ? fmt::format("{} ({})", name, lens) : name;
-        spread.push_back(spreadOf(method, shown, sample));
+        spread.push_back(studySpreadOf(method, shown, sample));
       }
     }
   }

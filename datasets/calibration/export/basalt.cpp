@@ -12,23 +12,22 @@
 namespace plumbline {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// Up to where projection is unique, by the square of that radius; 0 (Basalt: no limit) if
 /// everywhere.
 double uniqueRadius(double squared) { return std::isfinite(squared) ? std::sqrt(squared) : 0; }
 
-Json pinholeOf(const Eigen::VectorXd& p) {
+nlohmann::ordered_json pinholeOf(const Eigen::VectorXd& p) {
   return {{"fx", p[0]}, {"fy", p[1]}, {"cx", p[2]}, {"cy", p[3]}};
 }
 
-Json cameraJson(const char* type, const Json& intrinsics) {
+nlohmann::ordered_json cameraJson(const char* type, const nlohmann::ordered_json& intrinsics) {
   return {{"camera_type", type}, {"intrinsics", intrinsics}};
 }
 
 /// Radtan, of four coefficients, is the rational model with its denominator at 1.
-Json rationalJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d, double squared_radius) {
-  Json k = pinholeOf(p);
+nlohmann::ordered_json rationalJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d,
+                                    double squared_radius) {
+  nlohmann::ordered_json k = pinholeOf(p);
   Eigen::Index i = 0;
   for (const char* name : {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}) {
     k[name] = i < d.size() ? d[i] : 0.0;
@@ -38,7 +37,8 @@ Json rationalJson(const Eigen::VectorXd& p, const Eigen::VectorXd& d, double squ
   return cameraJson("pinhole-radtan8", k);
 }
 
-Json pinholeFamily(const CameraCalibration& camera, const ExportSource& source, const char* known) {
+nlohmann::ordered_json pinholeFamily(const CameraCalibration& camera, const ExportSource& source,
+                                     const char* known) {
   const Intrinsics& k = camera.intrinsics;
   switch (k.distortion_model) {
     case DistortionModel::kNone:
@@ -47,7 +47,7 @@ Json pinholeFamily(const CameraCalibration& camera, const ExportSource& source, 
       return rationalJson(k.projection, k.distortion,
                           Radtan::squaredRadiusLimit(k.distortion.data()));
     case DistortionModel::kEquidistant: {
-      Json kb4 = pinholeOf(k.projection);
+      nlohmann::ordered_json kb4 = pinholeOf(k.projection);
       for (int i = 0; i < 4; ++i) kb4[fmt::format("k{}", i + 1)] = k.distortion[i];
       return cameraJson("kb4", kb4);
     }
@@ -62,14 +62,15 @@ Json pinholeFamily(const CameraCalibration& camera, const ExportSource& source, 
 
 // Kalibr's omni divides by z + xi d, Basalt's ucm by alpha d + (1 - alpha) z: the same projection
 // with alpha = xi / (1 + xi) and focal lengths over 1 + xi.
-Json unifiedOf(const Eigen::VectorXd& p) {
+nlohmann::ordered_json unifiedOf(const Eigen::VectorXd& p) {
   const double xi = p[0];
-  Json k = pinholeOf(Eigen::Vector4d(p[1] / (1 + xi), p[2] / (1 + xi), p[3], p[4]));
+  nlohmann::ordered_json k =
+      pinholeOf(Eigen::Vector4d(p[1] / (1 + xi), p[2] / (1 + xi), p[3], p[4]));
   k["alpha"] = xi / (1 + xi);
   return cameraJson("ucm", k);
 }
 
-Json intrinsicsJson(const CameraCalibration& camera, const ExportSource& source) {
+nlohmann::ordered_json intrinsicsJson(const CameraCalibration& camera, const ExportSource& source) {
   const char* known =
       "pinhole with radtan, equidistant, rational or no distortion; ds, eucm and omni without "
       "distortion";
@@ -78,14 +79,14 @@ Json intrinsicsJson(const CameraCalibration& camera, const ExportSource& source)
   if (k.distortion_model != DistortionModel::kNone) source.refuseModel(camera, known);
   if (k.projection_model == ProjectionModel::kOmni) return unifiedOf(k.projection);
   const bool ds = k.projection_model == ProjectionModel::kDs;
-  Json json = pinholeOf(k.projection.tail(4));
+  nlohmann::ordered_json json = pinholeOf(k.projection.tail(4));
   json[ds ? "xi" : "alpha"] = k.projection[0];
   json[ds ? "alpha" : "beta"] = k.projection[1];
   return cameraJson(ds ? "ds" : "eucm", json);
 }
 
 /// q and -q are one rotation; of the two the one with w >= 0 is written.
-Json poseJson(const Transform& T) {
+nlohmann::ordered_json poseJson(const Transform& T) {
   Eigen::Quaterniond q = T.quaternion();
   if (q.w() < 0) q.coeffs() *= -1;
   return {{"px", T.t.x()}, {"py", T.t.y()}, {"pz", T.t.z()}, {"qx", q.x()},
@@ -94,9 +95,9 @@ Json poseJson(const Transform& T) {
 
 std::vector<double> thrice(double value) { return {value, value, value}; }
 
-Json calibrationJson(const ExportSource& source) {
+nlohmann::ordered_json calibrationJson(const ExportSource& source) {
   const ImuCalibration& imu = source.neededImu();
-  Json json;
+  nlohmann::ordered_json json;
   for (const CameraCalibration& camera : source.calibration.cameras) {
     const Resolution& size = camera.intrinsics.resolution;
     json["T_imu_cam"].push_back(poseJson(imu.T_SC0 * camera.T_C0Ci));
@@ -114,7 +115,7 @@ Json calibrationJson(const ExportSource& source) {
   json["gyro_bias_std"] = thrice(imu.noise.gyro_random_walk);
   // Camera 0's, of Basalt's one offset; offsetWarnings() says what the others need.
   json["cam_time_offset_ns"] = nanosecondsOf(imu.timeOffset());
-  json["vignette"] = Json::array();
+  json["vignette"] = nlohmann::ordered_json::array();
   return {{"value0", json}};
 }
 

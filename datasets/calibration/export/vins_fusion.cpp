@@ -45,12 +45,12 @@ std::string radtanSection(const Intrinsics& k) {
   return section("distortion_parameters", {{"k1", d[0]}, {"k2", d[1]}, {"p1", d[2]}, {"p2", d[3]}});
 }
 
-struct CameraDescription {
+struct DescribedCamera {
   const char* model_type;
   std::string sections;
 };
 
-CameraDescription describe(const CameraCalibration& camera, const ExportSource& source) {
+DescribedCamera describe(const CameraCalibration& camera, const ExportSource& source) {
   const Intrinsics& k = camera.intrinsics;
   const Eigen::VectorXd& p = k.projection;
   const Eigen::VectorXd& d = k.distortion;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kAgain = "copy the file again, or calibrate again";
 
-bool isBlank(char c) { return c == ' ' || c == '\t' || c == ',' || c == '\r'; }
+bool isSeparator(char c) { return c == ' ' || c == '\t' || c == ',' || c == '\r'; }
 
 /// Walks the lines of a results text; lists in brackets may go on over several lines. Numbers that
 /// are not finite are an InputError at their line.
@@ -107,9 +107,9 @@ class ResultsLines {
           if (count == 0 || numbers.size() == count) return numbers;
           throw fault(fmt::format("{} numbers in brackets", numbers.size()), std::to_string(count));
         }
-        if (depth == 0 || isBlank(c) || c == '[' || c == ']') continue;
+        if (depth == 0 || isSeparator(c) || c == '[' || c == ']') continue;
         std::size_t end = column_;
-        while (end < line().size() && !isBlank(line()[end]) && line()[end] != ']') ++end;
+        while (end < line().size() && !isSeparator(line()[end]) && line()[end] != ']') ++end;
         numbers.push_back(number(line().substr(column_, end - column_)));
         column_ = end - 1;
       }

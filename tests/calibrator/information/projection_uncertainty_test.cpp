@@ -14,7 +14,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 Intrinsics camera(double focal, int width, int height) {
   Intrinsics k;
@@ -38,18 +38,18 @@ TEST(ProjectionUncertainty, HandValuesOfSingleParameters) {
   };
   // The principal point moves every pixel alike, at any range.
   EXPECT_NEAR(std_u(only(8, 0.5), centre, 1), 0.5, 1e-12);
-  EXPECT_NEAR(std_u(only(8, 0.5), right, kInfinity), 0.5, 1e-12);
+  EXPECT_NEAR(std_u(only(8, 0.5), right, kUnbounded), 0.5, 1e-12);
   // The focal length moves u by df x / z: by 400 / 400 df at the right border.
   EXPECT_NEAR(std_u(only(6, 0.5), centre, 1), 0, 1e-12);
   EXPECT_NEAR(std_u(only(6, 0.5), right, 3), 0.5, 1e-12);
   // A sideways shift of 1 mm at 2 m: f / z x 1 mm; nothing at infinity. On the border z is smaller.
   EXPECT_NEAR(std_u(only(0, 1e-3), centre, 2), 400 / 2.0 * 1e-3, 1e-12);
   EXPECT_NEAR(std_u(only(0, 1e-3), right, 2), 400 / std::sqrt(2.0) * 1e-3, 1e-12);
-  EXPECT_EQ(std_u(only(0, 1e-3), centre, kInfinity), 0);
+  EXPECT_EQ(std_u(only(0, 1e-3), centre, kUnbounded), 0);
   // A turn about y by 1 mrad: f (1 + x^2/z^2) 1 mrad, whatever the range.
   EXPECT_NEAR(std_u(only(4, 1e-3), centre, 2), 0.4, 1e-12);
   EXPECT_NEAR(std_u(only(4, 1e-3), right, 2), 0.8, 1e-12);
-  EXPECT_NEAR(std_u(only(4, 1e-3), right, kInfinity), 0.8, 1e-12);
+  EXPECT_NEAR(std_u(only(4, 1e-3), right, kUnbounded), 0.8, 1e-12);
 }
 
 TEST(ProjectionUncertainty, WorstDirectionIsTheLargerEigenvalue) {
@@ -103,7 +103,7 @@ TEST(ImageFit, TakesOutWhatARotationExplains) {
   const ProjectionCovariance fitted = imageFitCovariance(narrow, Sigma);
   for (const double u : {0.0, 100.0, 200.0}) {
     // The rest is quadratic: 5 px x (100 / 20000)^2 at the border.
-    EXPECT_LT(std::sqrt((*pixelCovariance(narrow, fitted, {u, 0}, kInfinity)).trace()), 2e-4);
+    EXPECT_LT(std::sqrt((*pixelCovariance(narrow, fitted, {u, 0}, kUnbounded)).trace()), 2e-4);
   }
   EXPECT_NEAR(std::sqrt(fitted(4, 4)), 5.0 / 20000, 1e-8);  // [rad] about y
   EXPECT_EQ(fitted(0, 0), 0);                               // no translation at infinity
@@ -117,7 +117,7 @@ TEST(ImageFit, MeanSquareIsTheMeanOverTheGrid) {
   Eigen::VectorXd scale(8);
   scale << 1, 1, 1, 1, 1e-3, 1e-3, 1e-3, 1e-3;
   const Eigen::MatrixXd Sigma = scale.asDiagonal() * A * A.transpose() * scale.asDiagonal();
-  for (const double range : {kInfinity, 1.0}) {
+  for (const double range : {kUnbounded, 1.0}) {
     const ImageFitOptions grid{range, 9, 7};
     const ProjectionCovariance fitted = imageFitCovariance(seen, Sigma, grid);
     double sum = 0;
@@ -140,7 +140,7 @@ TEST(ImageFit, TranslationIsFittedAtAFiniteRange) {
   };
   const double moved = 10 * std::sqrt(2.0) * 100 / 20000;  // 10 px x r / f
   EXPECT_LT(corner_std(2), 1e-3 * moved);
-  EXPECT_NEAR(corner_std(kInfinity), moved, 1e-3 * moved);
+  EXPECT_NEAR(corner_std(kUnbounded), moved, 1e-3 * moved);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 using test::ExactWindow;
 using test::swingingSamples;
 
-constexpr TimeNs kMs = 1'000'000;
+constexpr TimeNs kMillisecondNs = 1'000'000;
 
 TEST(Window, FindsAFrameByItsSerialUntilItHasLeft) {
   Window window;
@@ -42,27 +42,32 @@ struct LinkExample {
 
 TEST(ImuLink, TheSamplesMustReachBothEndsByTheirOwnClock) {
   const LinkExample x;
-  EXPECT_TRUE(x.links(-100 * kMs, 400 * kMs));
-  EXPECT_FALSE(x.links(-101 * kMs, 400 * kMs));
-  EXPECT_TRUE(x.links(400 * kMs, 1900 * kMs));
-  EXPECT_FALSE(x.links(400 * kMs, 1901 * kMs));
+  EXPECT_TRUE(x.links(-100 * kMillisecondNs, 400 * kMillisecondNs));
+  EXPECT_FALSE(x.links(-101 * kMillisecondNs, 400 * kMillisecondNs));
+  EXPECT_TRUE(x.links(400 * kMillisecondNs, 1900 * kMillisecondNs));
+  EXPECT_FALSE(x.links(400 * kMillisecondNs, 1901 * kMillisecondNs));
 }
 
 TEST(ImuLink, APauseBreaksItWhereverItTouchesTheWindow) {
   LinkExample x;
-  std::erase_if(x.samples, [](const ImuSample& s) { return s.t > 500 * kMs && s.t < 600 * kMs; });
-  EXPECT_TRUE(x.links(300 * kMs, 700 * kMs, 0.1)) << "no longer than is allowed";
-  EXPECT_FALSE(x.links(300 * kMs, 700 * kMs, 0.099));
-  EXPECT_FALSE(x.links(300 * kMs, 450 * kMs, 0.05)) << "the window ends within it";
-  EXPECT_FALSE(x.links(450 * kMs, 700 * kMs, 0.05)) << "the window begins within it";
-  EXPECT_TRUE(x.links(100 * kMs, 400 * kMs, 0.05));
-  EXPECT_TRUE(x.links(500 * kMs, 700 * kMs, 0.05));
+  std::erase_if(x.samples, [](const ImuSample& s) {
+    return s.t > 500 * kMillisecondNs && s.t < 600 * kMillisecondNs;
+  });
+  EXPECT_TRUE(x.links(300 * kMillisecondNs, 700 * kMillisecondNs, 0.1))
+      << "no longer than is allowed";
+  EXPECT_FALSE(x.links(300 * kMillisecondNs, 700 * kMillisecondNs, 0.099));
+  EXPECT_FALSE(x.links(300 * kMillisecondNs, 450 * kMillisecondNs, 0.05))
+      << "the window ends within it";
+  EXPECT_FALSE(x.links(450 * kMillisecondNs, 700 * kMillisecondNs, 0.05))
+      << "the window begins within it";
+  EXPECT_TRUE(x.links(100 * kMillisecondNs, 400 * kMillisecondNs, 0.05));
+  EXPECT_TRUE(x.links(500 * kMillisecondNs, 700 * kMillisecondNs, 0.05));
 }
 
 // Integrated anew at these biases the motion would be the same, to first order.
 TEST(MotionAt, FollowsTheBiasesOfTheState) {
   const LinkExample x;
-  const auto link = imuLink(x.samples, x.rig, 100 * kMs, 600 * kMs, {}, 0.1);
+  const auto link = imuLink(x.samples, x.rig, 100 * kMillisecondNs, 600 * kMillisecondNs, {}, 0.1);
   ASSERT_TRUE(link);
   ImuState state;
   state.gyro_bias << 1e-3, -2e-3, 1.5e-3;
@@ -83,10 +88,11 @@ TEST(MotionAt, FollowsTheBiasesOfTheState) {
 ImuState afterHalfASecond(const ImuState& from, const Eigen::Vector3d& gyro,
                           const Eigen::Vector3d& accel) {
   std::vector<ImuSample> samples;
-  for (int k = 0; k <= 200; ++k) samples.push_back({5 * kMs * k, gyro, accel});
+  for (int k = 0; k <= 200; ++k) samples.push_back({5 * kMillisecondNs * k, gyro, accel});
   RigModel rig = RigModel::of(simulatedRig("euroc").calibration);
   rig.time_offset_s = 0;
-  const auto link = imuLink(samples, rig, 100 * kMs, 600 * kMs, biasOf(from), 0.1);
+  const auto link =
+      imuLink(samples, rig, 100 * kMillisecondNs, 600 * kMillisecondNs, biasOf(from), 0.1);
   return predicted(from, link.value(), 10);
 }
 

@@ -11,7 +11,7 @@ namespace plumbline {
 namespace {
 
 constexpr int kHandEyeColumns = 13;
-using Jacobian = Eigen::Matrix<double, 6, kHandEyeColumns>;
+using HandEyeJacobian = Eigen::Matrix<double, 6, kHandEyeColumns>;
 using HandEyeJet = ceres::Jet<double, kHandEyeColumns>;
 using HandEyeVec3 = oracle::Vec3<HandEyeJet>;
 
@@ -36,9 +36,9 @@ HandEyeState exampleState(const HandEyePair& pair) {
   return state;
 }
 
-Jacobian analytic(const HandEyePair& pair, const HandEyeState& state) {
+HandEyeJacobian analytic(const HandEyePair& pair, const HandEyeState& state) {
   const HandEyeResidual e = handEyeResidual(pair, state);
-  Jacobian J;
+  HandEyeJacobian J;
   J << e.J_SM, e.J_VW, e.J_offset;
   return J;
 }
@@ -78,7 +78,7 @@ TEST(HandEyeResidual, JacobiansEqualCentralDifferences) {
   const HandEyePair pair = examplePair();
   const HandEyeState state = exampleState(pair);
   constexpr double h = 1e-6;  // truncation 1e-12, rounding 1e-10
-  Jacobian numeric;
+  HandEyeJacobian numeric;
   for (int k = 0; k < kHandEyeColumns; ++k) {
     numeric.col(k) = (handEyeResidual(pair, stepped(state, k, h)).r -
                       handEyeResidual(pair, stepped(state, k, -h)).r) /
@@ -115,7 +115,7 @@ TEST(HandEyeResidual, JacobiansEqualAutomaticDifferentiation) {
       constant(pair.T_VM.R);
   const HandEyeVec3 angle =
       oracle::logQuaternion<HandEyeJet>(q_VW * q_WS * q_SM * q_VM.conjugate());
-  Jacobian J;
+  HandEyeJacobian J;
   for (int k = 0; k < 3; ++k) {
     J.row(k) = t(k).v.transpose();
     J.row(k + 3) = angle(k).v.transpose();

@@ -47,16 +47,16 @@ Eigen::Vector2d pixel(const Intrinsics& camera, const Transform& T_CF, AprilGrid
 }
 
 /// Rows (pose 6, intrinsics 8, terms 12) of each corner.
-struct Dense {
+struct DenseSums {
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(26, 26);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(26);
 };
 
-Dense denseSums(const Intrinsics& camera, const Transform& T_CF, const AprilGrid& board,
-                const PackedView& view, const GramOptions& options) {
+DenseSums denseSums(const Intrinsics& camera, const Transform& T_CF, const AprilGrid& board,
+                    const PackedView& view, const GramOptions& options) {
   constexpr double kStep = 1e-5;  // [m]
   const auto points = cornerPoints(board);
-  Dense sums;
+  DenseSums sums;
   for (int i = 0; i < view.count; ++i) {
     const Eigen::Vector3d p = T_CF * points[static_cast<std::size_t>(view.id[i])];
     const Projection at = projectWithJacobians(camera, p).value();
@@ -76,8 +76,8 @@ Dense denseSums(const Intrinsics& camera, const Transform& T_CF, const AprilGrid
   return sums;
 }
 
-Dense assembled(const TargetViewGram& g) {
-  Dense out;
+DenseSums assembled(const TargetViewGram& g) {
+  DenseSums out;
   out.H << g.H, g.H_pose_k, g.H_pose_s, g.H_pose_k.transpose(), g.H_k, g.H_k_s,
       g.H_pose_s.transpose(), g.H_k_s.transpose(), g.H_s;
   out.b << g.b, g.b_k, g.b_s;
@@ -92,11 +92,11 @@ TEST(TargetViewGram, EqualsTheSumOverCornersForEveryModelLossAndInstructionSet) 
     const PackedCorners corners(board, {view});
     const Columns columns(board, corners.view(0));
     for (const GramOptions& options : {GramOptions{0, 0}, GramOptions{1.5, 0.7}}) {
-      const Dense naive = denseSums(camera, T_CF, board, corners.view(0), options);
+      const DenseSums naive = denseSums(camera, T_CF, board, corners.view(0), options);
       const Eigen::VectorXd scale = naive.H.diagonal().cwiseSqrt().cwiseInverse();
       for (const InstructionSet set : {InstructionSet::kBaseline, InstructionSet::kAvx2}) {
         if (!isAvailable(set)) continue;
-        const Dense gram =
+        const DenseSums gram =
             assembled(targetViewGram(camera, T_CF, corners.view(0), columns.target, options, set));
         const Eigen::MatrixXd d = scale.asDiagonal() * (gram.H - naive.H) * scale.asDiagonal();
         EXPECT_LT(d.cwiseAbs().maxCoeff(), 1e-7);

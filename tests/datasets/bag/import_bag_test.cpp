@@ -23,16 +23,16 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-constexpr TimeNs kStart = 1'700'000'000'000'000'000;
+constexpr TimeNs kBagStart = 1'700'000'000'000'000'000;
 constexpr TimeNs kFrame = 50'000'000, kSample = 5'000'000;  // [ns]
-constexpr const char* kTarget =
+constexpr const char* kBagTarget =
     "target_type: aprilgrid\ntagRows: 6\ntagCols: 6\ntagSize: 0.088\ntagSpacing: 0.3\n";
-constexpr const char* kImu =
+constexpr const char* kBagImu =
     "rostopic: /imu0\nupdate_rate: 200\naccelerometer_noise_density: 0.002\n"
     "accelerometer_random_walk: 0.003\ngyroscope_noise_density: 0.00017\n"
     "gyroscope_random_walk: 0.00002\n";
 
-std::string contentOf(const fs::path& path) {
+std::string contentOfBag(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -46,7 +46,7 @@ WrittenImage pictureOf(int number) {
 }
 
 ImuSample sampleOf(int number) {
-  return {kStart + number * kSample, {0.1 * number, 0.2, -0.3}, {0.5, 0.25 * number, 9.81}};
+  return {kBagStart + number * kSample, {0.1 * number, 0.2, -0.3}, {0.5, 0.25 * number, 9.81}};
 }
 
 WrittenMessage cdrImage(TimeNs t, const WrittenImage& image) {
@@ -58,8 +58,8 @@ WrittenMessage cdrImu(const ImuSample& sample) { return imuMessage(Serialization
 class ImportBag : public testing::Test {
  protected:
   void SetUp() override {
-    folder_.write("target.yaml", kTarget);
-    folder_.write("imu.yaml", kImu);
+    folder_.write("target.yaml", kBagTarget);
+    folder_.write("imu.yaml", kBagImu);
     request_.bags = {folder_.path("bag.db3")};
     request_.target_path = folder_.path("target.yaml");
     request_.imu_path = folder_.path("imu.yaml");
@@ -77,12 +77,12 @@ class ImportBag : public testing::Test {
     WrittenRos2Bag bag = begun();
     int received = 0;
     for (const int k : {1, 0, 2}) {
-      const TimeNs at = kStart + 1'000'000'000 + received++;
-      bag.message("/cam0/image_raw", at, cdrImage(kStart + k * kFrame, pictureOf(k)));
-      bag.message("/cam1/image_raw", at, cdrImage(kStart + k * kFrame, pictureOf(k + 3)));
+      const TimeNs at = kBagStart + 1'000'000'000 + received++;
+      bag.message("/cam0/image_raw", at, cdrImage(kBagStart + k * kFrame, pictureOf(k)));
+      bag.message("/cam1/image_raw", at, cdrImage(kBagStart + k * kFrame, pictureOf(k + 3)));
     }
     for (int i = 0; i < 10; ++i) {
-      bag.message("/imu0", kStart + 1'000'000'000 + i, cdrImu(sampleOf(i)));
+      bag.message("/imu0", kBagStart + 1'000'000'000 + i, cdrImu(sampleOf(i)));
     }
     return bag;
   }
@@ -122,7 +122,7 @@ TEST_F(ImportBag, TheSessionHasTheSensorsByTheStampsOfTheirHeaders) {
   EXPECT_EQ(read.session.target.tagCount(), 36);
   for (int k = 0; k < 3; ++k) {
     const ImageFile& file = read.images[1][static_cast<std::size_t>(k)];
-    EXPECT_EQ(file.t, kStart + k * kFrame);
+    EXPECT_EQ(file.t, kBagStart + k * kFrame);
     const GrayImage image = readGrayImage(file.path);
     EXPECT_EQ(std::string(reinterpret_cast<const char*>(image.data()), 24), pictureOf(k + 3).data);
   }
@@ -151,8 +151,8 @@ TEST_F(ImportBag, OrderOfTheBagsAndThreadsChangeNothing) {
   filled();
   {
     WrittenRos2Bag more = begun("more.db3");
-    more.message("/cam0/image_raw", 1, cdrImage(kStart + 3 * kFrame, pictureOf(7)));
-    more.message("/cam1/image_raw", 1, cdrImage(kStart + 3 * kFrame, pictureOf(8)));
+    more.message("/cam0/image_raw", 1, cdrImage(kBagStart + 3 * kFrame, pictureOf(7)));
+    more.message("/cam1/image_raw", 1, cdrImage(kBagStart + 3 * kFrame, pictureOf(8)));
     more.message("/imu0", 1, cdrImu(sampleOf(10)));
   }
   request_.threads = 1;
@@ -166,7 +166,7 @@ TEST_F(ImportBag, OrderOfTheBagsAndThreadsChangeNothing) {
     if (!entry.is_regular_file()) continue;
     ++files;
     const fs::path name = fs::relative(entry.path(), folder_.path("one"));
-    EXPECT_EQ(contentOf(entry.path()), contentOf(folder_.path("other") / name)) << name;
+    EXPECT_EQ(contentOfBag(entry.path()), contentOfBag(folder_.path("other") / name)) << name;
   }
   EXPECT_EQ(files, 8 + 4 + 2 + 2);  // images, cameras' texts, the IMU's, target.yaml and imu.yaml
 }
@@ -175,14 +175,14 @@ TEST_F(ImportBag, EveryCameraHasItsOwnRate) {
   {
     WrittenRos2Bag bag = filled();
     for (int i = 0; i < 4; ++i) {  // twice as often as the frames between
-      const TimeNs t = kStart + kFrame * i + kFrame / 2;
+      const TimeNs t = kBagStart + kFrame * i + kFrame / 2;
       bag.message("/cam1/image_raw", i, cdrImage(t, pictureOf(10 + i)));
     }
   }
   import();
-  EXPECT_THAT(contentOf(folder_.path("session/mav0/cam0/sensor.yaml")),
+  EXPECT_THAT(contentOfBag(folder_.path("session/mav0/cam0/sensor.yaml")),
               HasSubstr("rate_hz: 20.0\n"));
-  EXPECT_THAT(contentOf(folder_.path("session/mav0/cam1/sensor.yaml")),
+  EXPECT_THAT(contentOfBag(folder_.path("session/mav0/cam1/sensor.yaml")),
               HasSubstr("rate_hz: 40.0\n"));
 }
 
@@ -203,7 +203,7 @@ TEST_F(ImportBag, AnotherKindOfCdrIsNamed) {
   {
     WrittenRos2Bag bag = filled();
     WrittenMessage message(Serialization::kCdr);
-    bag.message("/imu0", std::numeric_limits<TimeNs>::max(), message.header(kStart));
+    bag.message("/imu0", std::numeric_limits<TimeNs>::max(), message.header(kBagStart));
   }
   {
     SQLite::Database bag(folder_.path("bag.db3"), SQLite::OPEN_READWRITE);
@@ -221,25 +221,25 @@ TEST_F(ImportBag, CompressedImagesStayTheirFiles) {
   {
     WrittenRos2Bag bag(folder_.path("bag.db3"));
     bag.topic("/cam/compressed", "sensor_msgs/msg/CompressedImage");
-    bag.message("/cam/compressed", 5, compressedMessage(Serialization::kCdr, kStart, jpeg));
+    bag.message("/cam/compressed", 5, compressedMessage(Serialization::kCdr, kBagStart, jpeg));
   }
   request_.import_imu = false;
   EXPECT_EQ(import().front().resolution, (Resolution{16, 8}));
   const Recording read = readRecording(folder_.path("session"), {.read_imu = false});
-  EXPECT_EQ(contentOf(read.images[0][0].path), jpeg);
+  EXPECT_EQ(contentOfBag(read.images[0][0].path), jpeg);
 }
 
 TEST_F(ImportBag, SixteenBitsReachTheImageReader) {
   {
     WrittenRos2Bag bag = begun();
     WrittenImage deep{2, 1, "mono16", {'\xff', '\x03', '\x00', '\x02'}, 0, 4};  // 1023, 512
-    bag.message("/cam0/image_raw", 1, cdrImage(kStart, deep));
+    bag.message("/cam0/image_raw", 1, cdrImage(kBagStart, deep));
   }
   request_.camera_topics = {"/cam0/image_raw"};
   request_.import_imu = false;
   import();
   const std::string path =
-      folder_.path("session/mav0/cam0/data/" + std::to_string(kStart) + ".png");
+      folder_.path("session/mav0/cam0/data/" + std::to_string(kBagStart) + ".png");
   EXPECT_EQ(bitsOfDeepImage(path), 10);
   const GrayImage image = readGrayImage(path);
   EXPECT_EQ(image.at(0, 0), 255);
@@ -248,8 +248,8 @@ TEST_F(ImportBag, SixteenBitsReachTheImageReader) {
 
 TEST_F(ImportBag, TheSameMessageTwiceIsOneAndIsCounted) {
   WrittenRos2Bag bag = filled();
-  bag.message("/cam0/image_raw", kStart, cdrImage(kStart, pictureOf(0)));
-  bag.message("/imu0", kStart, cdrImu(sampleOf(4)));
+  bag.message("/cam0/image_raw", kBagStart, cdrImage(kBagStart, pictureOf(0)));
+  bag.message("/imu0", kBagStart, cdrImu(sampleOf(4)));
   const auto sensors = import();
   EXPECT_EQ(sensors[0].repeated, 1U);
   EXPECT_EQ(sensors[1].repeated, 0U);
@@ -260,10 +260,10 @@ TEST_F(ImportBag, TheSameMessageTwiceIsOneAndIsCounted) {
 TEST_F(ImportBag, TwoDifferentMessagesOfOneStampAreRefused) {
   ImuSample other = sampleOf(4);
   other.gyro.x() += 1;
-  filled().message("/imu0", kStart, cdrImu(other));
+  filled().message("/imu0", kBagStart, cdrImu(other));
   expectRefused(InputFault::kDuplicate, "topic /imu0");
   fs::remove(folder_.path("bag.db3"));
-  filled().message("/cam0/image_raw", kStart, cdrImage(kStart, pictureOf(9)));
+  filled().message("/cam0/image_raw", kBagStart, cdrImage(kBagStart, pictureOf(9)));
   expectRefused(InputFault::kDuplicate, "topic /cam0/image_raw");
 }
 
@@ -277,13 +277,13 @@ TEST_F(ImportBag, MessagesThatCannotBeUsedAreToldByTopicAndNumber) {
   };
   const std::string cam = "/cam0/image_raw";
   refused(cam, cdrImage(0, pictureOf(1)), InputFault::kBadOrder, "message 4 has the stamp 0 ns");
-  refused(cam, cdrImage(kStart + 9, {2, 2, "mono8", "abcd"}), InputFault::kContradiction,
+  refused(cam, cdrImage(kBagStart + 9, {2, 2, "mono8", "abcd"}), InputFault::kContradiction,
           "message 4 is 2 x 2, those before it are 6 x 4");
-  refused(cam, cdrImage(kStart + 9, {6, 4, "32FC1", std::string(24, 'a')}),
+  refused(cam, cdrImage(kBagStart + 9, {6, 4, "32FC1", std::string(24, 'a')}),
           InputFault::kUnsupported, "encoding '32FC1' has no grey image");
-  refused(cam, cdrImage(kStart + 9, {6, 4, "mono8", "short"}), InputFault::kContradiction,
+  refused(cam, cdrImage(kBagStart + 9, {6, 4, "mono8", "short"}), InputFault::kContradiction,
           "6 x 4 pixels of mono8 in rows of 6 bytes do not fit 5 bytes");
-  refused(cam, WrittenMessage(Serialization::kCdr).header(kStart + 9), InputFault::kTruncated,
+  refused(cam, WrittenMessage(Serialization::kCdr).header(kBagStart + 9), InputFault::kTruncated,
           "message 4 is cut, or not laid out as sensor_msgs/Image");
   ImuSample broken = sampleOf(11);
   broken.accel.y() = std::nan("");
@@ -294,31 +294,31 @@ TEST_F(ImportBag, MessagesThatCannotBeUsedAreToldByTopicAndNumber) {
 
 TEST_F(ImportBag, AnImuThatIsHalfFilledIsToldSo) {
   WrittenRos2Bag bag = begun();
-  bag.message("/cam0/image_raw", 1, cdrImage(kStart, pictureOf(0)));
-  bag.message("/imu0", 1, cdrImu({kStart, {0.1, 0, 0}, {0, 0, 0}}));
+  bag.message("/cam0/image_raw", 1, cdrImage(kBagStart, pictureOf(0)));
+  bag.message("/imu0", 1, cdrImu({kBagStart, {0.1, 0, 0}, {0, 0, 0}}));
   request_.camera_topics = {"/cam0/image_raw"};
   expectRefused(InputFault::kEmpty, "every linear_acceleration is 0");
 }
 
 TEST_F(ImportBag, ACameraWithoutAnImageIsToldSo) {
   WrittenRos2Bag bag = begun();
-  bag.message("/cam0/image_raw", 1, cdrImage(kStart, pictureOf(0)));
+  bag.message("/cam0/image_raw", 1, cdrImage(kBagStart, pictureOf(0)));
   expectRefused(InputFault::kEmpty, "topic /cam1/image_raw: has no image");
 }
 
 TEST_F(ImportBag, AnImuWithoutASampleIsToldSo) {
   WrittenRos2Bag bag = begun();
-  bag.message("/cam0/image_raw", 1, cdrImage(kStart, pictureOf(0)));
+  bag.message("/cam0/image_raw", 1, cdrImage(kBagStart, pictureOf(0)));
   request_.camera_topics = {"/cam0/image_raw"};
   expectRefused(InputFault::kNoImuSamples, "topic /imu0: has no sample");
 }
 
 TEST_F(ImportBag, TheRecordingStaysAsItWas) {
   filled();
-  const std::string before = contentOf(folder_.path("bag.db3"));
+  const std::string before = contentOfBag(folder_.path("bag.db3"));
   fs::permissions(folder_.path("bag.db3"), fs::perms::owner_read);
   import();
-  EXPECT_EQ(contentOf(folder_.path("bag.db3")), before);
+  EXPECT_EQ(contentOfBag(folder_.path("bag.db3")), before);
   EXPECT_FALSE(fs::exists(folder_.path("bag.db3-wal")));
   EXPECT_FALSE(fs::exists(folder_.path("bag.db3-shm")));
 }

@@ -11,7 +11,7 @@ namespace plumbline {
 
 inline const std::string kTargetText =
     "target_type: 'aprilgrid'\ntagCols: 6\ntagRows: 6\ntagSize: 0.088\ntagSpacing: 0.3\n";
-inline const std::string kImuText =
+inline const std::string kImuYamlText =
     "rostopic: /imu0\nupdate_rate: 200.0\naccelerometer_noise_density: 2.0e-3\n"
     "accelerometer_random_walk: 3.0e-3\ngyroscope_noise_density: 1.6968e-4\n"
     "gyroscope_random_walk: 1.9393e-5\n";
@@ -30,7 +30,7 @@ inline const std::string kSamplesText =
 /// Writes them into `folder`, below `level` ("" or "mav0/").
 inline void writeGoodSession(const TemporaryFolder& folder, const std::string& level = "") {
   folder.write("target.yaml", kTargetText);
-  folder.write("imu.yaml", kImuText);
+  folder.write("imu.yaml", kImuYamlText);
   folder.write(level + "imu0/data.csv", kSamplesText);
   for (const char* camera : {"cam0/", "cam1/"}) {
     folder.write(level + camera + "sensor.yaml", kSensorText);

@@ -121,7 +121,7 @@ TEST(SessionReader, AHeaderOfOtherNamesLeavesTheUsualOrder) {
 TEST(SessionReader, NoiseMayBeWrappedAsKalibrWritesItOrComeFromEurocsSensorFile) {
   const TemporaryFolder folder;
   writeGoodSession(folder);
-  std::string wrapped = "imu0:\n  model: calibrated\n  " + kImuText;
+  std::string wrapped = "imu0:\n  model: calibrated\n  " + kImuYamlText;
   for (std::size_t at = wrapped.find("/imu0\n"); (at = wrapped.find('\n', at)) + 1 < wrapped.size();
        at += 3) {
     wrapped.insert(at + 1, "  ");

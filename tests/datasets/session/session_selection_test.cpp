@@ -101,7 +101,7 @@ TEST_F(Selection, ImuYamlGoesBeforeEurocsSensorFile) {
 
 // rate_hz is EuRoC's word, update_rate Kalibr's, which the program's own files have.
 TEST_F(Selection, OfTwoWordsForTheRateKalibrsCounts) {
-  folder_.write("imu.yaml", kImuText + "rate_hz: 1000\n");
+  folder_.write("imu.yaml", kImuYamlText + "rate_hz: 1000\n");
   EXPECT_EQ(read().imu->noise.rate_hz, 200);
 }
 

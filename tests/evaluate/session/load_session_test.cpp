@@ -28,13 +28,13 @@ using ::testing::Not;
 
 void noProgress(const std::string& /*step*/, double /*fraction*/) {}
 
-Session recorded() {
+Session recordedSession() {
   SimulationOptions options;
   options.duration_s = 2;
   return simulateSession(simulatedRig("euroc"), options).session;
 }
 
-std::string refusalOf(const auto& action) {
+std::string refusalToLoad(const auto& action) {
   try {
     action();
   } catch (const InputError& error) {
@@ -47,7 +47,7 @@ TEST(LoadRequest, NamesWhatIsOutOfItsRange) {
   const auto refused = [](auto change) {
     LoadRequest request;
     change(request);
-    return refusalOf([&] { request.check(); });
+    return refusalToLoad([&] { request.check(); });
   };
   EXPECT_EQ(refused([](auto& r) { r.read.from_s = 1, r.read.to_s = 1.5; }), "");
   EXPECT_THAT(refused([](auto& r) { r.read.stride = 0; }), HasSubstr("stride 0"));
@@ -61,7 +61,7 @@ TEST(LoadRequest, NamesWhatIsOutOfItsRange) {
 /// A recording as our commands write it.
 struct WrittenSession {
   TemporaryFolder folder;
-  Session session = recorded();
+  Session session = recordedSession();
   LoadRequest request;
 
   WrittenSession() {
@@ -107,7 +107,7 @@ TEST(LoadSession, KeepsTheCamerasAskedForInTheirOrder) {
   w.request.only = {"cam1", "cam0"};
   EXPECT_EQ(w.loaded().session.cameras[0].name, "cam0");
   w.request.only = {"cam2"};
-  EXPECT_THAT(refusalOf([&] { w.loaded(); }), HasSubstr("no camera cam2; it has cam0, cam1"));
+  EXPECT_THAT(refusalToLoad([&] { w.loaded(); }), HasSubstr("no camera cam2; it has cam0, cam1"));
 }
 
 TEST(LoadSession, OneCameraUnderTwoNamesIsRefused) {
@@ -116,19 +116,19 @@ TEST(LoadSession, OneCameraUnderTwoNamesIsRefused) {
   std::filesystem::create_directories(w.folder.path("copy"));
   writeCornerSession(w.session, w.folder.path("copy"));
   w.request.session = w.folder.path("copy");
-  EXPECT_THAT(refusalOf([&] { w.loaded(); }), HasSubstr("cam1 shows the very corners of cam0"));
+  EXPECT_THAT(refusalToLoad([&] { w.loaded(); }), HasSubstr("cam1 shows the very corners of cam0"));
   w.request.only = {"cam1"};
-  EXPECT_EQ(refusalOf([&] { w.loaded(); }), "");
+  EXPECT_EQ(refusalToLoad([&] { w.loaded(); }), "");
 }
 
 TEST(LoadSession, ACacheWithinTheRecordingIsRefused) {
   WrittenSession w;
   for (const char* inside : {"rec", "rec/mav0/cache", "other/../rec/cache"}) {
     w.request.cache = w.folder.path(inside);
-    EXPECT_THAT(refusalOf([&] { w.loaded(); }), HasSubstr("never written to")) << inside;
+    EXPECT_THAT(refusalToLoad([&] { w.loaded(); }), HasSubstr("never written to")) << inside;
   }
   w.request.cache = w.folder.path("rec_cache");
-  EXPECT_EQ(refusalOf([&] { w.loaded(); }), "");
+  EXPECT_EQ(refusalToLoad([&] { w.loaded(); }), "");
 }
 
 TEST(LoadSession, TheHashIsOfTheFilesAndOfThoseBeside) {
@@ -202,11 +202,11 @@ TEST(NoTagSeen, IsAFailureOfImagesAlone) {
 std::string spacingRefused(double stated, const std::optional<double>& shown_by_images,
                            bool with_cameras) {
   LocatedSession x;
-  x.loaded.session = recorded();
+  x.loaded.session = recordedSession();
   x.loaded.session.target.spacing = stated;
   x.loaded.shown_spacing = shown_by_images;
   const std::vector<CameraCalibration> cameras = simulatedRig("euroc").calibration.cameras;
-  return refusalOf([&] {
+  return refusalToLoad([&] {
     checkTargetLayout(x.loaded, with_cameras ? cameras : std::vector<CameraCalibration>());
   });
 }
@@ -214,9 +214,9 @@ std::string spacingRefused(double stated, const std::optional<double>& shown_by_
 /// What is said of a session of that camera's corners, changed.
 std::string neighboursRefused(const std::function<void(Session&)>& change) {
   LocatedSession x;
-  x.loaded.session = recorded();
+  x.loaded.session = recordedSession();
   change(x.loaded.session);
-  return refusalOf([&] { checkTargetLayout(x.loaded, {}); });
+  return refusalToLoad([&] { checkTargetLayout(x.loaded, {}); });
 }
 
 void renumber(CameraStream& camera, const std::array<int, 4>& numbers) {
