@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::string_view kMcapMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kRecordHead = 1 + 8;               // kind, length
-constexpr std::size_t kDataEnd = kRecordHead + 4;        // and a checksum
+constexpr std::size_t kDataEndSize = kRecordHead + 4;    // and a checksum
 constexpr std::size_t kFooterSum = kRecordHead + 8 + 8;  // behind two positions
 constexpr std::size_t kFooter = kFooterSum + 4;
 constexpr std::uint64_t kMostChunk = std::uint64_t{1} << 30U;  // [bytes]; writers' have megabytes
@@ -160,14 +160,14 @@ class McapBag : public Bag {
     footer.number<std::uint64_t>();  // of the summary's own table
     const auto sum = footer.number<std::uint32_t>();
     const std::size_t summary = start == 0 ? place_ : start;
-    if (summary < kMcapMagic.size() + kDataEnd || summary > place_) {
+    if (summary < kMcapMagic.size() + kDataEndSize || summary > place_) {
       throw damaged("the summary is not where it says");
     }
     if (sum != 0 && sum != checksum(0, text.substr(summary, place_ + kFooterSum - summary))) {
       throw damaged("the summary does not have its checksum");
     }
     // Known before the data are read: without a checksum what nobody asks for is not read at all.
-    const std::string_view data_end = text.substr(summary - kDataEnd, kDataEnd);
+    const std::string_view data_end = text.substr(summary - kDataEndSize, kDataEndSize);
     if (data_end.front() == static_cast<char>(RecordKind::kDataEnd)) {
       data_sum_ =
           FieldReader(data_end.substr(kRecordHead), Serialization::kRos1).number<std::uint32_t>();
