@@ -31,7 +31,10 @@ export TMPDIR=$scratch
 # checker was seen to spin for minutes.
 fast=quarantine_size_mb=1:thread_local_quarantine_size_kb=256:malloc_context_size=0:max_malloc_fill_size=0
 export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=0}:$fast UBSAN_OPTIONS=print_stacktrace=1
-build-sanitized/tests/write_seeds "$folder"
+known=$(build-sanitized/tests/write_seeds "$folder")
+for parser in "$@"; do
+  grep -qxF -- "$parser" <<<"$known" || { echo "fuzz.sh: no parser '$parser'; there are: ${known//$'\n'/ }" >&2; exit 2; }
+done
 
 fuzz_one() {
   local at=$1/$2
@@ -53,5 +56,5 @@ fuzz_one() {
   fi
 }
 export -f fuzz_one
-if [ $# -gt 0 ]; then printf '%s\n' "$@"; else ls "$folder"; fi |
+if [ $# -gt 0 ]; then printf '%s\n' "$@"; else echo "$known"; fi |
   xargs -P "$(nproc)" -I{} bash -c 'fuzz_one "$@"' _ "$folder" {} "${limit[@]}" || exit 1

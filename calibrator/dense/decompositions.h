@@ -6,17 +6,18 @@
 
 namespace plumbline {
 
-// Decompositions of matrices of any size, compiled once. For each size of its own Eigen makes
-// hundreds of functions of them, a second or two of every compiler that sees one; where they are
-// called a few times a frame, the few allocations are not felt.
+// Decompositions of matrices of any size, compiled once: for each size of its own Eigen makes
+// hundreds of functions of them, a second or two of every compiler that sees one. What is solved
+// for every corner or feature keeps its size.
 
-/// A = P^T L D L^T P of a symmetric n x n matrix, with pivots: also of matrices of low rank.
+/// A = P^T L D L^T P of a symmetric n x n matrix, the largest pivot first.
 class SymmetricFactor {
  public:
   /// Reads the lower triangle of A.
   explicit SymmetricFactor(const Eigen::MatrixXd& A);
 
-  /// A^-1 B, n x m. Along directions without information zero.
+  /// A^-1 B, n x m. A pivot that is zero gives zero; one that is left of rounding counts as any
+  /// other: ask pivots() or rcond().
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
   /// A^-1.
   Eigen::MatrixXd inverse() const;

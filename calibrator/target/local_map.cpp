@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibrator/target/local_map.h"
 
+#include <Eigen/Cholesky>
 #include <cstdlib>
-
-#include "calibrator/dense/decompositions.h"
 
 namespace plumbline {
 namespace {
@@ -92,9 +91,9 @@ std::optional<Eigen::Vector2d> LocalMap::predict(int corner_id, int left_out) co
   }
   // Eight unknowns, two rows a corner.
   if (heard < 4) return std::nullopt;
-  const SymmetricFactor factor(fit.normal());
+  const auto factor = fit.normal().ldlt();
   const Vector8 h = factor.solve(fit.right());
-  if (!factor.succeeded() || !h.allFinite() || !(factor.rcond() > 1e-12)) {
+  if (factor.info() != Eigen::Success || !h.allFinite() || !(factor.rcond() > 1e-12)) {
     return std::nullopt;
   }
   const Eigen::Vector2d straight = origin + Eigen::Vector2d(h[0], h[3]);

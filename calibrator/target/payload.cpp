@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <bit>
 #include <vector>
 
-#include "calibrator/dense/decompositions.h"
 #include "calibrator/target/tag_image.h"
 
 namespace plumbline {
@@ -17,7 +17,7 @@ class GrayPlane {
     normal_ += row * row.transpose();
     right_ += row * gray;
   }
-  Eigen::Vector3d solve() const { return SymmetricFactor(normal_).solve(right_); }
+  Eigen::Vector3d solve() const { return normal_.ldlt().solve(right_); }
 
  private:
   // So that a plane without samples is zero, and fails by its contrast.

@@ -125,8 +125,9 @@ class McapBag : public Bag {
                [&](RecordKind kind, auto content) {
                  is_ended = kind == RecordKind::kDataEnd;
                  if (is_ended) return false;
-                 if (data_sum_ != 0)
+                 if (data_sum_ != 0) {
                    sum = checksum(sum, text.substr(place_, kRecordHead + content.size()));
+                 }
                  return kind == RecordKind::kChunk ? (forRecords(chunk(content), 0, record), true)
                                                    : record(kind, content);
                });

@@ -33,7 +33,7 @@ constexpr double kFarthest_m = 1000;
 constexpr double kLongestOffset_s = 86400;
 constexpr double kMostNoise = 1e3;
 constexpr double kHighestRate_hz = 1e6;
-constexpr std::size_t kLongestWord = 64;
+constexpr std::size_t kLongestCameraName = 64;
 
 /// False for NaN.
 bool within(double value, double least, double most) { return value >= least && value <= most; }
@@ -61,7 +61,7 @@ std::optional<Implausible> negativeDeviation(const std::optional<Values>& std) {
 
 /// Whether a text may be a camera's name.
 bool isName(const std::string& text) {
-  return !text.empty() && text.size() <= kLongestWord && text[0] != '.' &&
+  return !text.empty() && text.size() <= kLongestCameraName && text[0] != '.' &&
          std::ranges::all_of(text, [](char c) { return isPlain(c, "_-."); });
 }
 

@@ -284,7 +284,7 @@ Calibration CalibrationFile::calibration() const {
   const Tool tool = toolOf(map_);
   if (tool == Tool::kYac) return readYacResult(map_);
   if (tool == Tool::kBasalt) return readBasaltCalibration(map_);
-  if (tool == Tool::kKalibr) return calibrationOf(readKalibrCamchain(map_.path()));
+  if (tool == Tool::kKalibr) return calibrationOf(kalibrCamchainOf(map_));
   if (map_.has("schema") && map_.has("cameras")) return readOurs(map_);
   refuseOtherKeys(map_);
   throw badInput(
@@ -299,11 +299,11 @@ bool CalibrationFile::statesImuNoise() const {
 
 // Of the formats Kalibr's alone may leave the offset out, which is then read as zero.
 bool CalibrationFile::statesTimeOffset() const {
-  return toolOf(map_) != Tool::kKalibr || readKalibrCamchain(map_.path()).statesTimeOffset();
+  return toolOf(map_) != Tool::kKalibr || kalibrCamchainOf(map_).statesTimeOffset();
 }
 
 bool CalibrationFile::statesImuPlacesTwice() const {
-  return toolOf(map_) == Tool::kKalibr && readKalibrCamchain(map_.path()).statesImuPlacesTwice();
+  return toolOf(map_) == Tool::kKalibr && kalibrCamchainOf(map_).statesImuPlacesTwice();
 }
 
 CalibrationExtras CalibrationFile::extras() const {

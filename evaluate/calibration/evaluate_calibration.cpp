@@ -101,7 +101,8 @@ Result<CalibrationRecord> evaluateCalibration(const EvaluateCalibrationRequest& 
   const std::string label = std::filesystem::path(asked.calibration).filename().string();
   // First what explains files that are no calibrations.
   const CalibrationFile file(asked.calibration);
-  const Calibration calibration = withDeviations(file.calibration(), file.deviations());
+  Calibration read = file.calibration();
+  const Calibration calibration = withDeviations(std::move(read), file.deviations());
   const CalibrationExtras from = file.extras();
   const auto scoredOn = [&](const Session& session) {
     return ScoredCalibration{label, matchCalibration(calibration, asked.calibration, session)};

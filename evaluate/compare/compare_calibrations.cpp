@@ -338,7 +338,8 @@ std::vector<ComparedFile> readCompared(const std::vector<std::string>& paths,
     file.path = paths[i];
     // First what explains files that are no calibrations.
     const CalibrationFile read(paths[i]);
-    file.compared.calibration = withDeviations(read.calibration(), read.deviations());
+    Calibration calibration = read.calibration();
+    file.compared.calibration = withDeviations(std::move(calibration), read.deviations());
     file.extras = read.extras();
     file.states_noise = read.statesImuNoise();
     file.states_offset = read.statesTimeOffset();

@@ -130,7 +130,7 @@ function(plumbline_precompile_test target)
   endif()
   if(NOT TARGET plumbline_test_headers)
     plumbline_headers(plumbline_test_headers UNSANITIZED PRIVATE fmt::fmt GTest::gmock OPTIONS ${PLUMBLINE_TEST_OPTIONS}
-      HEADERS ${PLUMBLINE_COMMON_HEADERS} <filesystem> <random> <sstream> <tuple> <fmt/format.h>
+      HEADERS ${PLUMBLINE_COMMON_HEADERS} <filesystem> <sstream> <tuple> <fmt/format.h>
               <gmock/gmock.h> <gtest/gtest.h>)
   endif()
   target_precompile_headers(${target} REUSE_FROM plumbline_test_headers)

@@ -24,7 +24,7 @@ struct Parser {
   std::string file = "input";
 };
 
-// All parsers, by the names that tests/fuzz/CMakeLists.txt lists.
+// All parsers, by the names that tests/fuzz/fuzz.cmake lists.
 #define PLUMBLINE_PARSER(name) Parser name();
 #include "generated/fuzz/parser_list.inc"
 #undef PLUMBLINE_PARSER

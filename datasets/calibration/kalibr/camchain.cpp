@@ -236,9 +236,12 @@ void refuseMissingOverlap(const YamlMap& map, int cameras) {
 }
 
 KalibrCamchain readKalibrCamchain(const std::string& path) {
-  const YamlMap file = YamlMap::load(path, "Kalibr's camchain*.yaml (cam0: ...)");
+  return kalibrCamchainOf(YamlMap::load(path, "Kalibr's camchain*.yaml (cam0: ...)"));
+}
+
+KalibrCamchain kalibrCamchainOf(const YamlMap& file) {
   KalibrCamchain chain;
-  chain.path = path;
+  chain.path = file.path();
   // cam0 in any case: that it is missing is then the fault that is told.
   const int count = std::max(1, file.countOf("cam"));
   for (int i = 0; i < count; ++i) {

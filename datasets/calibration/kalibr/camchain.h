@@ -46,6 +46,9 @@ struct KalibrCamchain {
 /// not finite, transforms that are not rigid, and models whose number of parameters is wrong.
 KalibrCamchain readKalibrCamchain(const std::string& path);
 
+/// The same of a file that is parsed already.
+KalibrCamchain kalibrCamchainOf(const YamlMap& file);
+
 /// The rig that the chain describes. T_C0Ci follows T_cn_cnm1, or where that is missing T_cam_imu
 /// and that of a camera before; the first T_cam_imu along the chain is the IMU's place;
 /// time_offsets has each camera's shift, an own one where it differs from camera 0's

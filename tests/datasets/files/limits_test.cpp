@@ -62,6 +62,15 @@ TEST_F(YamlLimits, ASecondDocumentIsNotPassedOver) {
   EXPECT_FALSE(refused("a: 1\n---\n"));
 }
 
+// A zero byte is not the end of what is read.
+TEST_F(YamlLimits, NorIsOneBehindJson) {
+  EXPECT_FALSE(refused("{\"a\": 1}\n"));
+  for (const char* more : {"b: 1", "\n---\nb: 1\n", "\n---\nb: \"\\uD800\"\n"}) {
+    EXPECT_TRUE(refused(std::string("{\"a\": 1}") + '\0' + more)) << more;
+    EXPECT_TRUE(refused(std::string("{\"a\": 1}\n") + more)) << more;
+  }
+}
+
 TEST_F(YamlLimits, SizeDepthAndCodingAreBounded) {
   EXPECT_TRUE(refused("a: [" + std::string(5'000'000, '1') + "]\n"));
   EXPECT_TRUE(refused("a: " + std::string(100'000, '[')));

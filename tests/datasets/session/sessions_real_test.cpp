@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string sharedSession(const std::string& name) {
+std::string sharedData(const std::string& name) {
   const fs::path path = fs::path(PLUMBLINE_SHARED_DATA) / name;
   EXPECT_TRUE(fs::exists(path)) << path << " is missing; configure with -DPLUMBLINE_SHARED_DATA="
                                 << "<folder of the real recordings>";
@@ -30,7 +30,7 @@ std::size_t cornersOf(const CameraStream& camera) {
 }
 
 TEST(RealSessions, EurocRecordingHasItsKnownCounts) {
-  const Session session = readSession(sharedSession("euroc_imu_april"));
+  const Session session = readSession(sharedData("euroc_imu_april"));
   ASSERT_EQ(session.cameras.size(), 2U);
   EXPECT_EQ(session.name, "euroc_imu_april");
   EXPECT_EQ(session.cameras[0].views.size(), 1416U);
@@ -46,7 +46,7 @@ TEST(RealSessions, EurocRecordingHasItsKnownCounts) {
 }
 
 TEST(RealSessions, EurocFirstRowsAreReadExactly) {
-  const Session session = readSession(sharedSession("euroc_imu_april"));
+  const Session session = readSession(sharedData("euroc_imu_april"));
   const ImageView& view = session.cameras[0].views.front();
   EXPECT_EQ(view.t, 1404733405732800000);
   EXPECT_EQ(view.corners[0].id, 0);
@@ -59,7 +59,7 @@ TEST(RealSessions, EurocFirstRowsAreReadExactly) {
 }
 
 TEST(RealSessions, EurocImagesAreListedWithTheirStamps) {
-  const Recording recording = readRecording(sharedSession("euroc_cam_april_images"));
+  const Recording recording = readRecording(sharedData("euroc_cam_april_images"));
   ASSERT_EQ(recording.session.cameras.size(), 2U);
   EXPECT_TRUE(recording.needsDetection());
   EXPECT_FALSE(recording.session.imu.has_value());
@@ -79,7 +79,7 @@ TEST(RealSessions, EurocImagesAreListedWithTheirStamps) {
 // Published with the dataset: camera 1 lies 11 cm to the right of camera 0.
 TEST(RealCalibrations, EurocCamchainHasItsKnownGeometry) {
   const Calibration rig =
-      readCalibration(sharedSession("euroc_imu_april/kalibr/camchain-imucam.yaml"));
+      readCalibration(sharedData("euroc_imu_april/kalibr/camchain-imucam.yaml"));
   ASSERT_EQ(rig.cameras.size(), 2U);
   EXPECT_NEAR(rig.cameras[1].T_C0Ci.t.x(), 0.1101, 1e-4);
   ASSERT_TRUE(rig.imu);
@@ -91,7 +91,7 @@ TEST(RealCalibrations, EurocCamchainHasItsKnownGeometry) {
 TEST(RealCalibrations, EveryCamchainInTheWildIsReadOrRefusedForItsReason) {
   int read = 0;
   std::vector<std::string> refused;
-  for (const auto& entry : fs::recursive_directory_iterator(sharedSession("kalibr_results"))) {
+  for (const auto& entry : fs::recursive_directory_iterator(sharedData("kalibr_results"))) {
     const std::string name = entry.path().filename().string();
     if (name.find("camchain") == std::string::npos || entry.path().extension() != ".yaml") continue;
     try {

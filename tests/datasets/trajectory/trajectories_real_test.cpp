@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path sharedTrajectory(const std::string& name) {
+fs::path sharedPath(const std::string& name) {
   fs::path path = fs::path(PLUMBLINE_SHARED_DATA) / name;
   EXPECT_TRUE(fs::exists(path)) << path << " is missing; configure with -DPLUMBLINE_SHARED_DATA="
                                 << "<folder of the real recordings>";
@@ -127,7 +127,7 @@ const std::vector<RealFile> kFiles = {
 
 TEST(RealTrajectories, HaveTheirKnownCountsAndFirstPoses) {
   for (const RealFile& expected : kFiles) {
-    const TrajectoryFile file = readTrajectory(sharedTrajectory("trajectories/" + expected.name));
+    const TrajectoryFile file = readTrajectory(sharedPath("trajectories/" + expected.name));
     EXPECT_EQ(file.trajectory.poses.size(), expected.poses) << expected.name;
     EXPECT_EQ(file.format, expected.format) << expected.name;
     EXPECT_TRUE(file.trajectory.has_orientation) << expected.name;
@@ -139,7 +139,7 @@ TEST(RealTrajectories, HaveTheirKnownCountsAndFirstPoses) {
 TEST(RealTrajectories, AreAllListedHere) {
   std::set<std::string> listed;
   for (const RealFile& file : kFiles) listed.insert(file.name);
-  const fs::path folder = sharedTrajectory("trajectories");
+  const fs::path folder = sharedPath("trajectories");
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_directory() || entry.path().extension() == ".json") continue;
     EXPECT_EQ(listed.count(fs::relative(entry.path(), folder).string()), 1U) << entry.path();
@@ -147,7 +147,7 @@ TEST(RealTrajectories, AreAllListedHere) {
 }
 
 TEST(RealTrajectories, CountsAreThoseOfTheOtherTools) {
-  std::ifstream stream(sharedTrajectory("trajectories/reference_errors.json"));
+  std::ifstream stream(sharedPath("trajectories/reference_errors.json"));
   const auto entries = nlohmann::json::parse(stream).at("entries");
   std::map<std::string, std::size_t> counts;
   const auto take = [&](const nlohmann::json& entry, const char* file, const char* count) {
@@ -159,8 +159,7 @@ TEST(RealTrajectories, CountsAreThoseOfTheOtherTools) {
   }
   EXPECT_EQ(counts.size(), 11U);
   for (const auto& [name, count] : counts) {
-    EXPECT_EQ(readTrajectory(sharedTrajectory("trajectories/" + name)).trajectory.poses.size(),
-              count)
+    EXPECT_EQ(readTrajectory(sharedPath("trajectories/" + name)).trajectory.poses.size(), count)
         << name;
   }
 }
@@ -168,9 +167,8 @@ TEST(RealTrajectories, CountsAreThoseOfTheOtherTools) {
 // The same ground truth, published once as EuRoC (ns, w first) and once as TUM (10 us, w last).
 TEST(RealTrajectories, TwoFormatsOfOneGroundTruthAgree) {
   const Trajectory euroc =
-      readTrajectory(sharedTrajectory("trajectories/V102_groundtruth.csv")).trajectory;
-  const Trajectory tum =
-      readTrajectory(sharedTrajectory("trajectories/V1_02_medium.txt")).trajectory;
+      readTrajectory(sharedPath("trajectories/V102_groundtruth.csv")).trajectory;
+  const Trajectory tum = readTrajectory(sharedPath("trajectories/V1_02_medium.txt")).trajectory;
   ASSERT_EQ(euroc.poses.size(), tum.poses.size());
   for (std::size_t i = 0; i < euroc.poses.size(); ++i) {
     ASSERT_LE(std::abs(euroc.poses[i].t - tum.poses[i].t), 5'000) << i;
@@ -180,19 +178,18 @@ TEST(RealTrajectories, TwoFormatsOfOneGroundTruthAgree) {
 }
 
 TEST(RealTrajectories, EqualStampsOfV102AreSaid) {
-  EXPECT_THAT(readTrajectory(sharedTrajectory("trajectories/V102.txt")).remarks,
+  EXPECT_THAT(readTrajectory(sharedPath("trajectories/V102.txt")).remarks,
               testing::Contains(testing::HasSubstr("4 poses have the stamp of the pose before")));
 }
 
 TEST(RealTrajectories, OrbSlamStampsAreSaidToBeNanoseconds) {
-  EXPECT_THAT(
-      readTrajectory(sharedTrajectory("trajectories/orbslam3_MH01/run1_stereo.txt")).remarks,
-      testing::Contains(testing::HasSubstr("read as nanoseconds")));
+  EXPECT_THAT(readTrajectory(sharedPath("trajectories/orbslam3_MH01/run1_stereo.txt")).remarks,
+              testing::Contains(testing::HasSubstr("read as nanoseconds")));
 }
 
 TEST(RealTrajectories, SurviveWritingAsTum) {
   const Trajectory read =
-      readTrajectory(sharedTrajectory("trajectories/V102_groundtruth.csv")).trajectory;
+      readTrajectory(sharedPath("trajectories/V102_groundtruth.csv")).trajectory;
   const TemporaryFolder folder;
   writeTum(folder.path("out.tum"), read);
   const Trajectory again = readTrajectory(folder.path("out.tum")).trajectory;
@@ -205,8 +202,7 @@ TEST(RealTrajectories, SurviveWritingAsTum) {
 }
 
 TEST(RealMotionCapture, ViconTableIsEuroc) {
-  const TrajectoryFile file =
-      readTrajectory(sharedTrajectory("motion_capture/vicon_d455_table_01.csv"));
+  const TrajectoryFile file = readTrajectory(sharedPath("motion_capture/vicon_d455_table_01.csv"));
   EXPECT_EQ(file.format, kEuroc);
   EXPECT_EQ(file.trajectory.poses.size(), 8156U);
   EXPECT_EQ(file.trajectory.poses.front().t, 1662915732374960384);
@@ -217,7 +213,7 @@ TEST(RealMotionCapture, ViconTableIsEuroc) {
 TEST(RealMotionCapture, MotiveTakesWithoutARigidBodySaySo) {
   for (const char* name : {"test_default.csv", "test_markers_enabled.csv"}) {
     try {
-      readTrajectory(sharedTrajectory(std::string("motion_capture/") + name));
+      readTrajectory(sharedPath(std::string("motion_capture/") + name));
       FAIL() << name << " was accepted";
     } catch (const InputError& error) {
       EXPECT_THAT(error.what(), testing::HasSubstr("has no rigid body"));

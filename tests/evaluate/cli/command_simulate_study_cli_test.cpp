@@ -87,14 +87,14 @@ TEST_F(CommandSimulateStudy, BoardsOfTheStatedSizeAreNotBlamed) {
 TEST_F(CommandSimulateStudy, TruthHasWhatEverybodyWouldHaveTakenWithEitherMethodInEitherPeriod) {
   const fs::path study = studyFolder("simulate_study_effects");
   const Outcome made = plumbline(
-      "simulate study --duration 8 --held-out 0 --sequences 0 --participants 3 "
+      "simulate study --duration 8 --held-out 0 --sequences 0 --participants 4 "
       "--learning 0.8 --out " +
       study.string());
   ASSERT_EQ(made.exit_code, 0) << made.text;
   const auto learned = nlohmann::json::parse(read(study / "truth.json"));
   fs::remove_all(study);
   const auto& effects = learned.at("effects").at("capture_s");
-  ASSERT_EQ(effects.at("outcomes").size(), 12U);
+  ASSERT_EQ(effects.at("outcomes").size(), 16U);
   std::map<std::string, double> recorded, free_first, free_second;
   for (const auto& o : effects.at("outcomes")) {
     const std::string name = o.at("participant");

@@ -54,7 +54,7 @@ TEST(CalibrationHintStatistics, FindsOffsetAndExtrinsics) {
   wrong << 2e-3, 0.01, -0.01, 0.01, 0.3 * kDegree, -0.3 * kDegree, 0.3 * kDegree;
   floors << 0.1e-3, 1e-3, 1e-3, 1e-3, 0.03 * kDegree, 0.03 * kDegree, 0.03 * kDegree;
   const auto hint =
-      hintOf(flightOf(rig, 2, 8), changed(rig.calibration, wrong), HintKind::kExtrinsics);
+      hintOf(flightOf(rig, 2, 9), changed(rig.calibration, wrong), HintKind::kExtrinsics);
   ASSERT_TRUE(hint.has_value());
   for (Eigen::Index i = 0; i < 7; ++i) {
     EXPECT_LT(std::abs(hint->change[i] + wrong[i]), 4 * hint->std[i] + floors[i]) << i;

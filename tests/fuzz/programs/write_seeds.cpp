@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // write_seeds FOLDER: FOLDER/PARSER/seeds/* with what each parser's seeds are, and its dictionary,
-// FOLDER/PARSER/words: the words of its seeds that are text, and those it knows besides.
+// FOLDER/PARSER/words: the words of its seeds that are text, and those it knows besides. Prints the
+// parsers' names.
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
@@ -58,5 +59,6 @@ int main(int argc, char** argv) {
       writeBytes((folder / "seeds" / std::to_string(i)).string(), seeds[i]);
     }
     writeBytes((folder / "words").string(), dictionary(parser, seeds));
+    std::puts(name.c_str());
   }
 }
