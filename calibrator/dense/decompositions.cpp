@@ -21,8 +21,6 @@ double SymmetricFactor::squaredNorm(const Eigen::VectorXd& b) const {
   return b.dot(solve(b).col(0));
 }
 
-double SymmetricFactor::rcond() const { return ldlt_.rcond(); }
-
 Eigen::MatrixXd leastSquares(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
   assert(A.rows() == B.rows());
   return A.completeOrthogonalDecomposition().solve(B);
@@ -32,6 +30,24 @@ SymmetricEigen symmetricEigen(const Eigen::MatrixXd& A) {
   assert(A.rows() == A.cols());
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
   return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+Eigen::MatrixXd symmetricPseudoInverse(const Eigen::MatrixXd& A, double tolerance) {
+  const SymmetricEigen eigen = symmetricEigen(A);
+  const double least = tolerance * eigen.values.maxCoeff();
+  const Eigen::VectorXd inverse =
+      eigen.values.unaryExpr([least](double value) { return value > least ? 1 / value : 0.0; });
+  return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
+}
+
+Eigen::MatrixXd finiteInverse(const Eigen::MatrixXd& A, double least, double prior) {
+  assert(A.rows() == A.cols());
+  const Eigen::VectorXd scale = A.diagonal().cwiseMax(least).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
+  scaled.diagonal().array() += prior;
+  const Eigen::MatrixXd inverse = SymmetricFactor(scaled).inverse();
+  const Eigen::MatrixXd out = scale.asDiagonal() * inverse * scale.asDiagonal();
+  return 0.5 * (out + out.transpose());
 }
 
 }  // namespace plumbline

@@ -17,7 +17,7 @@ class SymmetricFactor {
   explicit SymmetricFactor(const Eigen::MatrixXd& A);
 
   /// A^-1 B, n x m. A pivot that is zero gives zero; one that is left of rounding counts as any
-  /// other: ask pivots() or rcond().
+  /// other: ask pivots().
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
   /// A^-1.
   Eigen::MatrixXd inverse() const;
@@ -25,12 +25,12 @@ class SymmetricFactor {
   double squaredNorm(const Eigen::VectorXd& b) const;
 
   bool succeeded() const { return ldlt_.info() == Eigen::Success; }
+  /// Every pivot is above zero.
+  bool isPositiveDefinite() const { return succeeded() && pivots().minCoeff() > 0; }
   /// No pivot is negative.
   bool isPositive() const { return ldlt_.isPositive(); }
   /// Of D, in the order of the pivots.
   Eigen::VectorXd pivots() const { return ldlt_.vectorD(); }
-  /// An estimate of the reciprocal of A's condition.
-  double rcond() const;
 
  private:
   Eigen::LDLT<Eigen::MatrixXd> ldlt_;
@@ -47,5 +47,15 @@ struct SymmetricEigen {
 
 /// Reads the lower triangle of A, whose entries are finite.
 SymmetricEigen symmetricEigen(const Eigen::MatrixXd& A);
+
+/// The Moore-Penrose inverse of a symmetric positive semi-definite matrix: eigenvalues up to
+/// `tolerance` times the largest count as zero, and the directions they belong to stay zero in
+/// every solution. Zero for a zero matrix.
+Eigen::MatrixXd symmetricPseudoInverse(const Eigen::MatrixXd& A, double tolerance);
+
+/// Inverse of a symmetric positive semi-definite matrix of mixed units, always finite: A is scaled
+/// to a unit diagonal, entries of the diagonal below `least` as if they were that, and there
+/// `prior` is added to the diagonal, a share far below what is measured. Symmetric to the last bit.
+Eigen::MatrixXd finiteInverse(const Eigen::MatrixXd& A, double least, double prior);
 
 }  // namespace plumbline

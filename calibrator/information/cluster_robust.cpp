@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "calibrator/dense/decompositions.h"
-#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

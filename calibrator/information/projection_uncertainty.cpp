@@ -8,7 +8,7 @@
 
 #include "calibrator/base/option_check.h"
 #include "calibrator/camera/camera.h"
-#include "calibrator/linear/dense.h"
+#include "calibrator/dense/decompositions.h"
 
 namespace plumbline {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "calibrator/base/option_check.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/initialise/rate_alignment.h"
-#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "calibrator/dense/decompositions.h"
-
 // Haswell is the first x86-64 with AVX2 and fused multiply-add; the loader chooses the clone.
 #if defined(__x86_64__)
 #define PLUMBLINE_CLONES [[gnu::target_clones("default", "arch=haswell")]]
@@ -201,24 +199,6 @@ std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::
     out.noise = noiseKept(cost.noise, keep, drop, K);
   }
   return out;
-}
-
-Eigen::MatrixXd symmetricPseudoInverse(const Eigen::MatrixXd& A, double tolerance) {
-  const SymmetricEigen eigen = symmetricEigen(A);
-  const double least = tolerance * eigen.values.maxCoeff();
-  const Eigen::VectorXd inverse =
-      eigen.values.unaryExpr([least](double value) { return value > least ? 1 / value : 0.0; });
-  return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
-}
-
-Eigen::MatrixXd finiteInverse(const Eigen::MatrixXd& A, double least, double prior) {
-  assert(A.rows() == A.cols());
-  const Eigen::VectorXd scale = A.diagonal().cwiseMax(least).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  scaled.diagonal().array() += prior;
-  const Eigen::MatrixXd inverse = SymmetricFactor(scaled).inverse();
-  const Eigen::MatrixXd out = scale.asDiagonal() * inverse * scale.asDiagonal();
-  return 0.5 * (out + out.transpose());
 }
 
 }  // namespace plumbline

@@ -69,14 +69,4 @@ std::optional<ScaledCholesky> scaledCholesky(const Eigen::MatrixXd& A);
 /// Empty where scaledCholesky() of H_dd is: the parameters dropped are not determined.
 std::optional<QuadraticCost> marginalised(const QuadraticCost& cost, const std::vector<int>& keep);
 
-/// The Moore-Penrose inverse of a symmetric positive semi-definite matrix: eigenvalues up to
-/// `tolerance` times the largest count as zero, and the directions they belong to stay zero in
-/// every solution. Zero for a zero matrix.
-Eigen::MatrixXd symmetricPseudoInverse(const Eigen::MatrixXd& A, double tolerance);
-
-/// Inverse of a symmetric positive semi-definite matrix of mixed units, always finite: A is scaled
-/// to a unit diagonal, entries of the diagonal below `least` as if they were that, and there
-/// `prior` is added to the diagonal, a share far below what is measured. Symmetric to the last bit.
-Eigen::MatrixXd finiteInverse(const Eigen::MatrixXd& A, double least, double prior);
-
 }  // namespace plumbline

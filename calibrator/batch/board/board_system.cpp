@@ -9,7 +9,6 @@
 #include "calibrator/batch/board/higher_terms.h"
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/dense/decompositions.h"
-#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

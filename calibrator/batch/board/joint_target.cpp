@@ -17,7 +17,6 @@
 #include "calibrator/batch/camera/problem.h"
 #include "calibrator/batch/halves.h"
 #include "calibrator/dense/decompositions.h"
-#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

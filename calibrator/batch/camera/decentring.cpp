@@ -181,7 +181,7 @@ std::optional<Decentring> testOf(const LoneCamera& camera, int threads) {
   // (dof - 1) / (2 dof) T^2 is Fisher's F with 2 and dof - 1 degrees of freedom.
   const Eigen::Matrix2d V = robust->matrix.bottomRightCorner<kTerms, kTerms>();
   const SymmetricFactor factor(V);
-  if (!factor.succeeded() || !(factor.pivots().minCoeff() > 0)) return std::nullopt;
+  if (!factor.isPositiveDefinite()) return std::nullopt;
   out.f = (dof - 1) / (kTerms * dof) * factor.squaredNorm(out.p);
   out.limit = fisherTailQuantile(kTerms, dof - 1, kCentredChance);
   // The other parameters follow: their part of the joint covariance over the terms' own.

@@ -8,8 +8,8 @@
 
 #include "calibrator/base/calibration.h"
 #include "calibrator/batch/camera_imu/stage.h"
+#include "calibrator/dense/decompositions.h"
 #include "calibrator/information/covariance.h"
-#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

@@ -10,7 +10,6 @@
 #include "calibrator/batch/camera_imu/stage.h"
 #include "calibrator/dense/decompositions.h"
 #include "calibrator/information/cluster_robust.h"
-#include "calibrator/linear/dense.h"
 
 namespace plumbline {
 namespace {

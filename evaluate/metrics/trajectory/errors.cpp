@@ -287,7 +287,7 @@ Nees neesOf(const AlignedPoses& poses, const std::vector<Matrix6d>& covariances)
     const Matrix6d& P = covariances[i];
     const SymmetricFactor factor(P);
     // A factor of NaN may succeed, so it is asked for apart.
-    if (!P.allFinite() || !factor.succeeded() || !(factor.pivots().minCoeff() > 0)) {
+    if (!P.allFinite() || !factor.isPositiveDefinite()) {
       ++nees.left_out;
       continue;
     }

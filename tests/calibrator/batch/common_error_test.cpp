@@ -15,7 +15,6 @@
 #include "calibrator/batch/camera/stage.h"
 #include "calibrator/batch/corners.h"
 #include "calibrator/batch/halves.h"
-#include "calibrator/linear/dense.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

@@ -14,7 +14,6 @@
 #include "calibrator/batch/corners.h"
 #include "calibrator/camera/camera.h"
 #include "calibrator/dense/decompositions.h"
-#include "calibrator/linear/dense.h"
 #include "calibrator/simulate/simulate_session.h"
 
 namespace plumbline {

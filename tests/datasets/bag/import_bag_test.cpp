@@ -32,7 +32,7 @@ constexpr const char* kBagImu =
     "accelerometer_random_walk: 0.003\ngyroscope_noise_density: 0.00017\n"
     "gyroscope_random_walk: 0.00002\n";
 
-std::string contentOfBag(const fs::path& path) {
+std::string contentOfFile(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -166,7 +166,7 @@ TEST_F(ImportBag, OrderOfTheBagsAndThreadsChangeNothing) {
     if (!entry.is_regular_file()) continue;
     ++files;
     const fs::path name = fs::relative(entry.path(), folder_.path("one"));
-    EXPECT_EQ(contentOfBag(entry.path()), contentOfBag(folder_.path("other") / name)) << name;
+    EXPECT_EQ(contentOfFile(entry.path()), contentOfFile(folder_.path("other") / name)) << name;
   }
   EXPECT_EQ(files, 8 + 4 + 2 + 2);  // images, cameras' texts, the IMU's, target.yaml and imu.yaml
 }
@@ -180,9 +180,9 @@ TEST_F(ImportBag, EveryCameraHasItsOwnRate) {
     }
   }
   import();
-  EXPECT_THAT(contentOfBag(folder_.path("session/mav0/cam0/sensor.yaml")),
+  EXPECT_THAT(contentOfFile(folder_.path("session/mav0/cam0/sensor.yaml")),
               HasSubstr("rate_hz: 20.0\n"));
-  EXPECT_THAT(contentOfBag(folder_.path("session/mav0/cam1/sensor.yaml")),
+  EXPECT_THAT(contentOfFile(folder_.path("session/mav0/cam1/sensor.yaml")),
               HasSubstr("rate_hz: 40.0\n"));
 }
 
@@ -226,7 +226,7 @@ TEST_F(ImportBag, CompressedImagesStayTheirFiles) {
   request_.import_imu = false;
   EXPECT_EQ(import().front().resolution, (Resolution{16, 8}));
   const Recording read = readRecording(folder_.path("session"), {.read_imu = false});
-  EXPECT_EQ(contentOfBag(read.images[0][0].path), jpeg);
+  EXPECT_EQ(contentOfFile(read.images[0][0].path), jpeg);
 }
 
 TEST_F(ImportBag, SixteenBitsReachTheImageReader) {
@@ -315,10 +315,10 @@ TEST_F(ImportBag, AnImuWithoutASampleIsToldSo) {
 
 TEST_F(ImportBag, TheRecordingStaysAsItWas) {
   filled();
-  const std::string before = contentOfBag(folder_.path("bag.db3"));
+  const std::string before = contentOfFile(folder_.path("bag.db3"));
   fs::permissions(folder_.path("bag.db3"), fs::perms::owner_read);
   import();
-  EXPECT_EQ(contentOfBag(folder_.path("bag.db3")), before);
+  EXPECT_EQ(contentOfFile(folder_.path("bag.db3")), before);
   EXPECT_FALSE(fs::exists(folder_.path("bag.db3-wal")));
   EXPECT_FALSE(fs::exists(folder_.path("bag.db3-shm")));
 }

@@ -17,7 +17,7 @@
 namespace plumbline {
 namespace {
 
-std::string contentOfText(const std::string& path) {
+std::string writtenText(const std::string& path) {
   std::ostringstream out;
   out << std::ifstream(path).rdbuf();
   return out.str();
@@ -30,7 +30,7 @@ TEST(WriteTum, WritesSecondsFromTheInteger) {
                       {1403636579763555584, {0, 0, 0}, {0.8, 0.6, 0, 0}}};
   const TemporaryFolder folder;
   writeTum(folder.path("out.txt"), trajectory);
-  EXPECT_EQ(contentOfText(folder.path("out.txt")),
+  EXPECT_EQ(writtenText(folder.path("out.txt")),
             "# timestamp [s] tx ty tz qx qy qz qw\n"
             "-1.500000000 0.10000000000000001 -2 3.0000000000000003e-20 0 0 0 1\n"
             "0.000000001 0 0 0 0 0 1 0\n"

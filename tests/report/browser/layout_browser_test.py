@@ -4,11 +4,13 @@
 
 usage: layout_browser_test.py WRITE_PAGE WRITE_REPLAY_PAGE [PAGE.html ...]
 
-Proves in the document's own measures, at 1400 px in light and dark, at 800 px in dark and at 390 px in light: the page is no wider than
-the window; no text is cut off by its plot or its box, none lies over another of the same plot, none is smaller
-than 12 px (11 px in narrow windows), on canvases neither; text stands out from its ground (WCAG AA, 4.5:1, large text 3:1) and so do lines; no
-section or table is empty; heads of tables have their scope, pictures and controls a name; the contents are there or unfold; every control can be used, and nothing is said on the console; a calibration is printed
-on eight sheets at most. With PAGE.html given, those pages are measured instead.
+Proves in the document's own measures, at 1400 px in light and dark, at 800 px in dark and at 390 px in light:
+the page is no wider than the window; no text is cut off by its plot or its box, none lies over another of the
+same plot, none is smaller than 12 px (11 px in narrow windows), on canvases neither; text stands out from its
+ground (WCAG AA, 4.5:1, large text 3:1) and so do lines; no section or table is empty; heads of tables have
+their scope, pictures and controls a name; the contents are there or unfold; every control can be used, and
+nothing is said on the console; a calibration is printed on eight sheets at most. With PAGE.html given, those
+pages are measured instead.
 """
 import base64
 import os
